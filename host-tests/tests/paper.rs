@@ -36,11 +36,11 @@ fn paper_mode_is_table_1() {
     assert!(near(paper.initial_speed_sd_kmh / 3.6, 0.0005, 1e-18));
     assert_eq!(paper.initial_davis_sd, [1e-6, 1e-8, 1e-9]);
     assert_eq!((paper.location_sd_m, paper.speed_sd_kmh), (4.0, 1.0));
-    // Eq. (4) in one step, no process noise, points reused, backward difference.
+    // Eq. (4) in one step, no process noise, points reused; the effort is that of docs/paper.md's best reading.
     assert_eq!(paper.acceleration_noise_mps2, 0.0);
     assert!(paper.reuse_points && paper.sub_step_s > 3600.0);
     assert_eq!(paper.evaluate, Evaluate::Beginning);
-    assert_eq!(paper.difference, Difference::Backward);
+    assert_eq!(paper.difference, Difference::Forward);
     assert!(config.check().is_ok());
 }
 

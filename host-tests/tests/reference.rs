@@ -4,6 +4,7 @@
 use host_tests::prelude::*;
 use host_tests::reference::{data, measurements, train_and_track};
 use rundown::filter::ukf::Spread;
+use rundown::tick::paper::Difference;
 use rundown::tick::regime::Regime;
 use std::collections::HashMap;
 
@@ -22,6 +23,8 @@ fn replayed(spread: Spread<SIZE>) -> Vec<Estimate> {
     let (train, track) = train_and_track();
     let mut config = Config::with_mode(Mode::Paper);
     config.paper.spread = spread;
+    // As the reference implementation reads the effort.
+    config.paper.difference = Difference::Backward;
     let estimator = Estimator::try_new(config, train, track).unwrap();
     let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
     measurements().iter().map(|measurement| estimator.step(&mut run, measurement).unwrap()).collect()

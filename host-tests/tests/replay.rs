@@ -57,10 +57,10 @@ fn rows() -> Vec<(String, Vec<f64>)> {
         rows.push(row(name, &estimator, &reference));
     }
     // The other reading of the paper's effort: docs/paper.md compares them.
-    let mut forward = Config::with_mode(Mode::Paper);
-    forward.paper.difference = Difference::Forward;
+    let mut backward = Config::with_mode(Mode::Paper);
+    backward.paper.difference = Difference::Backward;
     let estimator_of = |config| Estimator::try_new(config, train, track.clone()).unwrap();
-    rows.push(row("reference paper forward", &estimator_of(forward), &reference));
+    rows.push(row("reference paper backward", &estimator_of(backward), &reference));
     let fast = Sensors { sampling_s: 1.0, ..Sensors::default() };
     let dropouts = Sensors { dropout_probability: 0.1, ..Sensors::default() };
     for (name, mode, sensors) in [

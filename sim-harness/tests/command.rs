@@ -22,6 +22,17 @@ fn a_replay_writes_every_file_and_one_row_a_sample() {
 }
 
 #[test]
+fn the_paper_mode_names_its_effort_and_prints_no_interval() {
+    let folder = Folder::new().with("run01.csv", RUN).with("backward.toml", "[paper]\ndifference = \"backward\"\n");
+    let said = folder.replay(&["--mode", "paper", "run01.csv"]).out;
+    assert!(said.contains("mode: paper (effort forward)") && !said.contains('\u{b1}'), "{said}");
+    assert!(said.contains("r(100 km/h) of the filter, no measure of the vehicle"), "{said}");
+    let said = folder.replay(&["--mode", "paper", "--config", "backward.toml", "run01.csv"]).out;
+    assert!(said.contains("mode: paper (effort backward)"), "{said}");
+    assert!(folder.replay(&["run01.csv"]).out.contains('\u{b1}'), "the gated mode has its interval");
+}
+
+#[test]
 fn the_same_logs_give_the_same_bytes() {
     let folder = Folder::new().with("a.csv", RUN).with("b.csv", &another(1));
     for mode in ["paper", "gated"] {
@@ -186,10 +197,9 @@ fn a_log_without_any_speed_is_named_and_one_that_cannot_be_read_is_no_reason_for
 /// From the command line to the reference: configuration by file, results from the file that a user reads.
 #[test]
 fn the_tables_of_the_reference_come_out_of_the_command() {
-    let alpha_1 = reference("alpha_1.toml");
-    for (arguments, name) in [(["--mode", "paper"], "A_run01.csv"), (["--config", alpha_1.as_str()], "D_run01.csv")] {
+    for (config, name) in [("backward.toml", "A_run01.csv"), ("alpha_1.toml", "D_run01.csv")] {
         let folder = Folder::new().with("run.csv", RUN);
-        let output = folder.replay(&[arguments[0], arguments[1], "run.csv"]);
+        let output = folder.replay(&["--config", &reference(config), "run.csv"]);
         assert_eq!(output.code, Some(0), "{}", output.err);
         let found = columns(&folder.read("out/run.estimates.csv"));
         let expected = columns(&std::fs::read_to_string(reference(name)).unwrap());

@@ -367,6 +367,37 @@ fn the_truth_is_followed_by_the_gated_mode_and_not_by_the_paper() {
 }
 
 #[test]
+fn the_headline_speaks_of_all_sets_and_not_of_the_first() {
+    let folder = Folder::new();
+    let of = |sets: &str, out: &str| -> Value {
+        let count = ["study", "--count", "3", "--no-run-pages", "--json", "--out", out];
+        serde_json::from_str(&quiet(&folder, &[&count[..], &["--seeds", sets]].concat()).out).unwrap()
+    };
+    let json = of("3", "three");
+    assert_eq!((json["sets"].as_u64(), json["sets_needed"].as_u64()), (Some(3), Some(3)));
+    let claims = json["claims"].as_array().unwrap();
+    let held = |claim: &&Value| claim["sets_reproduced"] == 3;
+    let some_sets = claims.iter().filter(|claim| [1, 2].map(Value::from).contains(&claim["sets_reproduced"])).count();
+    assert!(some_sets > 0, "without a claim that holds in some sets alone this shows nothing");
+    for claim in claims {
+        assert_eq!(claim["verdict"] == "reproduced", held(&claim), "{claim}");
+    }
+    for kind in json["claims_by_kind"].as_array().unwrap() {
+        let of_kind = claims.iter().filter(|claim| claim["kind"] == kind["kind"]);
+        assert_eq!(kind["claims"], of_kind.clone().count());
+        assert_eq!(kind["reproduced"], of_kind.filter(held).count(), "{kind}");
+    }
+    let page = folder.read("three/report.html");
+    assert!(page.contains("Judged on 3 sets of runs: a claim holds where it does in 3 of them or more"));
+
+    let json = of("1", "one");
+    assert_eq!(json["sets"], 1);
+    assert!(folder.read("one/report.html").contains("Judged on one set of runs alone"));
+    let said = quiet(&folder, &["study", "--count", "2", "--no-run-pages", "--out", "screen"]);
+    assert!(said.out.contains("Judged on one set of runs alone"), "{}", said.out);
+}
+
+#[test]
 fn arguments_that_do_not_go_together_are_refused() {
     let folder = Folder::new().with("t.toml", "name = 1\n");
     let code = |arguments: &[&str]| folder.rundown(&[&["study"], arguments].concat()).code;

@@ -3,6 +3,23 @@
 mod common;
 
 use common::{Folder, RUN};
+use serde_json::Value;
+
+/// Runs with a negative coefficient where the initial deviations are so many times as large: the paper's remark.
+fn negative_runs(json: &Value, factor: f64) -> u64 {
+    let rows = json["sensitivity"].as_array().unwrap().iter().filter(|row| row["factor"] == factor);
+    rows.map(|row| row["negative_runs"].as_u64().unwrap()).sum()
+}
+
+#[test]
+fn a_configuration_with_the_backward_effort_is_tuned_with_it() {
+    let folder = Folder::new().with("backward.toml", "[paper]\ndifference = \"backward\"\n");
+    folder.done(&["tune", "--config", "backward.toml", "--count", "4", "--evaluations", "50", "--out", "a"]);
+    let json = folder.json("a/tune.json");
+    assert_eq!(negative_runs(&json, 1.0), 0);
+    assert!(negative_runs(&json, 100.0) > 0);
+    assert!(folder.read("a/config.toml").contains("difference = \"backward\""));
+}
 
 #[test]
 fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
@@ -16,14 +33,7 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     assert_eq!(of("optimum", "negative_samples"), 0.0);
     assert_eq!(of("table1", "negative_samples"), 0.0);
     assert_eq!(json["table1"]["values"]["location_sd"], 4.0);
-    // Larger initial deviations: the paper's remark.
-    let sensitivity = json["sensitivity"].as_array().unwrap();
-    let negative = |factor: f64| -> u64 {
-        let rows = sensitivity.iter().filter(|row| row["factor"] == factor);
-        rows.map(|row| row["negative_runs"].as_u64().unwrap()).sum()
-    };
-    assert_eq!(negative(1.0), 0);
-    assert!(negative(100.0) > 0);
+    assert_eq!([1.0, 100.0].map(|factor| negative_runs(&json, factor)), [0, 0], "forward, without a skew");
     // It follows the truth no better for being likely.
     for which in ["table1", "optimum"] {
         let slope = json["slope"][which]["slope"][1].as_f64().unwrap();

@@ -1,10 +1,11 @@
 //! The paper's loop: effort calculated from the readings drives the filter that is to explain them.
 //!
-//! In: readings. Out: state, effort, acceleration, innovation. The order inside a step, as the backward effort has it:
+//! In: readings. Out: state, effort, acceleration, innovation. The order inside a step:
 //!
-//! 1. predict from `x[k-1]` with `u[k-1]`,
-//! 2. update,
-//! 3. `u[k] = (z_v[k] - z_v[k-1]) / Δt + r(v) + g(s)` at the filtered state.
+//! 1. `u = (z_v[k] - z_v[k-1]) / Δt + r(v) + g(s)` at the state `x[k-1]` (with the backward effort: `u[k-1]`, see 4),
+//! 2. predict from `x[k-1]` with it,
+//! 3. update,
+//! 4. `u[k]`, the same at the filtered state: what is reported, and with the backward effort drives the next step.
 //!
 //! Kept exact, as the reference. Its true resistance cancels out: the estimate does not follow it.
 
@@ -29,10 +30,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Difference {
-    /// The difference up to a sample drives the step after it. Tracks a sample late; docs/paper.md compares both.
-    #[default]
+    /// The difference up to a sample drives the step after it. Tracks a sample late.
     Backward,
-    /// The difference over a step drives that very step. Tracks as the paper's Fig. 3 does.
+    /// The difference over a step drives that very step. Tracks as the paper's Fig. 3 does; docs/paper.md compares both.
+    #[default]
     Forward,
 }
 
@@ -60,7 +61,7 @@ settings! {
         /// Form the gain from the propagated points, which leave Q out, as Eq. (12)-(15) are printed.
         reuse_points: bool = true;
         /// Difference of the calculated effort.
-        difference: Difference = Difference::Backward;
+        difference: Difference = Difference::Forward;
         /// Where in a step Eq. (5) is evaluated.
         evaluate: Evaluate = Evaluate::Beginning;
         /// Longest sub-step, s; longer than the sampling time means the single step of Eq. (4).

@@ -15,6 +15,7 @@ use rundown::onboard::uplink::{
     TrainFrame, Uplink,
 };
 use rundown::tick::measurement::Measurement;
+use rundown::tick::paper::Difference;
 use rundown_wire::link::Counters;
 use rundown_wire::*;
 
@@ -288,6 +289,8 @@ fn uplink() -> Vec<(String, Frame)> {
     ];
     // Tuning may move a default; the bytes of an example stay.
     let mut config = Config::default();
+    // As when these frames were first written; today's default is the other.
+    config.paper.difference = Difference::Backward;
     config.learning.acceleration_noise_mps2 = 0.001;
     config.learning.effort_change_share = 0.6;
     config.coast = CoastConfig { horizon_m: 25e3, wind_change_mps: 0.3, coasting_point_m: 150.0, arrival_s: 3.0 };

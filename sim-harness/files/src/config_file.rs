@@ -12,18 +12,6 @@ pub fn read(path: &Path) -> Result<Config, ReadError> {
     checked(TomlFile::read(path)?)
 }
 
-/// As [`read`], with defaults of its own: `fill` sets what the file leaves out, and is handed a function that says whether the file has a field.
-///
-/// # Errors
-/// As [`read`].
-pub fn read_filled(path: &Path, fill: impl FnOnce(&mut Config, &dyn Fn(&str) -> bool)) -> Result<Config, ReadError> {
-    let mut file: TomlFile<Config> = TomlFile::read(path)?;
-    let mut values = file.values;
-    fill(&mut values, &|field| file.has(field));
-    file.values = values;
-    checked(file)
-}
-
 /// Reads and checks a text; `path` is for the messages.
 ///
 /// # Errors

@@ -110,7 +110,7 @@ fn table(study: &Study, scenario: &Scenario, stated: &Davis) -> String {
     text += &format!(
         "claims of the paper {} reproduced, {} not, {} without data\n",
         count(Verdict::Reproduced),
-        count(Verdict::Not),
+        count(Verdict::Not) + count(Verdict::NotVisible),
         count(Verdict::NoData)
     );
     text

@@ -3,7 +3,6 @@
 use super::screen::{self, Foreseen};
 use super::{Failure, NOTHING_USABLE, RunPages, SOME_RUNS_FAILED, Strict};
 use crate::logs::Failed;
-use crate::output::json::mode_word;
 use crate::output::tables::{Format, Tables};
 use crate::replaying::{Opened, PERIOD, Request, Runs, StreamError, is_period};
 use clap::ValueEnum;
@@ -101,7 +100,7 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ModeChoice {
-    /// The paper: effort calculated from the change of speed
+    /// The paper: effort calculated from the change of speed over each step; paper.difference = "backward" takes the change before it
     Paper,
     /// Effort known to be zero while coasting; learning only then
     Gated,
@@ -167,9 +166,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     } else {
         let mut foreseen = Foreseen::default();
         foreseen.add(&replayed.runs);
-        screen::print(&screen::run_table(&replayed.runs, replayed.runs.len()));
+        screen::print(&screen::run_table(&replayed.runs, replayed.runs.len(), replayed.config.mode));
         screen::print(&foreseen.lines());
-        let (runs, mode) = (replayed.runs.len(), mode_word(replayed.config.mode));
+        let (runs, mode) = (replayed.runs.len(), screen::mode_words(&replayed.config));
         let report = arguments.out.join("report.html");
         let report = report.display();
         screen::print(&format!("\nruns: {runs}, mode: {mode}, report: {report}\n"));
@@ -181,7 +180,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 /// The same run by run, without estimates.
 fn stream(arguments: &Arguments, opened: Opened, bar: &ProgressBar) -> Result<ExitCode, Failure> {
     let (mut first, mut foreseen) = (Vec::new(), Foreseen::default());
-    let mode = mode_word(opened.config().mode);
+    let config = *opened.config();
+    let mode = screen::mode_words(&config);
     let seen = |runs: &[ReplayedRun]| {
         bar.suspend(|| screen::warnings(runs));
         screen::first(&mut first, runs);
@@ -205,7 +205,7 @@ fn stream(arguments: &Arguments, opened: Opened, bar: &ProgressBar) -> Result<Ex
     if arguments.json {
         screen::print_file(&arguments.out.join("replay.json")).map_err(Failure::not_written)?;
     } else {
-        screen::print(&screen::run_table(&first, summary.runs));
+        screen::print(&screen::run_table(&first, summary.runs, config.mode));
         screen::print(&foreseen.lines());
         let results = arguments.out.display();
         screen::print(&format!("\nruns: {}, mode: {mode}, results: {results}\n", summary.runs));

@@ -1,9 +1,10 @@
 //! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
 
 use super::talk::quiet;
-use crate::{report::regime_shares, report::resistance::Resistance};
+use crate::{output::json::mode_word, report::regime_shares, report::resistance::Resistance};
 use indicatif::{ProgressBar, ProgressStyle};
-use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::regime::Regime};
+use rundown::estimator::config::{Config, Mode};
+use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::paper::Difference, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::Learned;
 use std::collections::BTreeMap;
@@ -100,21 +101,39 @@ pub(super) fn waiting() -> ProgressBar {
     bar
 }
 
+/// The mode, and of the paper's which change of speed gives the effort.
+pub(super) fn mode_words(config: &Config) -> String {
+    let word = mode_word(config.mode);
+    match (config.mode, config.paper.difference) {
+        (Mode::Paper, Difference::Forward) => format!("{word} (effort forward)"),
+        (Mode::Paper, Difference::Backward) => format!("{word} (effort backward)"),
+        (Mode::Gated | Mode::Measured, _) => word.to_owned(),
+    }
+}
+
 /// One line a run: rows, steps, time in each regime, resistance at 100 km/h of the vehicle after it.
-/// `all`: how many runs there are, of which these are the first.
-pub(super) fn run_table(runs: &[ReplayedRun], all: usize) -> String {
+/// `all`: how many runs there are, of which these are the first. In the `paper` mode the interval is the filter's and no measure of accuracy:
+/// it is left out.
+pub(super) fn run_table(runs: &[ReplayedRun], all: usize, mode: Mode) -> String {
     let width = runs.iter().take(RUNS_PRINTED).map(|run| run.name.chars().count()).max().unwrap_or(0).max(3);
     let mut text = format!("{:width$}  {:>6} {:>6} {:>8}", "run", "rows", "steps", "dropped");
     for regime in Regime::ALL {
         text += &format!(" {:>10}", regime.as_str());
     }
-    text += "   r(100 km/h) of the vehicle, 95 % interval\n";
+    text += match mode {
+        Mode::Paper => "   r(100 km/h) of the filter, no measure of the vehicle\n",
+        Mode::Gated | Mode::Measured => "   r(100 km/h) of the vehicle, 95 % interval\n",
+    };
     for run in runs.iter().take(RUNS_PRINTED) {
         text += &format!("{:width$}  {:>6} {:>6} {:>8}", run.name, run.rows, run.estimates.len(), run.dropped.len());
         for share in regime_shares(run).unwrap_or_default() {
             text += &format!(" {:>8.1} %", 100.0 * share);
         }
-        text += &format!("   {}{}\n", resistance(&run.vehicle_after, 100.0), doubt(run.learned));
+        let of_vehicle = match mode {
+            Mode::Paper => mean_resistance(&run.vehicle_after, 100.0),
+            Mode::Gated | Mode::Measured => resistance(&run.vehicle_after, 100.0),
+        };
+        text += &format!("   {of_vehicle}{}\n", doubt(run.learned));
     }
     let more = all.saturating_sub(RUNS_PRINTED);
     if more > 0 {
@@ -167,6 +186,12 @@ impl Foreseen {
 pub(super) fn first(kept: &mut Vec<ReplayedRun>, runs: &[ReplayedRun]) {
     let room = RUNS_PRINTED.saturating_sub(kept.len());
     kept.extend(runs.iter().take(room).cloned());
+}
+
+/// `0.03125 N/kg`.
+fn mean_resistance(davis: &Gaussian<3>, speed_kmh: f64) -> String {
+    let found = Resistance::at(davis, KmPerHour(speed_kmh).to_mps());
+    found.map_or_else(String::new, |found| format!("{:.5} N/kg", found.mean_n_per_kg))
 }
 
 /// `0.03125 ± 0.00042 N/kg (1.3 %)`, the 95 % interval.

@@ -4,21 +4,21 @@ use super::recorded::{Opened, RecordedRuns};
 use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, WRONG_ARGUMENTS, experiment, screen};
 use crate::output::files;
 use crate::study::case::{calm, case_study, skewed_case_study};
-use crate::study::claims::{Claim, Verdict};
+use crate::study::claims::{Claim, Verdict, summary};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, Rows, gather};
-use crate::study::page::{self, StudyPage, by_kind, known};
-use crate::study::readings::{self, comparison, outcome, reading::Combination, reading::default_config};
+use crate::study::page::{self, StudyPage, known};
+use crate::study::readings::{self, comparison, outcome, reading::Combination};
 use crate::study::run_pages::RunPages;
 use crate::study::slope::{Answer, Plan};
 use crate::study::{claims, description, slope as self_test, tunnel as tunnel_at_best, write};
 use crate::{
     simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
 };
-use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
+use rundown::{estimator::config::Config, model::track::Track, model::train::Train, tick::paper::Difference};
 use rundown_files::column;
 use rundown_files::folder::{self, Provenance};
-use rundown_files::{WriteError, config_file, parquet::RunWriter, track_file::TrackFile, train_file::TrainFile};
+use rundown_files::{WriteError, parquet::RunWriter, track_file::TrackFile, train_file::TrainFile};
 use rundown_pages::numbers::counted;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -62,7 +62,9 @@ Files in the output folder:
   report.html, report/  Table 1 and Figs. 1 to 9, each with the paper's statement, our value and the truth
   fig*.svg, fig*.csv    each picture, and the numbers it draws
   slope_*.svg, *.csv    estimated over true deviation of the resistance; slope.csv has slopes and bounds
-  claims.csv            the paper's numeric claims: reproduced or not, and why
+  claims.csv, .md       the paper's numeric claims: reproduced or not, and why
+  readings.md           of --readings, its table, as docs/paper.md quotes it
+  slope.md              of --truth-slope, its table, as docs/study.md quotes it
   runs.csv, .parquet    a row for each run: both modes and the truth
   train.toml, track.toml  of simulated runs: what recorded ones bring with them";
 
@@ -108,7 +110,7 @@ pub struct Arguments {
     /// Only the comparison of readings of the text and of recorders, on simulated runs
     #[arg(long, conflicts_with_all = ["runs", "count", "example", "keep_runs", "truth_slope", "config"])]
     readings: bool,
-    /// All of it: the case study by two recorders, the readings, the self-test of learning and the tunnel, each in a folder of its own
+    /// All of it: the case study with both efforts and by two recorders, its claims beside each other, the readings, the self-test of learning and the tunnel, each in a folder of its own
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "tunnel", "config", "json"])]
     all: bool,
     /// Only the tunnel at Best: what the paper's mode and rundown gap make of it
@@ -167,7 +169,7 @@ pub(super) struct Study {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let config = config(arguments.config.as_deref())?;
+    let config = super::config(arguments.config.as_deref())?;
     if arguments.list_experiments {
         return Ok(experiment::list());
     }
@@ -195,40 +197,41 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Some(path) => Simulation::read(path),
         None => case_study(),
     }?;
-    case_study_or_runs(arguments, config, simulation, &arguments.out)
-}
-
-/// A study reads the calculated effort forward unless its configuration says otherwise.
-fn config(path: Option<&Path>) -> Result<Config, Failure> {
-    let default = default_config();
-    let fill = |config: &mut Config, has: &dyn Fn(&str) -> bool| {
-        if !has("paper.difference") {
-            config.paper.difference = default.paper.difference;
-        }
-    };
-    path.map_or(Ok(default), |path| Ok(config_file::read_filled(path, fill)?))
+    Ok(case_study_or_runs(arguments, config, simulation, &arguments.out)?.0)
 }
 
 /// Every figure and table, each part in a folder of its own.
 fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     let part = |name: &str| arguments.out.join(name);
-    let codes = [
-        case_study_or_runs(arguments, config, case_study()?, &part("study"))?,
-        case_study_or_runs(arguments, config, skewed_case_study()?, &part("skewed"))?,
-        readings(arguments, &part("readings"))?,
-        truth_slope(arguments, config, &part("slope"))?,
-        tunnel(arguments, &part("tunnel"))?,
+    let mut backward = config;
+    backward.paper.difference = Difference::Backward;
+    let cases = [
+        ("backward", backward, case_study()?),
+        ("study", config, case_study()?),
+        ("skewed", config, skewed_case_study()?),
     ];
+    let (mut codes, mut compared) = (Vec::new(), Vec::new());
+    for ((folder, config, simulation), name) in cases.into_iter().zip(claims::markdown::READINGS) {
+        let (code, claims) = case_study_or_runs(arguments, config, simulation, &part(folder))?;
+        codes.push(code);
+        compared.push((name, claims));
+    }
+    folder::write("study", &part("claims"), &Provenance::begin(&[]), |folder| {
+        write::text(&folder.join("claims.md"), &claims::markdown::compared(&compared))
+    })?;
+    codes.push(readings(arguments, &part("readings"))?);
+    codes.push(truth_slope(arguments, config, &part("slope"))?);
+    codes.push(tunnel(arguments, &part("tunnel"))?);
     Ok(codes.into_iter().find(|code| *code != ExitCode::SUCCESS).unwrap_or(ExitCode::SUCCESS))
 }
 
-/// `simulation` is what is studied where no recorded runs are given.
+/// `simulation` is what is studied where no recorded runs are given. Out: what the command ends with, and the claims.
 fn case_study_or_runs(
     arguments: &Arguments,
     config: Config,
     simulation: Simulation,
     out: &Path,
-) -> Result<ExitCode, Failure> {
+) -> Result<(ExitCode, Vec<Claim>), Failure> {
     arguments.keep_runs.as_deref().map_or(Ok(()), |file| place_of_runs(file, out))?;
     let described = described(arguments, &config, simulation)?;
     let inputs: Vec<PathBuf> = described.inputs.iter().chain(&arguments.config).cloned().collect();
@@ -251,17 +254,7 @@ fn case_study_or_runs(
         return Err(Failure::no_runs("no run could be used; the report says why"));
     }
     if arguments.json {
-        let claims: Vec<_> = claims::records(&study.claims).iter().map(rundown_files::table::to_json).collect();
-        let json = json!({
-            "runs": study.gathered.paper.runs,
-            "runs_with_truth": study.gathered.truth.runs,
-            "failed": study.gathered.failed.len(),
-            "set_aside": study.gathered.set_aside,
-            "diagnosis": study.gathered.checks,
-            "claims": claims,
-            "truth_slope": study.answers,
-        });
-        screen::print(&format!("{json:#}\n"));
+        screen::print(&json_of(&study));
     } else {
         screen::print(&table(&study));
         let report = out.join("report.html");
@@ -275,11 +268,30 @@ fn case_study_or_runs(
             "expected a run that coasts or measures its effort, found none of {runs}: nothing was learned"
         ));
     }
-    Ok(match study.gathered.failed.len() {
+    let code = match study.gathered.failed.len() {
         _ if !learned => ExitCode::from(NOTHING_USABLE),
         0 => ExitCode::SUCCESS,
         _ => ExitCode::from(SOME_RUNS_FAILED),
-    })
+    };
+    Ok((code, study.claims))
+}
+
+/// What `--json` prints.
+fn json_of(study: &Study) -> String {
+    let claims: Vec<_> = claims::records(&study.claims).iter().map(rundown_files::table::to_json).collect();
+    let json = json!({
+        "runs": study.gathered.paper.runs,
+        "runs_with_truth": study.gathered.truth.runs,
+        "failed": study.gathered.failed.len(),
+        "set_aside": study.gathered.set_aside,
+        "diagnosis": study.gathered.checks,
+        "sets": summary::sets(&study.claims),
+        "sets_needed": claims::Sets::needed(summary::sets(&study.claims)),
+        "claims_by_kind": summary::counts(&study.claims),
+        "claims": claims,
+        "truth_slope": study.answers,
+    });
+    format!("{json:#}\n")
 }
 
 /// Before the work: the folder of the file is made. Not within the results, which are replaced as a whole and have a `runs.parquet` of their own.
@@ -342,7 +354,7 @@ pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
     let runs = simulation.runs;
     let described = simulated(simulation, seed, runs, 1)?;
     folder::write("study", out, &Provenance::begin(&[]), |folder| {
-        study(described, default_config(), seed, None, Kept { runs: None, pages: true }, folder)
+        study(described, Config::default(), seed, None, Kept { runs: None, pages: true }, folder)
     })
 }
 
@@ -368,11 +380,8 @@ fn study(
         return Err(Failure { message, code: WRONG_ARGUMENTS });
     }
     let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
-    let mut claims = claims::claims(&gathered, &train, &trials);
     let others = of_others(&mut described.others, &config, &estimators, &track)?;
-    if !others.is_empty() {
-        claims::over_seeds(&mut claims, &others);
-    }
+    let claims = claims::over_sets(claims::claims(&gathered, &train, &trials), &others);
     // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's line.
     let plan = Plan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
     let test = self_test::self_test(&plan, config, || ())?;
@@ -394,6 +403,7 @@ fn study(
     write::pictures(out, &pictures)?;
     write::pictures(out, &slopes)?;
     write::records(&out.join("claims.csv"), &claims::records(&claims))?;
+    write::text(&out.join("claims.md"), &claims::markdown::one(&claims))?;
     write::records(&out.join("slope.csv"), &self_test::records(&test.answers))?;
     write::text(&out.join("fig1_method.svg"), page::METHOD)?;
     write::text(&out.join("report.html"), &text)?;
@@ -476,19 +486,27 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
 pub(super) fn table(study: &Study) -> String {
     let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
     let runs = counted(runs as usize, "run", "runs");
-    let mut text = format!("{runs}; {known}\nclaims that hold: {}\n\n", by_kind(&study.claims));
+    let (kinds, basis) = (summary::by_kind(&study.claims), summary::basis(&study.claims));
+    let mut text = format!("{runs}; {known}\nclaims that hold: {kinds}\n{basis}\n\n");
     for claim in &study.claims {
         let mark = match claim.verdict {
             Verdict::Reproduced => "yes",
             Verdict::Not => "NO",
+            Verdict::NotVisible => "tiny",
             Verdict::NoData => "-",
         };
-        let seeds = claim.seeds.map_or(String::new(), |s| format!(" ({} of {} seeds)", s.held, s.judged));
-        text += &format!("{:4} {:4} {:9} {}{seeds}\n", claim.place, mark, claim.kind.as_str(), claim.statement);
+        let sets = match claim.sets.all {
+            0 | 1 => String::new(),
+            _ => format!(" ({} sets)", claim.sets.words()),
+        };
+        text += &format!("{:4} {:4} {:9} {}{sets}\n", claim.place, mark, claim.kind.as_str(), claim.statement);
         text += &format!(
             "          paper's mode: {}; gated: {}; truth: {}; error: {}\n",
             claim.paper, claim.gated, claim.truth, claim.error
         );
+        if let (Verdict::NotVisible, Some(least)) = (claim.verdict, claim.least) {
+            text += &format!("          not visible: below {}\n", least.reason);
+        }
     }
     text += "\nDoes the estimate follow the truth? Simulated vehicles with 0.7 to 1.3 of the described resistance:\n";
     text += &self_test::table(&study.answers);
@@ -512,6 +530,7 @@ fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<Exit
     folder::write("study", out, &provenance, |folder| -> Result<(), WriteError> {
         write::pictures(folder, &pictures)?;
         write::records(&folder.join("slope.csv"), &self_test::records(&test.answers))?;
+        write::text(&folder.join("slope.md"), &self_test::markdown(&test.answers))?;
         write::text(&folder.join("slope.json"), &json)
     })?;
     match arguments.json {
@@ -547,6 +566,7 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
     folder::write("study", out, &provenance, |folder| -> Result<(), WriteError> {
         write::pictures(folder, &pictures)?;
         write::text(&folder.join("readings.json"), &json)?;
+        write::text(&folder.join("readings.md"), &outcome::markdown(&all))?;
         write::text(&folder.join("report.html"), &page)
     })?;
     match arguments.json {

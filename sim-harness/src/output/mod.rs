@@ -16,6 +16,7 @@ pub mod features;
 pub mod fields;
 pub(crate) mod files;
 pub mod json;
+pub(crate) mod markdown;
 pub mod parameters;
 pub mod tables;
 

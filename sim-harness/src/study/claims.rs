@@ -3,14 +3,22 @@
 //! Each claim has the criterion by which it counts as reproduced, set before looking: a shape where the paper describes one, else a margin about
 //! the paper's number that 67 runs justify. The verdict is that on the paper's mode; the gated mode and the truth stand beside it.
 //!
+//! What is a direction only counts from a size on that a reader of the paper could see: [`super::visible`].
+//!
 //! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth: [`Kind`].
 
 mod driving;
+pub mod markdown;
 mod resistance;
+mod sets;
+pub mod summary;
 mod trials;
 mod unscented;
 
-use super::{gather::Gathered, moments::Moments, tallies::Tallies, trials::Trials};
+pub use super::verdict::Verdict;
+pub use sets::{Sets, over_sets};
+
+use super::{gather::Gathered, moments::Moments, tallies::Tallies, trials::Trials, visible::Size};
 use rundown::model::train::Train;
 use rundown_files::column::{Column, record};
 use rundown_files::table::{Cell, Record};
@@ -39,13 +47,6 @@ impl Kind {
     }
 }
 
-/// In how many sets of runs a claim held, of those that had data on it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Seeds {
-    pub held: usize,
-    pub judged: usize,
-}
-
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     pub kind: Kind,
@@ -59,26 +60,10 @@ pub struct Claim {
     pub error: String,
     pub verdict: Verdict,
     pub why: String,
-    /// Over several seeds; none where there is one.
-    pub seeds: Option<Seeds>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    Reproduced,
-    Not,
-    /// These runs have no data on it.
-    NoData,
-}
-
-impl Verdict {
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Reproduced => "reproduced",
-            Self::Not => "not reproduced",
-            Self::NoData => "no data",
-        }
-    }
+    /// Of a claim of direction: the least change that counts, with its reason.
+    pub least: Option<Size>,
+    /// What each set of runs says; the words above are those of the first.
+    pub sets: Sets,
 }
 
 pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim> {
@@ -95,28 +80,17 @@ pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim>
     claims.extend(driving::style(gathered));
     claims.extend(driving::brake(gathered));
     claims.extend(driving::power(gathered, train));
-    claims
-}
-
-/// Adds what other sets of runs say: a list of the same claims for each.
-pub fn over_seeds(claims: &mut [Claim], others: &[Vec<Claim>]) {
-    for (index, claim) in claims.iter_mut().enumerate() {
-        let mut seeds = Seeds::default();
-        let verdicts = others.iter().filter_map(|other| other.get(index)).map(|other| other.verdict);
-        for verdict in verdicts.chain([claim.verdict]).filter(|verdict| *verdict != Verdict::NoData) {
-            seeds.judged += 1;
-            seeds.held += usize::from(verdict == Verdict::Reproduced);
-        }
-        claim.seeds = Some(seeds);
-    }
+    over_sets(claims, &[])
 }
 
 /// The columns of `claims.csv`.
 pub fn columns() -> Vec<Column<Claim>> {
-    let one_set = "the claims were judged on one set of runs";
-    let seeds = |of: fn(&Seeds) -> usize| {
-        move |claim: &Claim| claim.seeds.as_ref().map_or(Cell::Missing, |seeds| Cell::from(of(seeds)))
+    let count = |name, meaning, of: fn(&Sets) -> usize| {
+        Column::count(name, meaning, move |claim: &Claim| Cell::from(of(&claim.sets)))
     };
+    let verdict = "over all sets: `reproduced`, `not reproduced`, `not visible` (not reproduced: the change is smaller than a \
+        reader of the paper could see) or `no data`";
+    let least = "the least change that counts, with its reason";
     let place = "figure of the paper, `2` to `9`, or its section, `3.1`, `3.2`, `4.1`, `4.2`";
     let kind = "`input`: put into the scenario; `recovered`: put in and found again; `predicted`: could have failed";
     let error = "of the paper's mode against the truth, where the claim is `recovered`";
@@ -128,12 +102,14 @@ pub fn columns() -> Vec<Column<Claim>> {
         Column::text("gated_mode", "what the gated mode says", |claim: &Claim| claim.gated.clone()),
         Column::text("truth", "what was true", |claim: &Claim| claim.truth.clone()),
         Column::text("error", error, |claim: &Claim| claim.error.clone()),
-        Column::text("verdict", "`reproduced`, `not reproduced` or `no data`", |claim: &Claim| claim.verdict.as_str()),
+        Column::text("verdict", verdict, |claim: &Claim| claim.verdict.as_str()),
         Column::text("why", "by which criterion", |claim: &Claim| claim.why.clone()),
-        Column::count("seeds_reproduced", "sets of runs in which it is reproduced", seeds(|seeds| seeds.held))
-            .empty_when(one_set),
-        Column::count("seeds_judged", "sets of runs that have data on it", seeds(|seeds| seeds.judged))
-            .empty_when(one_set),
+        Column::text("least", least, |claim: &Claim| claim.least.map_or("", |least| least.reason))
+            .empty_when("the claim has a number of its own"),
+        count("sets", "sets of runs; values are those of the first", |sets| sets.all),
+        count("sets_judged", "those that have data on it", |sets| sets.judged),
+        count("sets_reproduced", "those in which it is reproduced", |sets| sets.held),
+        count("sets_not_visible", "those in which the change is too small to be seen", |sets| sets.not_visible),
     ]
 }
 
@@ -150,7 +126,19 @@ fn claim(place: &'static str, statement: &'static str) -> Claim {
     let nothing = || NOTHING.to_owned();
     let [paper, gated, truth, error] = std::array::from_fn(|_| nothing());
     let (verdict, why) = (Verdict::NoData, String::new());
-    Claim { kind: Kind::Predicted, place, statement, paper, gated, truth, error, verdict, why, seeds: None }
+    Claim {
+        kind: Kind::Predicted,
+        place,
+        statement,
+        paper,
+        gated,
+        truth,
+        error,
+        verdict,
+        why,
+        least: None,
+        sets: Sets::default(),
+    }
 }
 
 impl Claim {
@@ -167,6 +155,11 @@ impl Claim {
             None => Verdict::NoData,
         };
         Self { verdict, ..self }
+    }
+
+    /// Judged by changes against what could be seen of them.
+    fn seen(self, verdict: Option<Verdict>, least: Size) -> Self {
+        Self { verdict: verdict.unwrap_or(Verdict::NoData), least: Some(least), ..self }
     }
 
     /// By which criterion.
@@ -342,11 +335,40 @@ mod tests {
     }
 
     #[test]
-    fn seeds_are_counted_without_those_that_have_no_data() {
-        let of = |verdict| vec![Claim { verdict, ..claim("3", "a") }];
-        let mut first = of(Verdict::Reproduced);
-        over_seeds(&mut first, &[of(Verdict::Not), of(Verdict::NoData), of(Verdict::Reproduced)]);
-        assert_eq!(first[0].seeds, Some(Seeds { held: 2, judged: 3 }));
+    fn a_direction_is_no_reproduction_where_nobody_could_see_it() {
+        let stated = train().davis().r0;
+        let of = |below: f64| {
+            let mut gathered = Gathered::default();
+            gathered.paper.davis_samples[0].add(stated - below);
+            verdict(&claims(&gathered, &train(), &Trials::default()), "overestimates")
+        };
+        assert_eq!(of(5e-5), Verdict::Reproduced);
+        assert_eq!(of(5e-7), Verdict::NotVisible);
+        assert_eq!(of(-5e-5), Verdict::Not);
+    }
+
+    #[test]
+    fn the_skewness_of_a_distribution_that_is_one_bar_says_nothing() {
+        let davis = train().davis();
+        let of = |width: f64| {
+            let mut gathered = Gathered::default();
+            for (moments, mean) in gathered.paper.davis_samples.iter_mut().zip([davis.r0, davis.r1, davis.r2]) {
+                [0.0, 0.0, 0.0, 0.0, -1.0].into_iter().for_each(|part| moments.add(mean * (1.0 + width * part)));
+            }
+            verdict(&claims(&gathered, &train(), &Trials::default()), "negative skewness")
+        };
+        assert_eq!([of(0.02), of(0.0002)], [Verdict::Reproduced, Verdict::NotVisible]);
+        assert_eq!([of(-0.02), of(-0.0002)], [Verdict::Not, Verdict::NotVisible]);
+    }
+
+    #[test]
+    fn brake_rates_that_differ_by_less_than_a_printed_digit_do_not_rise() {
+        let mut gathered = Gathered::default();
+        for (moments, rate) in gathered.paper.brake_steps.iter_mut().zip([0.200, 0.202, 0.204, 0.206, 0.208]) {
+            (0..10).for_each(|_| moments.add(rate));
+        }
+        let claims = claims(&gathered, &train(), &Trials::default());
+        assert_eq!(verdict(&claims, "lower the speed"), Verdict::NotVisible);
     }
 
     #[test]

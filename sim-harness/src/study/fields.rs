@@ -52,6 +52,14 @@ pub fn case_study() -> Vec<Field> {
             "the fields of `check.json`, for each part of recorded runs that was read at once",
             "as in `check.json`",
         ],
+        ["sets", "", "sets of runs on which the claims were judged", ""],
+        ["sets_needed", "", "in how many a claim must hold: 90 %, rounded up", ""],
+        ["claims_by_kind[].kind", "", "`input`, `recovered` or `predicted`", ""],
+        ["claims_by_kind[].claims", "", "claims of that kind", ""],
+        ["claims_by_kind[].reproduced", "", "those that hold over all sets", ""],
+        ["claims_by_kind[].not_reproduced", "", "those that too many sets contradict", ""],
+        ["claims_by_kind[].not_visible", "", "those whose change is smaller than a reader of the paper could see", ""],
+        ["claims_by_kind[].no_data", "", "those on which too few sets have data", ""],
         ["claims[].*", "", "the columns of `claims.csv`", "the cell of the table is empty"],
     ]);
     fields.extend(answer("truth_slope[]."));

@@ -12,7 +12,7 @@
 //! | what does the estimator say of one run, and what was true? | `view` |
 //! | and of all of them? | `gather`, `tallies`, `moments` |
 //! | what do the figures show? | `figures` |
-//! | what does the paper claim, and is it so here? | `claims`, `trials` |
+//! | what does the paper claim, and is it so here? | `claims`, `trials`, `visible`, `verdict` |
 //! | where is it reported? | `page`, `run_pages`, `write` |
 //! | why did the paper see no tunnel? | `tunnel` |
 //! | what does the paper leave to future work? | `experiments` |
@@ -37,7 +37,9 @@ pub(crate) mod tallies;
 pub(crate) mod trials;
 pub(crate) mod truth_folder;
 pub(crate) mod tunnel;
+pub(crate) mod verdict;
 pub(crate) mod view;
+pub(crate) mod visible;
 pub(crate) mod write;
 
 /// Why something is not studied, in words.

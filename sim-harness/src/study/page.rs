@@ -1,6 +1,6 @@
 //! `report.html` of a study: each figure of section 4 with the paper's statement, our value and the truth beside it.
 
-use super::claims::{Claim, Kind, Verdict};
+use super::claims::{Claim, Verdict, summary};
 use super::{
     figures::Picture, gather::Gathered, moments::Moments, slope::Answer, tallies::Tallies, trials::Sensitivity,
 };
@@ -79,11 +79,12 @@ fn summary(page: &StudyPage) -> Markup {
             p.lead {
                 (counted(runs, "run", "runs")) ", " (page.source) "; " (known(gathered)) ". Of " (page.claims.len())
                 " claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
-                strong { (count(Verdict::Not)) " are not" } ", and " (count(Verdict::NoData)) " cannot be assessed with these runs. "
+                strong { (count(Verdict::Not) + count(Verdict::NotVisible)) " are not" } ", of these " (count(Verdict::NotVisible))
+                " because nobody could see so small a change, and " (count(Verdict::NoData)) " cannot be assessed with these runs. " (summary::basis(page.claims)) " "
                 a href="#claims" { "All of them, with the reason" } "."
             }
             p {
-                "What that is worth: " (by_kind(page.claims)) ". An " em { "input" } " was put into the scenario and says that it is the paper's; what is "
+                "What that is worth: " (summary::by_kind(page.claims)) ". An " em { "input" } " was put into the scenario and says that it is the paper's; what is "
                 em { "recovered" } " was put in and found again by the extractor, with the error that is said; what is " em { "predicted" } " could have failed."
             }
             @if let (Some(example), Some(cause)) = (&gathered.example, &gathered.example_aside) {
@@ -109,16 +110,6 @@ fn summary(page: &StudyPage) -> Markup {
                 "the first is the paper's mode and the second the gated mode on the same runs. Every picture lies beside this page as SVG with its numbers as CSV."
             }
     }
-}
-
-/// Claims of each kind, and how many of them hold.
-pub fn by_kind(claims: &[Claim]) -> String {
-    let words = |kind: Kind| {
-        let of_kind = claims.iter().filter(|claim| claim.kind == kind);
-        let held = of_kind.clone().filter(|claim| claim.verdict == Verdict::Reproduced).count();
-        format!("{} {held} of {}", kind.as_str(), of_kind.count())
-    };
-    Kind::ALL.map(words).join(", ")
 }
 
 pub fn known(gathered: &Gathered) -> String {
@@ -190,7 +181,7 @@ fn answers(answers: &[Answer]) -> Markup {
 fn verdict(verdict: Verdict) -> Markup {
     let class = match verdict {
         Verdict::Reproduced => "good",
-        Verdict::Not => "bad",
+        Verdict::Not | Verdict::NotVisible => "bad",
         Verdict::NoData => "dim",
     };
     html! { strong class=(class) { (verdict.as_str()) } }
@@ -219,7 +210,11 @@ fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, place: Option<&str>
         td.text { (claim.truth) }
         td.text { (claim.error) }
         td.word { (verdict(claim.verdict)) }
-        td.text.small { @if let Some(seeds) = claim.seeds { (seeds.held) " of " (seeds.judged) " seeds. " } (claim.why) }
+        td.text.small {
+            @if claim.sets.all > 1 { (claim.sets.words()) " sets. " }
+            (claim.why)
+            @if let Some(least) = claim.least { ". Visible: " (least.reason) }
+        }
     } } };
     table(place.map(choice_column).into_iter().chain(head).collect::<Vec<_>>(), rows)
 }

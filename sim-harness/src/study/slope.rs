@@ -8,6 +8,7 @@
 
 use super::bound::{Known, Worth, information};
 use super::{Refused, case::Case, description::Believed};
+use crate::output::markdown::table as table_of;
 use crate::report::resistance::{NINETY_FIVE, Resistance};
 use crate::simulation::scenario_file::Simulation;
 use nalgebra::{Matrix3, Vector3};
@@ -307,9 +308,53 @@ pub fn table(answers: &[Answer]) -> String {
     text
 }
 
+/// `slope.md`: a row a mode, the slope after one run and the rest after each stage.
+pub fn markdown(answers: &[Answer]) -> String {
+    let mut stages: Vec<usize> = answers.iter().map(|answer| answer.runs).collect();
+    stages.sort_unstable();
+    stages.dedup();
+    let after = stages.iter().map(usize::to_string).collect::<Vec<_>>().join(" / ");
+    let slope = format!("slope at {} km/h after one run", SLOPE_KMH.map(|kmh| kmh.to_string()).join(" / "));
+    let error = format!("error after {after} runs");
+    let head = ["mode".to_owned(), slope, error, "bound".to_owned(), "in the 95 % interval".to_owned()];
+    let row = |mode: &Mode| {
+        let word = crate::output::json::mode_word(*mode);
+        let of_mode: Vec<&Answer> = answers.iter().filter(|answer| answer.mode == word).collect();
+        let all = |of: &dyn Fn(&Answer) -> String| of_mode.iter().map(|a| of(a)).collect::<Vec<_>>().join(" / ");
+        let first = of_mode.first().map(|a| a.slope.map(|slope| format!("{slope:.2}")).join(" / "));
+        vec![
+            format!("`{word}`"),
+            first.unwrap_or_default(),
+            format!("{} %", all(&|a| format!("{:.1}", a.rmse_percent))),
+            format!("{} %", all(&|a| format!("{:.1}", a.bound_percent))),
+            format!("{} %", all(&|a| format!("{:.0}", 100.0 * a.coverage))),
+        ]
+    };
+    table_of(&head, &MODES.iter().map(row).collect::<Vec<_>>())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The heading says after how many runs, the first column which mode.
+    #[test]
+    fn the_table_of_the_document_has_the_rows_that_are_written() {
+        let document = crate::output::markdown::page("study.md");
+        let theirs = crate::output::markdown::found(&document, "| mode | slope at");
+        let plan = |runs| Plan { simulation: crate::study::case::calm().unwrap(), vehicles: 3, runs, seed: 1 };
+        let mut test = self_test(&plan(2), Config::default(), || ()).unwrap();
+        // As if after the stages of the command's default: what is compared are heading and labels, not values.
+        test.answers.retain(|answer| answer.runs == 1);
+        let one = test.answers.clone();
+        for runs in &plan(67).stages()[1..] {
+            test.answers.extend(one.iter().map(|answer| Answer { runs: *runs, ..answer.clone() }));
+        }
+        let ours = crate::output::markdown::found(&markdown(&test.answers), "| mode |");
+        assert_eq!(theirs.first(), ours.first());
+        let labels = |rows: &[Vec<String>]| rows.iter().map(|row| row[0].clone()).collect::<Vec<_>>();
+        assert_eq!(labels(&theirs), labels(&ours));
+    }
 
     #[test]
     fn points_on_a_line_give_that_line() {

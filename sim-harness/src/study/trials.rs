@@ -72,6 +72,8 @@ pub struct Shaken {
     pub runs: usize,
     /// What r0 covers, as a multiple of what it covers without.
     pub way: f64,
+    /// What it covers more than without in a run, mean over runs, N/kg.
+    pub more_n_per_kg: f64,
 }
 
 /// How far lengths are from the truth: final coast and final brake, s.
@@ -167,10 +169,12 @@ fn shaken(quiet_and_noisy: [&Filter; 2], train: &Train, track: &Track, runs: &[R
         let one = |run: &Recording| filter.pass(&Line { train, track, direction: run.direction }, run);
         runs.par_iter().map(one).collect()
     });
+    let (with, without) = (way(&noisy), way(&quiet));
     Shaken {
         negative_runs: noisy.iter().filter(|pass| pass.is_negative()).count(),
         runs: runs.len(),
-        way: way(&noisy) / way(&quiet),
+        way: with / without,
+        more_n_per_kg: (with - without) / runs.len().max(1) as f64,
     }
 }
 

@@ -3,7 +3,7 @@
 //! The same quantities whoever looks, so that a table can set them side by side: [`Outcome`] is the run in a few numbers, [`Points`] is what
 //! the figures draw.
 
-use super::{case::CaseTruth, moments::Moments};
+use super::{case::CaseTruth, moments::Moments, visible};
 use crate::accuracy_bench::score::regime;
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::column::Column;
@@ -277,7 +277,7 @@ fn in_both_clouds(points: &[PowerPoint], described: &Train) -> Option<bool> {
     let (fast, slow): (Vec<&PowerPoint>, Vec<&PowerPoint>) = within.partition(|p| p.speed_kmh > CLOUDS_KMH);
     let least = slow.iter().map(|p| p.power_kw).reduce(f64::min)?;
     let most = fast.iter().map(|p| p.power_kw).reduce(f64::max)?;
-    Some(least < stated_kw && most > stated_kw)
+    Some(visible::SHARE.sees(1.0 - least / stated_kw) && visible::SHARE.sees(most / stated_kw - 1.0))
 }
 
 /// Index of the ATB-EG step of a speed.

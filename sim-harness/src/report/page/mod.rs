@@ -108,11 +108,14 @@ fn verdict(report: &Report) -> Markup {
     };
     let words = found.iter().map(|(speed_kmh, r, against)| {
         let side = if against.deviation < 0.0 { "below" } else { "above" };
+        // In the paper's mode the interval is the filter's: so narrow that it prints as nothing, and no measure of the vehicle.
+        let interval = match report.mode {
+            "paper" => String::new(),
+            _ => format!(" (95\u{a0}% between {} and {})", number(r.lower(), 5), number(r.upper(), 5)),
+        };
         format!(
-            "at {speed_kmh}\u{a0}km/h {}\u{a0}N/kg (95\u{a0}% between {} and {}), {} {side} the manufacturer's {}",
+            "at {speed_kmh}\u{a0}km/h {}\u{a0}N/kg{interval}, {} {side} the manufacturer's {}",
             number(r.mean_n_per_kg, 5),
-            number(r.lower(), 5),
-            number(r.upper(), 5),
             percent(against.deviation.abs()),
             number(against.stated_n_per_kg, 5),
         )

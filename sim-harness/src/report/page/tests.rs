@@ -187,8 +187,10 @@ fn the_reference_mode_warns() {
     let mut report = report(&runs, &train);
     assert!(!html(&report).contains("reference mode"));
     assert!(html(&report).contains("resistance was learned over"));
+    assert!(html(&report).contains("(95\u{a0}% between"));
     report.mode = "paper";
     let page = html(&report);
     assert!(page.contains("does not follow") && page.contains("The filter corrected r0, r1 and r2 over"));
     assert!(!page.contains("resistance was learned over"));
+    assert!(!page.contains("(95\u{a0}% between"), "the filter's interval is none of the vehicle");
 }

@@ -1,9 +1,9 @@
 //! Claims on how trains are driven: sections 4.1, 4.3, 4.4.
 
-use super::{Claim, alone, claim, from_to, mean, near, percent, points, three};
+use super::{Claim, Verdict, alone, claim, from_to, mean, near, percent, points, three};
 use crate::study::gather::{Gathered, PAPERS_RUN};
 use crate::study::view::{CLOUDS_KMH, Seen};
-use crate::{study::moments::Moments, study::tallies::Tallies};
+use crate::{study::moments::Moments, study::tallies::Tallies, study::visible};
 use rundown::model::train::Train;
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::{NOTHING, number};
@@ -104,7 +104,12 @@ pub(super) fn regimes(gathered: &Gathered, train: &Train) -> [Claim; 2] {
             .recovered(error, error.map(|_| 0.0), 0.05, points),
         claim("6", "coasting is the longest phase")
             .columns(columns())
-            .holds(paper.map(|[traction, cruise, coast, brake]| coast > traction.max(cruise).max(brake)))
+            .seen(
+                paper.map(|[traction, cruise, coast, brake]| {
+                    visible::TIME_SHARE.judge(coast - traction.max(cruise).max(brake))
+                }),
+                visible::TIME_SHARE,
+            )
             .by("largest share of the same run. The paper's band of effort also holds steady running below about 81 km/h: the approach at 40 km/h reads as coasting")
             .recovered(paper.map(|shares| shares[2]), truth.map(|shares| shares[2]), 0.05, points),
     ]
@@ -131,7 +136,7 @@ pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
                 let skewness = number(t.plain_cruise_kmh.skewness(), 2);
                 mean(&t.plain_cruise_kmh, 1).map(|mean| format!("mean {mean} km/h, skewness {skewness}"))
             }))
-            .holds(cruise.skewness().map(|skewness| skewness < 0.0 && cruise.mean() > Some(130.0)))
+            .seen(cruise.skewness().map(|skewness| towards_limit(skewness, cruise.mean())), visible::SKEWNESS)
             .by("plain median of the filtered speeds of all cruising, as section 3.3 takes it: negative skewness and a mean above 130 km/h")
             .recovered(cruise.mean(), truth.plain_cruise_kmh.mean(), 2.0, |kmh| format!("{} km/h", number(kmh, 1))),
         claim("140 km/h is exceeded in 12 % of the speed profiles")
@@ -166,6 +171,13 @@ pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
     ]
 }
 
+fn towards_limit(skewness: f64, mean_kmh: Option<f64>) -> Verdict {
+    match mean_kmh > Some(130.0) {
+        true => visible::SKEWNESS.judge(-skewness),
+        false => Verdict::Not,
+    }
+}
+
 pub(super) fn brake(gathered: &Gathered) -> [Claim; 3] {
     let claim = |statement| claim("8", statement);
     // A step with fewer samples is left out of the verdict.
@@ -180,8 +192,8 @@ pub(super) fn brake(gathered: &Gathered) -> [Claim; 3] {
     let sds = |t: &Tallies| all(t, Moments::sd);
     // The first and last steps of five: a step between may differ by its own noise.
     let rises = |[a, b, c, d, e]: [Option<f64>; 5]| {
-        let above = |high: Option<f64>, low: Option<f64>| Some(high? > low?);
-        Some(above(e, b)? && above(d, b)? && above(c, a.or(b))?)
+        let above = |high: Option<f64>, low: Option<f64>| Some(visible::RATE.judge(high? - low?));
+        Some(visible::weakest([above(e, b)?, above(d, b)?, above(c, a.or(b))?]))
     };
     let alike = |[a, b, c, d, _]: [Option<f64>; 5], sd: [Option<f64>; 5]| {
         let near =
@@ -189,9 +201,9 @@ pub(super) fn brake(gathered: &Gathered) -> [Claim; 3] {
         let low = near(c, d, [sd[2], sd[3]])?;
         Some(low && near(a, b, [sd[0], sd[1]])?)
     };
-    let widest = |sd: [Option<f64>; 5]| {
-        let largest = sd.into_iter().flatten().reduce(f64::max)?;
-        Some(sd[4]? >= largest)
+    let widest = |[upper @ .., lowest]: [Option<f64>; 5]| {
+        let largest = upper.into_iter().flatten().reduce(f64::max)?;
+        Some(visible::RATE.judge(lowest? - largest))
     };
     let (paper, truth) = (&gathered.paper, &gathered.truth);
     // Of the step that is furthest from the truth.
@@ -207,11 +219,11 @@ pub(super) fn brake(gathered: &Gathered) -> [Claim; 3] {
     let claims = [
         claim("the lower the speed, the higher the mean brake rate")
             .columns(three(gathered, |t| means(t).map(words)))
-            .holds(means(paper).and_then(rises))
+            .seen(means(paper).and_then(rises), visible::RATE)
             .by("mean over runs of each run's mean rate above 130, 130 to 80, 80 to 60, 60 to 40, below 40 km/h; the lower steps above the upper ones; steps of fewer than 10 runs are left out"),
         claim("brake rates vary more at lower speeds, most below 40 km/h")
             .columns(three(gathered, |t| sds(t).map(words)))
-            .holds(sds(paper).and_then(widest))
+            .seen(sds(paper).and_then(widest), visible::RATE)
             .by("standard deviations of the same steps; the largest below 40 km/h"),
         claim("steps from 40 to 80 km/h are alike, and those above 80 km/h")
             .columns(three(gathered, |t| means(t).map(words)))
@@ -220,6 +232,11 @@ pub(super) fn brake(gathered: &Gathered) -> [Claim; 3] {
     ];
     let [rising, widest, alike] = claims;
     [recovered(rising, Moments::mean), recovered(widest, Moments::sd), recovered(alike, Moments::mean)]
+}
+
+/// Shares of the manufacturer's power: one below it, one above.
+fn apart(below: f64, above: f64) -> Verdict {
+    visible::weakest([1.0 - below, above - 1.0].map(|share| visible::SHARE.judge(share)))
 }
 
 pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 5] {
@@ -242,7 +259,7 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 5] {
                 let (below, above) = clouds(t)?;
                 Some(format!("{} kW below {CLOUDS_KMH} km/h, {} kW above", number(below, 0), number(above, 0)))
             }))
-            .holds(clouds(paper).map(|(below, above)| below < stated_kw && above > stated_kw))
+            .seen(clouds(paper).map(|(below, above)| apart(below / stated_kw, above / stated_kw)), visible::SHARE)
             .by(format!(
                 "mean power from 50 km/h on and up to 130 km/h, below and above the manufacturer's {} kW. The paper suspects feeding sections of different power; they appear where the line of these runs has such sections. Error of the lower mean",
                 number(stated_kw, 0)
@@ -251,7 +268,7 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 5] {
         claim("all trajectories have power in both clouds")
             .columns(three(gathered, |t| percent(both(t))))
             .holds(both(paper).map(|share| share >= 0.95))
-            .by(format!("runs with power below the manufacturer's from 50 to {CLOUDS_KMH} km/h and above it from there to 130 km/h; at least 95 %"))
+            .by(format!("runs with power below the manufacturer's from 50 to {CLOUDS_KMH} km/h and above it from there to 130 km/h, by 1 % of it that a reader could see; at least 95 %"))
             .recovered(both(paper), both(truth), 0.1, points),
         claim("the largest power at lower speeds varies much between runs")
             .columns(three(gathered, |t| percent(varies(t))))

@@ -1,9 +1,10 @@
 //! Claims on what the authors tried with their filter: section 4.2.
 
-use super::{Claim, alone, claim};
+use super::{Claim, Verdict, alone, claim};
 use crate::study::moments::Moments;
 use crate::study::readings::pass::R0_NOISE;
 use crate::study::trials::{Misses, Noise, Pace, SMALL_MPS2, Shaken, Trials};
+use crate::study::visible;
 use rundown_pages::numbers::number;
 
 /// A step that takes at most this share of the 10 s between readings leaves room for more of them: 0.1 s.
@@ -33,12 +34,13 @@ fn thinned(misses: Option<&[Misses; 2]>) -> Claim {
         Some(format!("{}; thinned: {}", pair(of(all)), pair(of(thinned))))
     };
     let grows = |[all, thinned]: &[Misses; 2]| {
-        let mut pairs = all.paper.iter().zip(&thinned.paper);
-        pairs.try_fold(true, |grows, (all, thinned)| Some(grows && thinned.mean()? > all.mean()?))
+        let pairs = all.paper.iter().zip(&thinned.paper);
+        let grown = pairs.map(|(all, thinned)| Some(visible::LENGTH.judge(thinned.mean()? - all.mean()?)));
+        grown.collect::<Option<Vec<Verdict>>>().map(visible::weakest)
     };
     claim("4.2", "every second sample alone gives less accurate regimes and features")
         .columns([words(|m| &m.paper), words(|m| &m.gated), misses.map(|_| "0 s".to_owned())])
-        .holds(misses.and_then(grows))
+        .seen(misses.and_then(grows), visible::LENGTH)
         .by("mean distance of the lengths of the final coast and of the final brake from the truth, with samples of 10 s and of 20 s; both must grow")
 }
 
@@ -48,7 +50,13 @@ fn noise(noises: &[Noise]) -> [Claim; 2] {
         (!listed.is_empty()).then(|| listed.join("; "))
     };
     let ways = |n: &Noise| {
-        let [q, drawn] = [n.q.way, n.drawn.way].map(|way| number(way, 2));
+        let [q, drawn] = [n.q, n.drawn].map(|shaken| {
+            format!(
+                "{} ({} \u{b7} 10\u{207b}\u{2075} N/kg)",
+                number(shaken.way, 2),
+                number(1e5 * shaken.more_n_per_kg, 2)
+            )
+        });
         format!("{} m/s\u{b2}: {q} as Q, {drawn} drawn", n.sd_mps2)
     };
     let negative = |n: &Noise| {
@@ -66,13 +74,20 @@ fn noise(noises: &[Noise]) -> [Claim; 2] {
     [
         claim("4.2", "small noise of the acceleration gives slightly richer dynamics")
             .columns(alone(listed(&ways)))
-            .holds(some(&small, |shaken| shaken.way > 1.0 && shaken.negative_runs == 0))
-            .by("what r0 covers with noise, of what it covers without: more with one of the small ones, none negative. As Q it covers less, for noise then explains what r explained; drawn and added it covers more"),
+            .seen(richer(&small), visible::R0)
+            .by("what r0 covers with noise, of what it covers without, and how much more that is in a run: more with one of the small ones, none negative. As Q it covers less, for noise then explains what r explained; drawn and added it covers more"),
         claim("4.2", "strong noise of the acceleration gives negative coefficients")
             .columns(alone(listed(&negative)))
             .holds(some(&strong, |shaken| shaken.negative_runs > 0))
             .by("runs with a negative coefficient, with noise as Q of the filter and with noise that is drawn and added; some with a strong one (0.1 or 1 m/s\u{b2})"),
     ]
+}
+
+/// The most of what small noise adds, where no coefficient turns negative by it.
+fn richer(small: &[&Noise]) -> Option<Verdict> {
+    let harmless = small.iter().flat_map(|noise| [noise.q, noise.drawn]).filter(|shaken| shaken.negative_runs == 0);
+    let most = harmless.map(|shaken| shaken.more_n_per_kg).reduce(f64::max);
+    (!small.is_empty()).then(|| most.map_or(Verdict::Not, |most| visible::R0.judge(most)))
 }
 
 fn davis_noise(shaken: Option<Shaken>) -> Claim {

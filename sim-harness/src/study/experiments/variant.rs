@@ -2,8 +2,8 @@
 
 use crate::accuracy_bench::fleets::Fleet;
 use crate::simulation::scenario_file::Simulation;
+use crate::study::Refused;
 use crate::study::description::{self, Believed};
-use crate::study::{Refused, readings::reading};
 use rundown::estimator::config::Config;
 use rundown::model::track::{Gradient, Track};
 use rundown::model::train::Train;
@@ -27,7 +27,7 @@ impl Variant {
     pub fn parse(name: impl Into<String>, x: f64, fields: &str) -> Result<Self, Refused> {
         let simulation = Simulation::parse(Path::new("experiment.toml"), fields)?;
         let Believed { train, track } = description::of(&simulation)?;
-        let (name, config) = (name.into(), reading::default_config());
+        let (name, config) = (name.into(), Config::default());
         Ok(Self { name, x, scenario: simulation.scenario, train, track, config })
     }
 
@@ -41,7 +41,7 @@ impl Variant {
             train: fleet.train().ok_or("the train's description is refused")?,
             track: Track::try_new(line.length_m(), gradients)?,
             scenario: fleet.scenario.clone(),
-            config: reading::default_config(),
+            config: Config::default(),
         })
     }
 

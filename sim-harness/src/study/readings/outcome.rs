@@ -3,6 +3,7 @@
 use super::comparison::{Compared, Plan};
 use super::reading::Combination;
 use super::remarks::{Judged, REMARKS, SMALL_MPS2, STRONG_MPS2, TRIED};
+use crate::output::markdown::{cells, table};
 use crate::study::figures::Picture;
 use crate::study::moments::Moments;
 use maud::{Markup, html};
@@ -157,6 +158,40 @@ pub fn screen(all: &[Compared]) -> String {
     text + "log p: logarithm of the likelihood a sample. nats a sample: what the best initial deviations would add to it.\n"
 }
 
+/// `readings.md`: what [`screen`] has, and what larger initial deviations do.
+pub fn markdown(all: &[Compared]) -> String {
+    let head = cells([
+        "effort",
+        "speed",
+        "older by, s",
+        &format!("remarks, of {}", REMARKS.len()),
+        "filtered less read, km/h",
+        "r0, 1 to 99 % quantile, 10\u{207b}\u{b3} N/kg",
+        "negative runs, deviation of r0 \u{d7} 100",
+        "log-likelihood a sample",
+        "best initial deviations, nats a sample",
+    ]);
+    let row = |one: &Compared| {
+        let Combination { reading, recorder } = one.combination;
+        let end = |index: usize| number(one.moments(|j| j.r0_ends[index]).mean().map(|r0| 1e3 * r0), 3);
+        // Large ones are known to the unit, small ones to a tenth.
+        let nats =
+            |moments: Moments| number(moments.mean(), usize::from(moments.mean().is_some_and(|n| n.abs() < 10.0)));
+        vec![
+            reading.words(),
+            recorder.speed_word().to_owned(),
+            number(recorder.skew_s, 0),
+            number(one.remarks(), 1),
+            number(one.moments(|j| j.rms_kmh).mean(), 2),
+            format!("{} to {}", end(0), end(1)),
+            number(one.moments(|j| j.negative[1][0]).mean(), 2),
+            nats(one.moments(|j| j.log_likelihood_per_sample)),
+            nats(one.gains()),
+        ]
+    };
+    table(&head, &all.iter().map(row).collect::<Vec<_>>())
+}
+
 pub fn page(plan: &Plan, all: &[Compared], pictures: &[Picture]) -> String {
     let lead = html! {
         p.lead {
@@ -214,5 +249,25 @@ fn comparison(all: &[Compared]) -> Markup {
     html! {
             (sortable(words.into_iter().chain(numbers).chain(remarks), rows))
             p.small { "Mean \u{b1} standard deviation over the seeds. Likelihoods compare readings of the same recorder; between recorders the data differ." }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::markdown::found;
+
+    #[test]
+    fn the_table_of_the_document_has_the_rows_that_are_written() {
+        let document = crate::output::markdown::page("paper.md");
+        let of = |combination| Compared { combination, judged: Vec::new(), gain: Vec::new() };
+        let all: Vec<Compared> = Combination::all().into_iter().map(of).collect();
+        let (theirs, ours) = (found(&document, "| effort | speed |"), found(&markdown(&all), "| effort |"));
+        assert_eq!(ours.len(), Combination::all().len() + 1);
+        assert_eq!(theirs.first(), ours.first());
+        assert!(theirs.len() > 5, "{}", theirs.len());
+        for row in &theirs[1..] {
+            assert!(ours.iter().any(|of_ours| of_ours[..3] == row[..3]), "{:?}", &row[..3]);
+        }
     }
 }

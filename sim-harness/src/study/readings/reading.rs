@@ -1,6 +1,5 @@
 //! What is compared: readings of the text, and recorders that the text does not exclude.
 
-use rundown::estimator::config::Config;
 use rundown::filter::ukf::Spread;
 use rundown::model::state::SIZE;
 use rundown::model::train::{Train, TrainDescription};
@@ -107,6 +106,21 @@ impl Reading {
         }
     }
 
+    /// The effort, and what is not as the text says.
+    pub fn words(self) -> String {
+        let mut words = self.effort().to_owned();
+        if self.gradient == Gradient::Point {
+            words += ", gradient of the front";
+        }
+        if self.initial == Initial::Variances {
+            words += ", Table 1 as variances";
+        }
+        if self.points != Points::Printed {
+            words = format!("{words}, {}", self.points_word());
+        }
+        words
+    }
+
     pub fn gradient_word(self) -> &'static str {
         match self.gradient {
             Gradient::UnderTrain => "mean",
@@ -128,11 +142,6 @@ impl Reading {
             Initial::Variances => "variances",
         }
     }
-}
-
-/// The configuration of a study that is given none: the reading of the effort with the best evidence (docs/paper.md).
-pub fn default_config() -> Config {
-    Config { paper: Reading::of(Difference::Forward).config(), ..Config::default() }
 }
 
 impl Recorder {

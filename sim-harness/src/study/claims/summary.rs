@@ -1,0 +1,54 @@
+//! How many claims hold, by kind: what the screen, the report and the JSON say first.
+
+use super::{Claim, Kind, Sets, Verdict};
+use rundown_pages::numbers::counted;
+use serde::Serialize;
+
+/// Claims of a kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Count {
+    pub kind: &'static str,
+    pub claims: usize,
+    pub reproduced: usize,
+    pub not_reproduced: usize,
+    pub not_visible: usize,
+    pub no_data: usize,
+}
+
+/// Over all sets of runs.
+pub fn counts(claims: &[Claim]) -> [Count; 3] {
+    Kind::ALL.map(|kind| {
+        let of = |verdict| claims.iter().filter(|c| c.kind == kind && c.verdict == verdict).count();
+        Count {
+            kind: kind.as_str(),
+            claims: claims.iter().filter(|claim| claim.kind == kind).count(),
+            reproduced: of(Verdict::Reproduced),
+            not_reproduced: of(Verdict::Not),
+            not_visible: of(Verdict::NotVisible),
+            no_data: of(Verdict::NoData),
+        }
+    })
+}
+
+/// `input 7 of 9, recovered 9 of 16, predicted 10 of 18`.
+pub fn by_kind(claims: &[Claim]) -> String {
+    let words = |count: Count| format!("{} {} of {}", count.kind, count.reproduced, count.claims);
+    counts(claims).map(words).join(", ")
+}
+
+/// On how many sets the verdicts rest; a sentence.
+pub fn basis(claims: &[Claim]) -> String {
+    match sets(claims) {
+        0 | 1 => "Judged on one set of runs alone: another set may say otherwise.".to_owned(),
+        all => format!(
+            "Judged on {}: a claim holds where it does in {} of them or more; values are those of the first set.",
+            counted(all, "set of runs", "sets of runs"),
+            Sets::needed(all)
+        ),
+    }
+}
+
+/// Sets of runs that were judged.
+pub fn sets(claims: &[Claim]) -> usize {
+    claims.first().map_or(0, |claim| claim.sets.all)
+}
