@@ -54,7 +54,7 @@ fn slopes(input: &Input, given: &Context<'_>) -> Result<(), Refusal> {
         }
         // Slopes that the effort column confirms are right, whatever coasts look like.
         (Some(factor), _) if beyond(&factor) == 0.0 && factor.away_from(0.0) > sure => Ok(()),
-        (_, Some(doubt)) if doubt.explains() => Err(Refusal::WrongGradients { doubt }),
+        (_, Some(doubt)) if doubt.is_decisive() => Err(Refusal::WrongGradients { doubt }),
         _ => Ok(()),
     }
 }

@@ -197,7 +197,7 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
     }
     let (named, mut others): (Vec<Named>, Vec<Named>) =
         all.into_iter().partition(|one| stands(&one.trial, context.config));
-    others.retain(|one| one.trial.as_ref().is_some_and(|trial| trial.is_candidate(context.config)));
+    others.retain(|one| one.trial.as_ref().is_some_and(|trial| trial.is_beyond_chance(context.config)));
     (named, others)
 }
 

@@ -1,4 +1,4 @@
-//! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it is told as a candidate.
+//! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it is chance, or a candidate.
 //!
 //! The column of the term (see `trials.rs`), its shape and coefficients as found, is tried beside the other terms as the probes of the evidence are: by signs
 //! of whole runs and habits of drivers. It was looked for, so it must exceed the largest that chance makes of it or of any probe. And it must say the same in
@@ -154,9 +154,9 @@ impl Trial {
             && !self.halves.iter().any(|halves| halves.contradict(config))
     }
 
-    /// It may be something that has no name: what chance makes often is nothing, but what acts in few runs is not known to be chance.
-    pub(crate) fn is_candidate(&self, config: &GapConfig) -> bool {
-        *self == Self::IMPOSSIBLE || self.p_value.is_none_or(|p| p < config.evidence.significant)
+    /// Something may be there, with a name or without: what acts in few runs is not known to be chance.
+    pub(crate) fn is_beyond_chance(&self, config: &GapConfig) -> bool {
+        *self == Self::IMPOSSIBLE || self.p_value.is_none_or(|p| p <= config.certainty.chance)
     }
 
     /// Odds of chance against the name.
@@ -191,10 +191,7 @@ impl Trial {
             };
             return format!("it does not repeat: it is {} and {}", of(0), of(1));
         }
-        if *self == Self::IMPOSSIBLE {
-            return "it acts in too few runs, or together with too much else, to be told from chance".to_owned();
-        }
-        format!("chance alone makes as much of it in {:.0} % of draws", 100.0 * self.p_value.unwrap_or(1.0))
+        "it acts in too few runs, or together with too much else, to be told from chance".to_owned()
     }
 }
 
@@ -252,9 +249,12 @@ mod tests {
         let config = GapConfig::default();
         let trial = |p_value: f64| Trial { p_value: Some(p_value), halves: Vec::new() };
         assert!(trial(0.03).is_stood(&config));
-        assert!(!trial(0.04).is_stood(&config) && trial(0.04).is_candidate(&config));
-        assert!(!trial(0.06).is_candidate(&config));
-        assert!(!Trial::IMPOSSIBLE.is_stood(&config) && Trial::IMPOSSIBLE.is_candidate(&config));
+        assert!(!trial(0.04).is_stood(&config) && !trial(0.04).is_beyond_chance(&config));
+        assert!(!Trial::IMPOSSIBLE.is_stood(&config) && Trial::IMPOSSIBLE.is_beyond_chance(&config));
+        let of = |value: f64| Figure { value, sd: 0.1 };
+        let halves = vec![Halves { by: By::Turn, multiples: [of(2.0), of(0.0)], freedom: 1e6 }];
+        let twice = Trial { p_value: Some(0.001), halves };
+        assert!(!twice.is_stood(&config) && twice.is_beyond_chance(&config));
     }
 
     #[test]

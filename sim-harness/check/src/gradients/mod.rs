@@ -129,9 +129,10 @@ pub struct Doubt {
 }
 
 impl Doubt {
-    /// The better version leaves no more scatter than coasts have. Otherwise no version does, and it may be no coasts that were looked at.
-    pub fn explains(&self) -> bool {
-        explains(self.sd_n_per_kg)
+    /// The better version leaves no more scatter than coasts have, and the described gradients leave more. Where no version does it may be no coasts that were
+    /// looked at; where both do the described gradients are off by little.
+    pub fn is_decisive(&self) -> bool {
+        explains(self.sd_n_per_kg) && !explains(self.described_sd_n_per_kg)
     }
 }
 
