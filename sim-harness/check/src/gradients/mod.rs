@@ -129,10 +129,14 @@ pub struct Doubt {
 }
 
 impl Doubt {
-    /// The better version leaves no more scatter than coasts have, and the described gradients leave more. Where no version does it may be no coasts that were
-    /// looked at; where both do the described gradients are off by little.
+    /// The described slopes have the wrong sign or scale: with another one they leave no more scatter than coasts have, and as described they leave more. No
+    /// other version decides: short hops on a right line at times look like a level line, which a tenth all but is, or another place.
     pub fn is_decisive(&self) -> bool {
-        explains(self.sd_n_per_kg) && !explains(self.described_sd_n_per_kg)
+        let scaled = match self.better {
+            Version::SignTurned | Version::PerCent | Version::TwiceOfIt | Version::HalfOfIt => true,
+            Version::Described | Version::TenthOfIt | Version::Level | Version::OtherEnd | Version::Shifted(_) => false,
+        };
+        scaled && explains(self.sd_n_per_kg) && !explains(self.described_sd_n_per_kg)
     }
 }
 
