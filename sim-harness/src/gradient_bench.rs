@@ -40,10 +40,12 @@ enum Described {
     OtherEnd,
     Shifted,
     OtherLine,
+    Twice,
+    Half,
 }
 
 impl Described {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 11] = [
         Self::Right,
         Self::Rounded,
         Self::Survey,
@@ -53,6 +55,8 @@ impl Described {
         Self::OtherEnd,
         Self::Shifted,
         Self::OtherLine,
+        Self::Twice,
+        Self::Half,
     ];
 
     fn words(self) -> &'static str {
@@ -66,6 +70,8 @@ impl Described {
             Self::OtherEnd => "from the other end",
             Self::Shifted => "moved by 1 to 3 km",
             Self::OtherLine => "of another line",
+            Self::Twice => "twice as steep",
+            Self::Half => "half as steep",
         }
     }
 
@@ -82,6 +88,8 @@ impl Described {
             Self::OtherEnd => better == Version::OtherEnd,
             Self::Shifted => matches!(better, Version::Shifted(_)),
             Self::OtherLine => better == Version::Level,
+            Self::Twice => better == Version::HalfOfIt,
+            Self::Half => better == Version::TwiceOfIt,
             Self::Right | Self::Rounded | Self::Survey => false,
         }
     }
@@ -104,6 +112,8 @@ impl Described {
                 Self::SignTurned => -permille,
                 Self::PerCent => 0.1 * permille,
                 Self::Permille => 10.0 * permille,
+                Self::Twice => 2.0 * permille,
+                Self::Half => 0.5 * permille,
                 _ => permille,
             };
             Gradient { from_m: if self == Self::Shifted { from_m + shift_m } else { from_m }, permille }
@@ -236,6 +246,9 @@ mod tests {
         for row in &rows {
             if row.is_right {
                 assert_eq!((row.long.doubted, row.hops.doubted), (0, 0), "{row:#?}");
+            } else if row.what == Described::Half.words() {
+                // On gentle lines what is missing is no more than coasts scatter.
+                assert!(2 * row.long.named >= row.long.sets, "{row:#?}");
             } else {
                 // Of ramps that lie far apart not every shift is seen.
                 assert!(row.long.doubted + 1 >= row.long.sets && row.long.named + 1 >= row.long.sets, "{row:#?}");

@@ -91,6 +91,35 @@ fn an_effort_column_in_another_unit_or_with_the_other_sign_is_refused() {
 }
 
 #[test]
+fn slopes_of_the_whole_track_that_are_wrong_are_refused_with_what_is_wrong() {
+    for column in [true, false] {
+        let folder = Folder::simulated(&format!(
+            "name = \"set\"\nruns = 12\nseed = 5\n[line]\nname = \"hilly\"\n[effort]\ncolumn = {column}\n"
+        ));
+        let right = folder.read("set/track.toml");
+        let words = |measured: &'static str, coasts: &'static str| Some(if column { measured } else { coasts });
+        for (factor, words) in [
+            (1.0, None),
+            (1.1, None),
+            (2.0, words("times too steep", "half as steep they would explain the coasts")),
+            (0.5, words("times too gentle", "twice as steep they would explain the coasts")),
+            (-1.0, words("the sign is turned", "with the sign turned")),
+        ] {
+            let changed = |line: &str| match line.split_once('=') {
+                Some((name, value)) if name.trim() == "permille" => {
+                    format!("permille = {}\n", factor * value.trim().parse::<f64>().unwrap())
+                }
+                _ => format!("{line}\n"),
+            };
+            folder.write("set/track.toml", &right.lines().map(changed).collect::<String>());
+            let Said { code, err: said, .. } = gap(&folder, "set/runs", &[]);
+            assert_eq!(code, Some(if words.is_some() { 3 } else { 0 }), "{column}, {factor}: {said}");
+            assert!(words.is_none_or(|words| said.contains(words)), "{column}, {factor}: {said}");
+        }
+    }
+}
+
+#[test]
 fn runs_that_are_nowhere_are_refused() {
     let folder = simulated(1, "");
     let Said { code, err: words, .. } = gap(&folder, "nowhere", &[]);

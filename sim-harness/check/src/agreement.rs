@@ -44,6 +44,12 @@ impl Figure {
     pub fn away_from(&self, value: f64) -> f64 {
         (self.value - value).abs() / self.sd
     }
+
+    /// The value of one of many, drawn to the usual one by what is known of both. `spread`: standard deviation of many such figures.
+    pub fn drawn(&self, usual: f64, spread: f64) -> f64 {
+        let between = (spread * spread - self.sd * self.sd).max(0.0);
+        usual + (self.value - usual) * between / (between + self.sd * self.sd).max(f64::MIN_POSITIVE)
+    }
 }
 
 /// What one run says.

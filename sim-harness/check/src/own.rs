@@ -102,8 +102,7 @@ fn drawn(recorder: &RecorderCheck, own: Figure) -> f64 {
     let (Some(usual), Some(spread_s)) = (recorder.skew_s, recorder.skew_spread_s) else {
         return own.value;
     };
-    let between = (spread_s * spread_s - own.sd * own.sd).max(0.0);
-    usual.value + (own.value - usual.value) * between / (between + own.sd * own.sd).max(f64::MIN_POSITIVE)
+    own.drawn(usual.value, spread_s)
 }
 
 impl Own {

@@ -1,6 +1,6 @@
 //! Whether these runs can be compared with this model at all: asked before anything is searched.
 
-use crate::config::GapConfig;
+use crate::config::{GapConfig, TrackConfig};
 use crate::data::believed::Context;
 use crate::data::cut;
 use crate::data::rows::Row;
@@ -10,6 +10,8 @@ use crate::fit::median;
 use crate::input::Input;
 use crate::investigation::most_held_out;
 use crate::refusal::Refusal;
+use crate::slopes;
+use rundown_check::agreement::Figure;
 use rundown_files::off_track::OffTrack;
 
 /// # Errors
@@ -36,6 +38,23 @@ pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> 
     let most = config.effort.most_factor;
     match effort_factor(input, given) {
         Some(factor) if !(1.0 / most..=most).contains(&factor) => Err(Refusal::EffortColumn { factor }),
+        _ => slopes(input, given),
+    }
+}
+
+/// The described slopes are those of the line: by the effort column, and without one, or where it does not show them, by the coasts.
+fn slopes(input: &Input, given: &Context<'_>) -> Result<(), Refusal> {
+    let TrackConfig { most_slope_factor: most, slope_sure: sure, .. } = given.config.track;
+    let found = slopes::factor(input, given);
+    // From the nearest factor that is taken for right.
+    let beyond = |factor: &Figure| factor.away_from(factor.value.clamp(1.0 / most, most));
+    match (found, input.gradient_doubt) {
+        (Some(factor), _) if beyond(&factor) > sure => {
+            Err(Refusal::Slopes { factor: factor.value, sd: factor.sd, most })
+        }
+        // Slopes that the effort column confirms are right, whatever coasts look like.
+        (Some(factor), _) if beyond(&factor) == 0.0 && factor.away_from(0.0) > sure => Ok(()),
+        (_, Some(doubt)) if doubt.is_decisive() => Err(Refusal::WrongGradients { doubt }),
         _ => Ok(()),
     }
 }

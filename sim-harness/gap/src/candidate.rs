@@ -348,6 +348,8 @@ pub struct Fitted {
     pub sd: Vec<f64>,
     /// Log-likelihood that would be lost without it.
     pub gain: f64,
+    /// How many times less than the noise says a difference of log-likelihood counts for it, at least 1: the noise does not fit, or runs differ.
+    pub dispersion: f64,
     pub section: Option<SectionLimits>,
     /// Limits of a shape that is a number.
     pub shape: Option<ShapeLimits>,

@@ -1,5 +1,6 @@
 //! What chance alone would make of a column: signs of whole runs flipped, and for probes that know no law what drivers do alike drawn beside them.
 
+use crate::config::GapConfig;
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::Base;
 use crate::noise::calibrate::Calibrated;
@@ -10,6 +11,7 @@ use nalgebra::DVector;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rundown_check::agreement::Figure;
 
 /// One draw: the signs of the runs, and how large each habit is in its standard deviations.
 pub struct Draw {
@@ -53,6 +55,8 @@ fn driven_less(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> 
 pub struct Probe {
     /// Of each run.
     pub runs: Vec<OfRun>,
+    /// Runs in which it acts.
+    acting: usize,
     /// Of all runs, weighed: what signs leave as it is.
     information: f64,
     /// Variance of the score by the noise alone, and by the habits that are drawn.
@@ -76,6 +80,12 @@ pub struct OfRun {
 }
 
 impl OfRun {
+    /// What a run says by itself: a multiple with its standard deviation.
+    pub fn of(multiple: Figure) -> Self {
+        let information = multiple.sd.powi(-2);
+        Self { score: multiple.value * information, information, weight: 1.0 }
+    }
+
     /// Its weight where the multiple has this variance between runs.
     pub fn weight_beside(&self, between: f64) -> f64 {
         1.0 / (1.0 + between * self.information)
@@ -139,7 +149,7 @@ impl<'a> Ground<'a> {
         let column = column.iter().zip(self.rows).map(|(value, row)| if steady(row) { *value } else { 0.0 });
         let column: Vec<f64> = column.collect();
         let acts = |r: &&core::ops::Range<usize>| column[(*r).clone()].iter().any(|value| *value != 0.0);
-        let enough = self.whitening.runs().iter().filter(acts).count() >= config.evidence.least_runs;
+        let acting = self.whitening.runs().iter().filter(acts).count();
         let column: DVector<f64> = base.beside(&self.whitening.whiten(&column));
         let runs = self.whitening.runs();
         let mut of_runs = self.scores(base, &column);
@@ -154,7 +164,8 @@ impl<'a> Ground<'a> {
         let noise = of_runs.iter().map(|run| run.weight.powi(2) * run.information).sum();
         let drawn = habits.iter().map(|habit| habit * habit).sum();
         let small = config.certainty.nothing_n_per_kg * information;
-        (enough && information > 0.0).then_some(Probe { runs: of_runs, information, noise, drawn, small, habits })
+        let enough = acting >= config.evidence.least_runs && information > 0.0;
+        enough.then_some(Probe { runs: of_runs, acting, information, noise, drawn, small, habits })
     }
 
     /// What a column makes of each run beside the base, which it may be a part of: for comparing runs with each other, where what all have alike cancels.
@@ -196,6 +207,11 @@ impl Probe {
     pub fn by_chance(&self, draw: &Draw) -> f64 {
         let habits = self.habits.iter().zip(&draw.habits).map(|(habit, size)| habit * size).sum();
         self.size(0.0, habits, |i| draw.signs[i])
+    }
+
+    /// Signs that are all alike change nothing: of too few runs they are so in more draws than a name may be chance in.
+    pub fn can_be_tried(&self, config: &GapConfig) -> bool {
+        (1.0 - self.acting as f64).exp2() <= config.certainty.chance
     }
 
     /// As it is.

@@ -69,6 +69,9 @@ impl<const N: usize> Climb<N> {
     }
 }
 
+/// Neighbours that are more alike make no finite variance of a mean.
+const MOST_ALIKE: f64 = 0.9;
+
 /// The middle of values in any order.
 pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
@@ -115,6 +118,18 @@ fn inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 impl Base {
+    /// How many times wider than the noise says differences of the log-likelihood scatter, at least 1: the mean square of what is left, which should be 1, times
+    /// what neighbours that are alike add to the variance of a mean. (Overdispersion; Burnham and Anderson 2002; autocorrelation of first order.)
+    pub fn dispersion(&self) -> f64 {
+        let free = self.residual.len().saturating_sub(self.x.ncols()).max(1);
+        let squares = self.residual.norm_squared();
+        let left = &self.residual;
+        let of_run = |run: &Range<usize>| (run.start + 1..run.end).map(|i| left[i - 1] * left[i]).sum::<f64>();
+        let alike = self.runs.iter().map(of_run).sum::<f64>() / squares.max(f64::MIN_POSITIVE);
+        let alike = alike.clamp(0.0, MOST_ALIKE);
+        (squares / free as f64 * (1.0 + alike) / (1.0 - alike)).max(1.0)
+    }
+
     /// Fits the current model. `None` if its columns are not independent.
     pub fn new(y: &DVector<f64>, columns: &[DVector<f64>], runs: &[Range<usize>]) -> Option<Self> {
         let x = if columns.is_empty() { DMatrix::zeros(y.len(), 0) } else { DMatrix::from_columns(columns) };
@@ -195,5 +210,35 @@ impl Base {
         // How much wider the spread between runs is than the noise model says, over the directions of these columns.
         let wider = robust.diagonal().iter().zip(naive.diagonal().iter()).map(|(r, n)| r / n).fold(1.0, f64::max);
         Some(Gain { gain: naive_gain / wider, naive_gain, without_best, beta, naive, robust })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Of 40 runs of 50 rows that scatter so many times wider than the noise says, each row with a share of the one before.
+    fn dispersion(wider: f64, carried: f64) -> f64 {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let mut before = 0.0;
+        let y = DVector::from_fn(2000, |_, _| {
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            before = carried * before + (1.0 - carried * carried).sqrt() * noise;
+            wider * before
+        });
+        let runs: Vec<Range<usize>> = (0..40).map(|run| 50 * run..50 * (run + 1)).collect();
+        Base::new(&y, &[DVector::from_element(2000, 1.0)], &runs).unwrap().dispersion()
+    }
+
+    #[test]
+    fn log_likelihoods_scatter_wider_where_the_noise_is_wider_or_neighbours_are_alike() {
+        assert!((1.0..1.15).contains(&dispersion(1.0, 0.0)));
+        assert_eq!(dispersion(0.5, 0.0), 1.0, "less noise than was said makes nothing surer");
+        assert!((dispersion(2.0, 0.0) / 4.0 - 1.0).abs() < 0.15);
+        // (1 + 0.5) / (1 - 0.5)
+        assert!((dispersion(1.0, 0.5) / 3.0 - 1.0).abs() < 0.2, "{}", dispersion(1.0, 0.5));
     }
 }

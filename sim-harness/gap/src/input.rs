@@ -4,7 +4,10 @@ use crate::data::load::Loaded;
 use crate::data::{believed::Surroundings, load, runs::Run};
 use crate::refusal::Refusal;
 use rundown::model::{track::Track, train::Train};
-use rundown_check::{Check, gradients::Coasts};
+use rundown_check::{
+    Check,
+    gradients::{Coasts, Doubt},
+};
 use rundown_files::folder::Provenance;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
@@ -34,6 +37,8 @@ pub struct Input {
     pub check: Option<Check>,
     /// Where the runs come from.
     pub dataset: String,
+    /// What coasts say of the described gradients; none where nothing is wrong, or nothing shows.
+    pub gradient_doubt: Option<Doubt>,
     /// When the work began, and the files that are read.
     pub provenance: Provenance,
     /// How many logs could not be used.
@@ -65,7 +70,8 @@ impl Described {
         let Loaded { runs, recordings, check, notes } = loaded;
         let mut coasts = Coasts::default();
         coasts.add(&recordings, &train);
-        let doubt = coasts.doubt(&train, &track).map(|doubt| format!("{doubt}; the gap is then theirs"));
+        let gradient_doubt = coasts.doubt(&train, &track);
+        let doubt = gradient_doubt.map(|doubt| format!("{doubt}; the gap is then theirs"));
         Input {
             train,
             train_file,
@@ -77,6 +83,7 @@ impl Described {
             recordings,
             check,
             dataset,
+            gradient_doubt,
             provenance,
             notes: notes.into_iter().chain(doubt).collect(),
         }

@@ -3,7 +3,7 @@
 //! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the training runs, evaluated on the others.
 
 use crate::analysis::analyse;
-use crate::config::HoldoutConfig;
+use crate::config::{GapConfig, HoldoutConfig};
 use crate::data::believed::{Conditions, Context};
 use crate::data::rows::Row;
 use crate::data::runs::{EffortReading, Run};
@@ -17,11 +17,15 @@ use crate::levels::{Standout, standouts};
 use crate::named::Named;
 use crate::naming::{names::named, on_line::on_line};
 use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
-use crate::readings::kinematics::scaled_recorders;
+use crate::readings::kinematics::{own_scales, scaled_recorders};
 use crate::readings::nuisances::{Nuisance, nuisances, righted};
-use crate::readings::wheels::{put_right, wheels};
-use crate::trials::trials;
+use crate::readings::wheels::{Wheel, put_right, wheels};
+use crate::traction::halves::halves;
+use crate::trial::Trial;
+use crate::trials::{of_scale, trials};
+use crate::verdict::{Grounds, Verdict};
 use rundown::model::effects::{Effect, EffectError, Effects};
+use rundown_check::agreement::Figure;
 
 /// What came of it.
 #[derive(Clone, Debug)]
@@ -62,31 +66,6 @@ pub struct Investigation {
     pub verdict: Verdict,
 }
 
-/// What an investigation comes to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// What the model does not explain is what sensors leave.
-    NoGap,
-    /// There is a gap, and no name for it.
-    Unknown,
-    /// Named effects remove a part of the gap.
-    PartlyExplained,
-    /// Named effects remove the gap.
-    Explained,
-}
-
-impl Verdict {
-    /// One word.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::NoGap => "no_gap",
-            Self::Unknown => "unknown",
-            Self::PartlyExplained => "partly_explained",
-            Self::Explained => "explained",
-        }
-    }
-}
-
 /// The most runs that can be held out.
 pub fn most_held_out(runs: usize, config: &HoldoutConfig) -> usize {
     runs.saturating_sub(config.least_training)
@@ -110,7 +89,8 @@ pub fn investigate(
 ) -> Result<Option<Investigation>, EffectError> {
     let config = given.config;
     progress("wheels: each run against the others");
-    let wheels = wheels(runs, given.surroundings, config);
+    let (wheels, doubted): (Vec<Wheel>, Vec<Wheel>) =
+        wheels(runs, given.surroundings, config).into_iter().partition(|wheel| stands(&wheel.trial(runs), config));
     let own_wheels: Vec<Run>;
     let runs = if wheels.is_empty() {
         runs
@@ -128,12 +108,12 @@ pub fn investigate(
     let nuisances = nuisances(&readings, findings.gain, config);
     nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let context = &Context { conditions: findings.conditions, ..*given };
-    let (mut named, candidates) = all_named(&findings, context, runs);
-    named.extend(wheels.iter().map(|wheel| wheel.named(runs, config.certainty.most_gain)));
-    named.extend(scaled_recorders(runs).into_iter().map(|(scale, of)| Named {
-        runs: of.into_iter().map(|i| runs[i].name.clone()).collect(),
-        ..Named::wheel(&scale, config)
-    }));
+    let (mut named, mut candidates) = all_named(&findings, context, runs);
+    let (units, others) = scaled_units(runs, config).into_iter().partition(|one| stands(&one.trial, config));
+    for (all, wheels, units) in [(&mut named, wheels, units), (&mut candidates, doubted, others)] {
+        let units: Vec<Named> = units;
+        all.extend(wheels.iter().map(|wheel| wheel.named(runs, config)).chain(units));
+    }
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let with = effects(&named)?;
     for one in &mut named {
@@ -156,13 +136,11 @@ pub fn investigate(
     }
     let gap = gap(&evaluation.compared, &config.holdout);
     let touched = touched(&evaluation.compared, &config.holdout);
+    let compared = (!evaluation.compared.is_empty()).then_some((&gap, touched.as_ref()));
+    let grounds = Grounds { named: &named, candidates: &candidates, p_value, p_value_after, gap: compared };
+    let verdict = grounds.verdict(config);
     Ok(Some(Investigation {
-        verdict: verdict(
-            context,
-            &named,
-            [p_value, p_value_after],
-            (!evaluation.compared.is_empty()).then_some((&gap, touched.as_ref())),
-        ),
+        verdict,
         gap,
         touched,
         findings,
@@ -214,10 +192,40 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
     }
     let trials = trials(context, &findings.rows, &findings.calibrated, &findings.terms, runs);
     for one in &mut all {
-        one.tried(one.term.and_then(|term| trials.get(term)).cloned().flatten());
+        let of_term = one.term.and_then(|term| trials.get(term)).cloned().flatten();
+        one.tried(of_term.or_else(|| of_readings_and_limits(one, findings, context.config, runs)), context.config);
     }
-    let stood = |one: &Named| one.trial.as_ref().is_none_or(|trial| trial.is_stood(context.config));
-    all.into_iter().partition(stood)
+    let (named, mut others): (Vec<Named>, Vec<Named>) =
+        all.into_iter().partition(|one| stands(&one.trial, context.config));
+    others.retain(|one| one.trial.as_ref().is_some_and(|trial| trial.is_beyond_chance(context.config)));
+    (named, others)
+}
+
+fn stands(trial: &Option<Trial>, config: &GapConfig) -> bool {
+    trial.as_ref().is_none_or(|trial| trial.is_stood(config))
+}
+
+/// The trial in halves of what leaves no mean residual: limits of the traction, and the wheel of all runs.
+fn of_readings_and_limits(one: &Named, findings: &Findings, config: &GapConfig, runs: &[Run]) -> Option<Trial> {
+    let limit = findings.limit(&config.search).filter(|limit| limit.effect.kind() == one.effect.kind());
+    match (&one.effect, limit) {
+        (_, Some(limit)) => Trial::by_halves(halves(limit, &findings.powering, runs, &config.traction)),
+        (Effect::SpeedScale(scale), _) => of_scale(scale.measured_over_true, &own_scales(runs), runs),
+        _ => None,
+    }
+}
+
+/// The wheels that the diagnosis of the logs has put right, where there are several units.
+fn scaled_units(runs: &[Run], config: &GapConfig) -> Vec<Named> {
+    let of_unit = |(scale, of): (Figure, Vec<usize>)| {
+        let mut each = own_scales(runs);
+        each.retain(|(run, _)| of.contains(run));
+        let names = of.into_iter().map(|i| runs[i].name.clone()).collect();
+        let mut named = Named { runs: names, ..Named::wheel(&scale, config) };
+        named.tried(of_scale(scale.value, &each, runs), config);
+        named
+    };
+    scaled_recorders(runs).into_iter().map(of_unit).collect()
 }
 
 /// Each run's wind in the `up` direction, with its standard deviation.
@@ -235,37 +243,4 @@ fn winds(
         (run.name.clone(), run.direction.sign() * headwind_mps, sd)
     };
     runs.iter().enumerate().map(of_run).collect()
-}
-
-/// `gap`: none where nothing could be compared.
-fn verdict(
-    context: &Context<'_>,
-    named: &[Named],
-    [p_value, p_value_after]: [f64; 2],
-    gap: Option<(&Share, Option<&Touched>)>,
-) -> Verdict {
-    let config = &context.config.holdout;
-    // The wheel of one run is put right before the gap is measured.
-    let of_one_run = |n: &Named| matches!(n.effect, Effect::SpeedScale(_)) && !n.runs.is_empty();
-    let unknown = |n: &Named| matches!(n.effect, Effect::Unknown(_));
-    if named.is_empty() {
-        return if p_value < context.config.evidence.sure { Verdict::Unknown } else { Verdict::NoGap };
-    }
-    if named.iter().all(of_one_run) {
-        return Verdict::Explained;
-    }
-    if named.iter().all(unknown) {
-        return Verdict::Unknown;
-    }
-    let removed = |(gap, touched): (&Share, Option<&Touched>)| {
-        let share = touched.map_or(gap, |touched| &touched.share);
-        let most = share.removed.is_some_and(|share| share >= config.explained);
-        // The noise floor may be too low; where nothing is left in the residuals and the hold-out runs have what was foreseen, that is all.
-        let foreseen =
-            |multiple: f64, low: f64| low > 0.0 && multiple < config.foreseen && multiple * config.foreseen > 1.0;
-        let nothing_left = p_value_after >= context.config.evidence.significant;
-        let all = touched.and_then(|touched| touched.multiple).is_some_and(|(one, (low, _))| foreseen(one, low));
-        (most || nothing_left && all) && !gap.is_worse(config)
-    };
-    if gap.is_some_and(removed) && !named.iter().any(unknown) { Verdict::Explained } else { Verdict::PartlyExplained }
 }

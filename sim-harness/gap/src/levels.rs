@@ -330,6 +330,7 @@ mod tests {
                     beta: vec![wrong_r0],
                     sd: vec![0.0],
                     gain: 0.0,
+                    dispersion: 1.0,
                     section: None,
                     shape: None,
                     rivals: Vec::new(),

@@ -65,9 +65,11 @@ mod noise;
 pub mod readings;
 pub mod refusal;
 mod search;
+mod slopes;
 mod traction;
 pub mod trial;
 mod trials;
+pub mod verdict;
 mod wording;
 
 pub use candidate::{HiddenSize, Hide};

@@ -18,7 +18,7 @@ pub struct Named {
     pub effect: Effect,
     /// 95 % intervals by parameter.
     pub intervals: Vec<Interval95>,
-    /// Probability that the name is right, among the rivals and chance.
+    /// Probability that the name is right, among the rivals and chance, as far as the runs repeat it.
     pub confidence: f64,
     /// Others that these data cannot separate from it.
     pub ambiguous_with: Vec<EffectKind>,
@@ -39,6 +39,11 @@ pub struct Named {
 /// Probability that a gain of log-likelihood is not chance; more than `most` of it counts no more.
 pub fn not_chance(gain: f64, most: f64) -> f64 {
     1.0 - f64::exp(-f64::min(gain, most) / 2.0)
+}
+
+/// A confidence beside further odds against the name.
+pub fn beside(confidence: f64, odds: f64) -> f64 {
+    1.0 / (1.0 / confidence + odds)
 }
 
 /// The 95 % interval of a parameter.
@@ -73,14 +78,17 @@ impl Named {
 
     /// Adds what may as well be it, with its odds and what would separate the two.
     pub fn rival(&mut self, kind: EffectKind, odds: f64, separated_by: &'static str) {
-        self.confidence = 1.0 / (1.0 / self.confidence + odds);
+        self.confidence = beside(self.confidence, odds);
         self.would_separate.push(separated_by);
         self.ambiguous_with.push(kind);
     }
 
-    /// Adds how it fared.
-    pub(crate) fn tried(&mut self, trial: Option<Trial>) {
-        self.confidence *= trial.as_ref().map_or(1.0, |trial| 1.0 - trial.p_value);
+    /// Adds how it fared: chance is one more rival, and halves that differ make all rivals likelier.
+    pub(crate) fn tried(&mut self, trial: Option<Trial>, config: &GapConfig) {
+        if let Some(trial) = &trial {
+            let against = 1.0 / self.confidence - 1.0 + trial.odds_of_chance();
+            self.confidence = 1.0 / (1.0 + against / trial.odds_of_repeating(config));
+        }
         self.trial = trial;
     }
 

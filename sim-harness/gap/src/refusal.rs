@@ -1,6 +1,7 @@
 //! Why there is no answer.
 
 use rundown::model::effects::EffectError;
+use rundown_check::gradients::Doubt;
 use rundown_files::off_track::OffTrack;
 use rundown_files::refusal::ReadError;
 use thiserror::Error;
@@ -71,6 +72,25 @@ pub enum Refusal {
         /// The largest with which anything can be said.
         most_permille: f64,
     },
+    /// The slopes of the whole track are not those of the line.
+    #[error(
+        "track: gradients: expected those that the motion of the trains needs, found slopes of which it needs {factor:.2} times (standard deviation over parts of the line {sd:.2}): {}; nothing was written",
+        misdescribed(*factor, *most)
+    )]
+    Slopes {
+        /// Times the described slopes that the motion needs.
+        factor: f64,
+        /// Its standard deviation, from parts of the line.
+        sd: f64,
+        /// The largest factor that is taken for right.
+        most: f64,
+    },
+    /// Coasts say that the gradients are wrong.
+    #[error("track: {doubt}; the gap would be theirs; nothing was written")]
+    WrongGradients {
+        /// What coasts say.
+        doubt: Doubt,
+    },
     /// No run has enough.
     #[error(
         "{runs} runs have too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written"
@@ -82,6 +102,19 @@ pub enum Refusal {
     /// What was found is more than a board takes.
     #[error("what was found cannot be put into a model: {0}; nothing was written")]
     Effects(#[from] EffectError),
+}
+
+/// What slopes look like of which the motion needs so many times.
+fn misdescribed(factor: f64, most: f64) -> String {
+    if (-most..=-1.0 / most).contains(&factor) {
+        "the sign is turned (uphill is positive)".to_owned()
+    } else if factor < 0.3 {
+        "they are those of another line, or stand elsewhere along it".to_owned()
+    } else if factor < 1.0 {
+        format!("they are {:.1} times too steep, or in another unit", 1.0 / factor)
+    } else {
+        format!("they are {factor:.1} times too gentle, or in another unit")
+    }
 }
 
 /// What an effort column needs that is off by so much.

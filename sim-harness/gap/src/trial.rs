@@ -1,10 +1,10 @@
-//! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it is told as a candidate.
+//! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it is chance, or a candidate.
 //!
 //! The column of the term (see `trials.rs`), its shape and coefficients as found, is tried beside the other terms as the probes of the evidence are: by signs
 //! of whole runs and habits of drivers. It was looked for, so it must exceed the largest that chance makes of it or of any probe. And it must say the same in
 //! both halves of the runs: by their order, by the date, by direction, by unit.
 
-use crate::config::GapConfig;
+use crate::config::{CertaintyConfig, GapConfig};
 use crate::data::runs::Run;
 use crate::fit::median;
 use rundown::model::direction::Direction;
@@ -15,8 +15,8 @@ use std::collections::BTreeMap;
 /// How a term fared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// Probability that chance alone makes as much of this term, or of any probe.
-    pub p_value: f64,
+    /// Probability that chance alone makes as much of this term, or of any probe; none: it shows in limits or readings, and is tried in halves alone.
+    pub p_value: Option<f64>,
     /// Where the runs could be halved: the term in both halves, as a multiple of what all runs say.
     pub halves: Vec<Halves>,
 }
@@ -105,12 +105,24 @@ impl By {
 impl Halves {
     /// The halves differ by more than chance, or one of them that could show it shows none.
     pub fn contradict(&self, config: &GapConfig) -> bool {
-        let [a, b] = self.multiples;
         let telling = |half: &Figure| half.sd < config.certainty.telling_half;
-        let sure = of_few(config.certainty.halves, self.freedom);
-        (a.value - b.value).abs() > sure * a.sd.hypot(b.sd) + config.certainty.halves_apart
+        self.apart(config) > config.certainty.halves
             || self.multiples.iter().any(|half| telling(half) && half.value <= 0.0)
     }
+
+    /// By how many standard deviations they differ beyond what halves may, as if these were known from many runs.
+    fn apart(&self, config: &GapConfig) -> f64 {
+        let [a, b] = self.multiples;
+        let CertaintyConfig { halves, halves_apart, .. } = config.certainty;
+        let beyond = ((a.value - b.value).abs() - halves_apart).max(0.0) / a.sd.hypot(b.sd);
+        beyond * halves / of_few(halves, self.freedom)
+    }
+}
+
+/// The least that a p-value leaves of the odds of its null hypothesis, whatever the alternative: -e p ln p, which is 1 from 1/e on. (Sellke, Bayarri and Berger
+/// 2001, calibration of p-values.) A p-value of 0.05 leaves 0.41, one of 0.001 leaves 0.019.
+fn left_of_null(p_value: f64) -> f64 {
+    if p_value > 0.0 && p_value < (-1.0_f64).exp() { -core::f64::consts::E * p_value * p_value.ln() } else { 1.0 }
 }
 
 /// The quantile of Student's t beside this one of the normal distribution, by its series in 1/freedom. (Cornish and Fisher 1938.) Below two no difference is sure.
@@ -129,11 +141,34 @@ fn of_few(z: f64, freedom: f64) -> f64 {
 
 impl Trial {
     /// Of a term that acts in too few runs to be told from chance.
-    pub(crate) const IMPOSSIBLE: Self = Self { p_value: 1.0, halves: Vec::new() };
+    pub(crate) const IMPOSSIBLE: Self = Self { p_value: Some(1.0), halves: Vec::new() };
+
+    /// Of what leaves no mean residual; none where the runs cannot be halved.
+    pub(crate) fn by_halves(halves: Vec<Halves>) -> Option<Self> {
+        (!halves.is_empty()).then_some(Self { p_value: None, halves })
+    }
 
     /// It is no chance, and repeats.
     pub fn is_stood(&self, config: &GapConfig) -> bool {
-        self.p_value <= config.certainty.chance && !self.halves.iter().any(|halves| halves.contradict(config))
+        self.p_value.is_none_or(|p| p <= config.certainty.chance)
+            && !self.halves.iter().any(|halves| halves.contradict(config))
+    }
+
+    /// Something may be there, with a name or without: what acts in few runs is not known to be chance.
+    pub(crate) fn is_beyond_chance(&self, config: &GapConfig) -> bool {
+        *self == Self::IMPOSSIBLE || self.p_value.is_none_or(|p| p <= config.certainty.chance)
+    }
+
+    /// Odds of chance against the name.
+    pub(crate) fn odds_of_chance(&self) -> f64 {
+        self.p_value.map_or(0.0, left_of_null)
+    }
+
+    /// What the halves leave of the odds that it is the same in all runs; 1 where they agree. The worst of several halvings counts, each as often as it is tried.
+    pub(crate) fn odds_of_repeating(&self, config: &GapConfig) -> f64 {
+        let apart = self.halves.iter().map(|halves| halves.apart(config)).fold(0.0, f64::max);
+        let by_chance = libm::erfc(apart / core::f64::consts::SQRT_2) * self.halves.len() as f64;
+        if self.halves.is_empty() { 1.0 } else { left_of_null(by_chance) }
     }
 
     /// As in `gap.json`.
@@ -156,10 +191,7 @@ impl Trial {
             };
             return format!("it does not repeat: it is {} and {}", of(0), of(1));
         }
-        if *self == Self::IMPOSSIBLE {
-            return "it acts in too few runs, or together with too much else, to be told from chance".to_owned();
-        }
-        format!("chance alone makes as much of it in {:.0} % of draws", 100.0 * self.p_value)
+        "it acts in too few runs, or together with too much else, to be told from chance".to_owned()
     }
 }
 
@@ -188,6 +220,41 @@ mod tests {
         assert!(halves(2.1, 30.0) && !halves(2.1, 4.0) && !halves(1.7, 30.0));
         assert!(halves(2.5, 6.0) && !halves(2.5, 1.0));
         assert!(halves(-0.1, 1.0), "a half that could show it shows none");
+    }
+
+    #[test]
+    fn confidence_falls_with_chance_and_with_halves_that_differ() {
+        // -e p ln p, by hand: e * 0.05 * 2.996 and e * 0.001 * 6.908.
+        for (p_value, left) in [(0.05, 0.407), (0.001, 0.0188), (0.5, 1.0), (0.0, 1.0)] {
+            assert!((left_of_null(p_value) - left).abs() < 1e-3, "{p_value}");
+        }
+        let config = GapConfig::default();
+        let confidence = |p_value: f64, second: f64| {
+            let of = |value: f64| Figure { value, sd: 0.1 };
+            let halves = Halves { by: By::Turn, multiples: [of(1.0), of(second)], freedom: 1e6 };
+            let trial = Trial { p_value: Some(p_value), halves: vec![halves] };
+            let effect = rundown::model::effects::MassError { relative: 0.1 }.into();
+            let mut named = crate::named::Named::plain(effect, Vec::new(), 60.0, 60.0);
+            named.tried(Some(trial), &config);
+            named.confidence
+        };
+        // Halves may differ by a half of the effect; at 0.3 beyond that, 2.1 standard deviations, the odds of 53 to 1 are 16 to 1.
+        assert!((confidence(0.001, 1.0) - 0.982).abs() < 1e-3 && (confidence(0.001, 1.4) - 0.982).abs() < 1e-3);
+        assert!((confidence(0.001, 1.8) - 0.941).abs() < 3e-3, "{}", confidence(0.001, 1.8));
+        assert!((confidence(0.03, 1.0) - 0.778).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_chance_makes_often_is_no_candidate_and_what_acts_in_few_runs_is_one() {
+        let config = GapConfig::default();
+        let trial = |p_value: f64| Trial { p_value: Some(p_value), halves: Vec::new() };
+        assert!(trial(0.03).is_stood(&config));
+        assert!(!trial(0.04).is_stood(&config) && !trial(0.04).is_beyond_chance(&config));
+        assert!(!Trial::IMPOSSIBLE.is_stood(&config) && Trial::IMPOSSIBLE.is_beyond_chance(&config));
+        let of = |value: f64| Figure { value, sd: 0.1 };
+        let halves = vec![Halves { by: By::Turn, multiples: [of(2.0), of(0.0)], freedom: 1e6 }];
+        let twice = Trial { p_value: Some(0.001), halves };
+        assert!(!twice.is_stood(&config) && twice.is_beyond_chance(&config));
     }
 
     #[test]

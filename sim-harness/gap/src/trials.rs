@@ -29,10 +29,10 @@ pub fn trials(
     let of_term = |(index, fitted): (usize, &Fitted)| {
         let others = columns.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, column)| column.clone());
         let base = ground.beside(&others.collect::<Vec<_>>())?;
-        let probe = ground.probe(&base, &columns[index])?;
+        let probe = ground.probe(&base, &columns[index]).filter(|probe| probe.can_be_tried(context.config))?;
         let observed = probe.observed();
         let reached = draws.iter().filter(|(most, draw)| most.max(probe.by_chance(draw)) >= observed).count();
-        Some(Trial { p_value: probability(reached, flips), halves: halves(&probe, &fitted.term, rows, runs) })
+        Some(Trial { p_value: Some(probability(reached, flips)), halves: halves(&probe, &fitted.term, rows, runs) })
     };
     let tried = |one: (usize, &Fitted)| is_tried(&one.1.term).then(|| of_term(one).unwrap_or(Trial::IMPOSSIBLE));
     model.iter().enumerate().map(tried).collect()
@@ -50,13 +50,28 @@ fn is_tried(term: &Term) -> bool {
 
 /// The multiple of a column in halves of the runs; not by date what changes with it.
 fn halves(probe: &Probe, term: &Term, rows: &[Row], runs: &[Run]) -> Vec<Halves> {
-    let of_rows: Vec<usize> =
-        rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| rows[0].interval.run).collect();
+    let of_rows = rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| rows[0].interval.run);
+    let each: Vec<(usize, OfRun)> = of_rows.zip(probe.runs.iter().copied()).collect();
+    let mut all = in_halves(&each, runs);
+    all.retain(|halves| !(term.between_runs() && halves.by == By::Date));
+    all
+}
+
+/// A scale in halves of the runs that say something of it; none where they cannot be halved. `each`: index of a run, and the scale by it alone.
+pub(crate) fn of_scale(scale: f64, each: &[(usize, Figure)], runs: &[Run]) -> Option<Trial> {
+    let off = scale - 1.0;
+    let multiple = |one: &Figure| Figure { value: (one.value - 1.0) / off, sd: one.sd / off.abs() };
+    let each: Vec<(usize, OfRun)> = each.iter().map(|(run, one)| (*run, OfRun::of(multiple(one)))).collect();
+    Trial::by_halves(in_halves(&each, runs))
+}
+
+/// Wherever runs can be halved, the mean of both halves. `each`: index of a run, and what it says.
+pub(crate) fn in_halves(each: &[(usize, OfRun)], runs: &[Run]) -> Vec<Halves> {
     let of = |by: By| {
         let half_of = by.halves_of(runs);
         let inside = |wanted: usize| {
-            let of_half = probe.runs.iter().zip(&of_rows).filter(|(_, run)| half_of[**run] == Some(wanted));
-            of_half.map(|(of_run, _)| *of_run).collect::<Vec<OfRun>>()
+            let of_half = each.iter().filter(|(run, _)| half_of[*run] == Some(wanted));
+            of_half.map(|(_, of_run)| *of_run).collect::<Vec<OfRun>>()
         };
         let both = [inside(0), inside(1)];
         // As runs scatter within the halves.
@@ -73,8 +88,7 @@ fn halves(probe: &Probe, term: &Term, rows: &[Row], runs: &[Run]) -> Vec<Halves>
         let [(first, free), (second, also)] = [figure(&both[0])?, figure(&both[1])?];
         Some(Halves { by, multiples: [first, second], freedom: (free + also).max(0.0) })
     };
-    let told = |by: &By| !(term.between_runs() && *by == By::Date);
-    By::ALL.into_iter().filter(told).filter_map(of).collect()
+    By::ALL.into_iter().filter_map(of).collect()
 }
 
 #[cfg(test)]
@@ -126,8 +140,16 @@ mod tests {
                 let noise: f64 = StandardNormal.sample(&mut rng);
                 row.residual_n_per_kg = 0.01 * noise + multiple(row.interval.run) * extra;
             }
-            let fitted =
-                Fitted { term, beta, sd: vec![0.0], gain: 0.0, section: None, shape: None, rivals: Vec::new() };
+            let fitted = Fitted {
+                term,
+                beta,
+                sd: vec![0.0],
+                gain: 0.0,
+                dispersion: 1.0,
+                section: None,
+                shape: None,
+                rivals: Vec::new(),
+            };
             trials(context, &rows, &calibrated, &[fitted], &runs).remove(0).unwrap()
         })
     }
@@ -147,7 +169,7 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_chance() {
-        let stood = (0..20).filter(|seed| trial(*seed, |_| 0.0).p_value <= 0.05).count();
+        let stood = (0..20).filter(|seed| trial(*seed, |_| 0.0).p_value.is_some_and(|p| p <= 0.05)).count();
         // The section is given and not looked for, so fewer than one in twenty.
         assert!(stood <= 3, "{stood} of 20");
     }
@@ -157,7 +179,10 @@ mod tests {
         for seed in 0..5 {
             let trial = trial(seed, |run| if run < RUNS / 2 { 0.0 } else { 2.0 });
             let config = GapConfig::default();
-            assert!(trial.p_value <= config.certainty.chance && !trial.is_stood(&config), "{trial:?}");
+            assert!(
+                trial.p_value.is_some_and(|p| p <= config.certainty.chance) && !trial.is_stood(&config),
+                "{trial:?}"
+            );
             assert!(trial.sentence(&config).contains("in the earlier days"), "{}", trial.sentence(&config));
         }
     }

@@ -22,7 +22,7 @@ pub struct Gap {
 
 #[pymethods]
 impl Gap {
-    /// The verdict in one word: `explained`, `no_gap`, ...
+    /// The verdict in one word: `explained`, `partly_explained`, `unknown` (a gap without a name), `candidate` (something may be missing that these runs cannot name) or `no_gap`.
     #[getter]
     fn verdict(&self) -> String {
         self.answer.found.verdict.name().to_owned()

@@ -12,6 +12,7 @@ pub const DRAWN: &[[&str; 4]] = &[
     ["[].ask.seed", "", "seed of the set", ""],
     ["[].hidden", "", "the hidden effects with their parameters, for people", ""],
     ["[].data", "", "mass of the train, drivers, directions and sampling, for people", ""],
+    ["[].score.verdict", "", "the verdict in one word, as in `gap.json`", ""],
     ["[].score.key[]", "", "names of the hidden effects, sorted; `unknown` for what is in no catalogue", ""],
     ["[].score.found[]", "", "names that were given, sorted", ""],
     [
@@ -56,6 +57,7 @@ pub const DRAWN: &[[&str; 4]] = &[
 pub const OF_FOLDER: &[[&str; 4]] = &[
     ["[].set", "", "folder of the set", ""],
     ["[].effort", "", "whether the effort column was left in", ""],
+    ["[].verdict", "", "the verdict in one word, as in `gap.json`; `no_gap` where the set was refused", ""],
     ["[].size", "", "`magnitude_class` of the key, empty without one", ""],
     ["[].hidden[]", "", "names of the key", ""],
     ["[].found[].name", "", "a name that was given", ""],

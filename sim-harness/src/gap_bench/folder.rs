@@ -5,6 +5,7 @@ use super::score::{MOST_RIVALS, one_to_one};
 use super::table::{reliability, yes};
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::input::Input;
+use rundown_gap::verdict::Verdict;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -54,6 +55,8 @@ pub struct Judged {
     pub set: String,
     /// With or without an effort column.
     pub effort: bool,
+    /// The verdict in one word; `no_gap` where it was refused or nothing could be compared.
+    pub verdict: &'static str,
     /// In a word.
     pub size: String,
     /// Names of the key.
@@ -180,6 +183,7 @@ impl Judged {
         Self {
             set: set.to_owned(),
             effort,
+            verdict: investigation.as_ref().map_or(Verdict::NoGap, |found| found.verdict).name(),
             size: key.magnitude_class.clone(),
             named,
             shared,
@@ -213,8 +217,8 @@ impl Judged {
         let efforts = if self.effort { "effort" } else { "no effort" };
         let refused = self.refused.as_ref().map_or(String::new(), |reason| format!("; refused: {reason}"));
         format!(
-            "{word:<6} {:<8} {efforts:<9} {:<6} {hidden}: {found}{candidates}, p {:.3}{refused}\n",
-            self.set, self.size, self.p_value
+            "{word:<6} {:<8} {efforts:<9} {:<6} {hidden}: {found}{candidates}, {}, p {:.3}{refused}\n",
+            self.set, self.size, self.verdict, self.p_value
         )
     }
 }
@@ -230,7 +234,7 @@ fn shares(judged: &[Judged]) -> String {
     let mut text = String::from(
         "### Sets of others\n\nNamed: every effect, or one that the key takes for as good, and no other. Shared: the same, where it may stand among at most two \
         rivals. Wrong: sets with a name that is not the key's.\n\n\
-        | effort column | hidden | size | sets | named | named or shared | wrong | p-value below 0.05 |\n|---|---|---|---|---|---|---|---|\n",
+        | effort column | hidden | size | sets | named | named or shared | wrong | nothing named but `candidate` | p-value below 0.05 |\n|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut groups: BTreeMap<(bool, usize, &str), Vec<&Judged>> = BTreeMap::new();
     for one in judged {
@@ -240,13 +244,14 @@ fn shares(judged: &[Judged]) -> String {
     for ((without, hidden, size), sets) in groups {
         let count = |of: &dyn Fn(&Judged) -> bool| sets.iter().filter(|one| of(one)).count();
         text.push_str(&format!(
-            "| {} | {hidden} | {} | {} | {} | {} | {} | {} |\n",
+            "| {} | {hidden} | {} | {} | {} | {} | {} | {} | {} |\n",
             yes(!without),
             if size.is_empty() { "-" } else { size },
             sets.len(),
             count(&|one| one.named),
             count(&|one| one.named || one.shared),
             count(&|one| one.found.iter().any(|name| !name.right)),
+            count(&|one| one.verdict == Verdict::Candidate.name()),
             count(&|one| one.p_value < 0.05),
         ));
     }
@@ -262,6 +267,7 @@ mod tests {
         Judged {
             set: "a".to_owned(),
             effort: true,
+            verdict: if found.is_empty() { Verdict::Candidate } else { Verdict::Explained }.name(),
             size: "faint".to_owned(),
             hidden: hidden.iter().map(ToString::to_string).collect(),
             found: found
@@ -285,8 +291,8 @@ mod tests {
             judged(&["mass_error"], &[]),
         ];
         let text = tables(&sets);
-        assert!(text.contains("| yes | 0 | - | 1 | 0 | 0 | 1 | 1 |"), "{text}");
-        assert!(text.contains("| yes | 1 | faint | 2 | 0 | 0 | 0 | 2 |"), "{text}");
+        assert!(text.contains("| yes | 0 | - | 1 | 0 | 0 | 1 | 0 | 1 |"), "{text}");
+        assert!(text.contains("| yes | 1 | faint | 2 | 0 | 0 | 0 | 1 | 2 |"), "{text}");
         assert!(text.contains("| 0.9 to 0.99 | 2 | 0.95 | 0.50 (1/2) |"), "{text}");
     }
 

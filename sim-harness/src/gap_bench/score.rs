@@ -7,6 +7,7 @@ use rundown_check::agreement::Figure;
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::candidates;
 use rundown_gap::named::Named;
+use rundown_gap::verdict::Verdict;
 use rundown_truth::effects::Effect as Hidden;
 use rundown_truth::train::{DavisTruth, TrainTruth};
 use serde::Serialize;
@@ -18,6 +19,8 @@ pub(super) const MOST_RIVALS: usize = 2;
 /// What an investigation is worth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Score {
+    /// The verdict in one word; `no_gap` where nothing could be compared.
+    pub verdict: &'static str,
     /// Names of the key, sorted; `unknown` for what is in no catalogue.
     pub key: Vec<&'static str>,
     /// Names found, sorted.
@@ -55,6 +58,11 @@ pub struct Score {
 }
 
 impl Score {
+    /// Something is there, and nothing of it was named.
+    pub fn is_candidate(&self) -> bool {
+        self.verdict == Verdict::Candidate.name()
+    }
+
     /// Compares. `None` instead of an investigation: nothing was found because nothing could be compared.
     pub fn of(set: &Set, answer: Option<&Answer>) -> Self {
         let found = answer.map(|answer| &answer.found);
@@ -65,6 +73,7 @@ impl Score {
         let mut names: Vec<&'static str> = named.iter().map(|n| n.effect.name()).collect();
         names.sort_unstable();
         let mut score = Self {
+            verdict: found.map_or(Verdict::NoGap, |f| f.verdict).name(),
             exact: names == key,
             shared: names.len() == key.len() && one_to_one(&key, named, |n| n.effect.name(), is_rival),
             coordinate: None,

@@ -52,7 +52,7 @@ pub fn reliability(names: &[(f64, bool)]) -> String {
 
 fn false_alarms(done: &[Done]) -> String {
     let mut text = String::from(
-        "### Nothing hidden\n\n| effort column | sensors | sets | false alarms | p-value below 0.05 |\n|---|---|---|---|---|\n",
+        "### Nothing hidden\n\n| effort column | sensors | sets | false alarms | nothing named but `candidate` | p-value below 0.05 |\n|---|---|---|---|---|---|\n",
     );
     for effort in [true, false] {
         for dirty in [false, true] {
@@ -66,8 +66,9 @@ fn false_alarms(done: &[Done]) -> String {
             }
             let alarms = sets.iter().filter(|d| !d.score.exact).count();
             let low = sets.iter().filter(|d| d.score.p_value < 0.05).count();
+            let unnamed = sets.iter().filter(|d| d.score.is_candidate()).count();
             text.push_str(&format!(
-                "| {} | {} | {} | {alarms} | {low} |\n",
+                "| {} | {} | {} | {alarms} | {unnamed} | {low} |\n",
                 yes(effort),
                 if dirty { "dirty" } else { "clean" },
                 sets.len()

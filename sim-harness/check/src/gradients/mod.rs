@@ -52,6 +52,10 @@ pub enum Version {
     PerCent,
     /// Ten times less steep.
     TenthOfIt,
+    /// Twice as steep.
+    TwiceOfIt,
+    /// Half as steep.
+    HalfOfIt,
     /// A level line: the described gradients belong to another one.
     Level,
     /// Described from the other end.
@@ -68,6 +72,8 @@ impl Version {
             Self::SignTurned => "sign_turned",
             Self::PerCent => "per_cent",
             Self::TenthOfIt => "tenth_of_it",
+            Self::TwiceOfIt => "twice_of_it",
+            Self::HalfOfIt => "half_of_it",
             Self::Level => "level",
             Self::OtherEnd => "other_end",
             Self::Shifted(_) => "shifted",
@@ -96,6 +102,8 @@ impl fmt::Display for Version {
             Self::SignTurned => write!(f, "with the sign turned (downhill where uphill is described)"),
             Self::PerCent => write!(f, "ten times as steep (per cent written as permille)"),
             Self::TenthOfIt => write!(f, "a tenth as steep (permille multiplied by ten)"),
+            Self::TwiceOfIt => write!(f, "twice as steep"),
+            Self::HalfOfIt => write!(f, "half as steep"),
             Self::Level => write!(f, "without any (they are those of another line)"),
             Self::OtherEnd => write!(f, "described from the other end of the line"),
             Self::Shifted(by_m) => write!(f, "moved by {:+.1} km along the line", -by_m / 1000.0),
@@ -118,6 +126,22 @@ pub struct Doubt {
     pub stretches: usize,
     /// By how much the described gradients are off, root mean square over these stretches, permille.
     pub off_permille: f64,
+}
+
+impl Doubt {
+    /// The described slopes have the wrong sign or scale: with another one they leave no more scatter than coasts have, and as described they leave more. No
+    /// other version decides: short hops on a right line at times look like a level line, which a tenth all but is, or another place.
+    pub fn is_decisive(&self) -> bool {
+        let scaled = match self.better {
+            Version::SignTurned | Version::PerCent | Version::TwiceOfIt | Version::HalfOfIt => true,
+            Version::Described | Version::TenthOfIt | Version::Level | Version::OtherEnd | Version::Shifted(_) => false,
+        };
+        scaled && explains(self.sd_n_per_kg) && !explains(self.described_sd_n_per_kg)
+    }
+}
+
+fn explains(sd_n_per_kg: f64) -> bool {
+    sd_n_per_kg < EXPLAINED * MOST_SD_N_PER_KG
 }
 
 impl fmt::Display for Doubt {
@@ -163,11 +187,22 @@ impl Coasts {
         let steps = (MOST_SHIFT_M / SHIFT_STEP_M) as i32;
         let shifts = (-steps..=steps).map(|step| f64::from(step) * SHIFT_STEP_M);
         let shifts = shifts.filter(|by_m| by_m.abs() >= LEAST_SHIFT_M).map(Version::Shifted);
-        let fixed = [Version::SignTurned, Version::PerCent, Version::TenthOfIt, Version::Level, Version::OtherEnd];
+        let fixed = [
+            Version::SignTurned,
+            Version::PerCent,
+            Version::TenthOfIt,
+            Version::TwiceOfIt,
+            Version::HalfOfIt,
+            Version::Level,
+            Version::OtherEnd,
+        ];
         let tried = fixed.into_iter().chain(shifts).filter_map(|version| Some((version, fit(&climbs(version))?)));
+        // Between the described slopes and none there is always something that fits a little better.
+        let is_between = |version: &Version| matches!(version, Version::TwiceOfIt | Version::HalfOfIt);
+        let tried = tried.filter(|(version, fit)| !is_between(version) || explains(fit.sd_n_per_kg));
         let (nearest, best) = tried.max_by(|a, b| a.1.log_likelihood().total_cmp(&b.1.log_likelihood()))?;
         // Two lines may be alike by chance; the right gradients leave no such scatter.
-        let better = if best.sd_n_per_kg < EXPLAINED * MOST_SD_N_PER_KG { nearest } else { Version::Level };
+        let better = if explains(best.sd_n_per_kg) { nearest } else { Version::Level };
         let better_n_per_kg = climbs(better);
         let described_sd = described.sd_of(&self.stretches, &described_n_per_kg, &best.shares);
         let agree = (0..2).all(|half| best.by_half[half] - described.by_half[half] > LEAST_GAIN);
@@ -192,6 +227,8 @@ impl Coasts {
                 Version::SignTurned => -under(front_m, stretch.direction),
                 Version::PerCent => 10.0 * under(front_m, stretch.direction),
                 Version::TenthOfIt => 0.1 * under(front_m, stretch.direction),
+                Version::TwiceOfIt => 2.0 * under(front_m, stretch.direction),
+                Version::HalfOfIt => 0.5 * under(front_m, stretch.direction),
                 Version::Level => 0.0,
                 Version::OtherEnd => under(track.length_m() - front_m, opposite(stretch.direction)),
                 Version::Shifted(by_m) => under(front_m + by_m, stretch.direction),

@@ -14,7 +14,8 @@ pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column,
 
 const NOTHING_COMPARED: &str = "nothing was compared";
 const NOT_TOUCHED: &str = "absent: the effects move hardly a speed";
-const NOT_TRIED: &str = "it shows in limits, readings or differences between runs";
+const NOT_TRIED: &str = "it shows in differences between runs, in a lag or in a single run";
+const IN_HALVES: &str = "as for `halves`, and for limits and wheels, which are tried in halves alone";
 const NO_ROWS: &str = "no interval has a residual";
 
 /// What stands in `gap.json`: path, unit, meaning, when it is null; `absent: ..` says when the key is not there.
@@ -23,7 +24,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs", "", "runs that were used", ""],
     ["runs_left_out", "", "logs that could not be used", ""],
     ["diagnosis.*", "", "as `rundown check --json` prints it", "the logs were taken as recorded"],
-    ["verdict", "", "the verdict in one word", ""],
+    ["verdict", "", "`no_gap`, `candidate`, `unknown`, `partly_explained` or `explained`", ""],
     ["nuisances[].name", "", "what is wrong with the readings of all runs alike", ""],
     ["nuisances[].unit", "", "unit of its value", ""],
     ["nuisances[].value", "as `unit`", "how much", ""],
@@ -36,7 +37,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["effects[].to_m", "m", "end of its section", "it acts everywhere"],
     ["effects[].parameters.*", "as `rundown gap --explain NAME` says", "its parameters", ""],
     ["effects[].intervals_95.*", "as the parameter", "ends of their 95 % intervals", ""],
-    ["effects[].confidence", "1", "how sure its name is", ""],
+    ["effects[].confidence", "1", "how sure its name is: its share among rivals, chance and halves that differ", ""],
     ["effects[].ambiguous_with[]", "", "effects that it is not distinguishable from", ""],
     ["effects[].would_separate[]", "", "data that would separate them", "there is no rival"],
     ["effects[].runs[]", "", "runs in which it acts; empty: in all", ""],
@@ -51,7 +52,7 @@ pub const FIELDS: &[[&str; 4]] = &[
         "`run`, `value` and `sd` of an effect that differs from run to run",
         "absent: it does not",
     ],
-    ["effects[].trial.p_value", "1", "how often chance alone makes as much of it", NOT_TRIED],
+    ["effects[].trial.p_value", "1", "how often chance alone makes as much of it", IN_HALVES],
     ["effects[].trial.halves[].by", "", "how the runs are halved: `turn`, `date`, `direction`, `unit`", NOT_TRIED],
     ["effects[].trial.halves[].halves[]", "", "what the halves are", NOT_TRIED],
     ["effects[].trial.halves[].multiples[].multiple", "1", "how large it is in each half, over all runs", NOT_TRIED],

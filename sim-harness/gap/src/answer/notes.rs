@@ -154,9 +154,14 @@ fn other_names(found: &Investigation) -> Option<String> {
 fn candidate(answer: &Answer, one: &Named) -> String {
     let what = candidates::of_effect(&one.effect).sentence(one, &answer.context());
     let why = one.trial.as_ref().map_or_else(String::new, |trial| trial.sentence(&answer.config));
-    format!(
+    let mut text = format!(
         "A candidate, not a name: {what}. It is not in the repaired model, because {why}. More runs would settle it."
-    )
+    );
+    let is_right = answer.input.runs.iter().any(|run| run.recorded.scale.is_some());
+    if is_right && matches!(one.effect, Effect::SpeedScale(_)) {
+        text.push_str(" The diagnosis of the logs has put the speeds right by it nevertheless.");
+    }
+    text
 }
 
 /// Where p-value and verdict seem to say different things.

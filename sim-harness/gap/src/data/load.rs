@@ -208,8 +208,7 @@ fn skew_s(recorder: &RecorderCheck, run: &RunCheck) -> f64 {
     let (Some(own), Some(spread_s)) = (run.skew_s, recorder.skew_spread_s) else {
         return usual;
     };
-    let between = (spread_s * spread_s - own.sd * own.sd).max(0.0);
-    usual + (own.value - usual) * between / (between + own.sd * own.sd).max(f64::MIN_POSITIVE)
+    own.drawn(usual, spread_s)
 }
 
 /// What is doubtful about the described gradients.

@@ -3,17 +3,17 @@
 use crate::candidate::{Fitted, Naming, Odds, Shape, Term};
 use crate::candidates::tunnel_drag::renamed;
 use crate::candidates::{self, mass_error, separates};
-use crate::named::{Named, around, not_chance};
+use crate::named::{Named, around, beside, not_chance};
 use crate::traction::limit::FoundLimit;
 use rundown::model::effects::{Effect, EffectKind, MassError};
 
 /// All that was found, by name, the largest gain first.
 pub fn named(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) -> Vec<Named> {
     let mut all: Vec<Named> = Vec::new();
-    let beside = |kind: EffectKind| candidates::of(kind).beside(naming).map(|found| with_rivals(found, naming));
+    let of_kind = |kind: EffectKind| candidates::of(kind).beside(naming).map(|found| with_rivals(found, naming));
     let (readings, between_runs): (Vec<Named>, Vec<Named>) = EffectKind::ALL
         .iter()
-        .filter_map(|kind| beside(*kind))
+        .filter_map(|kind| of_kind(*kind))
         .partition(|named| !matches!(named.effect, Effect::RunWind(_)));
     all.extend(readings);
     if let Some(mass) = mass_by_drag_and_power(terms, limit, naming) {
@@ -53,6 +53,8 @@ fn mass_by_drag_and_power(terms: &[Fitted], limit: Option<&FoundLimit>, naming: 
         let effect = Effect::MassError(MassError { relative: by_drag });
         let interval = around("relative", by_drag, sd);
         let mut mass = Named::plain(effect, vec![interval], only.gain + found.gain, certainty.most_gain);
+        // Two causes instead of one, of the same size by chance: dearer by a coefficient.
+        mass.confidence = beside(mass.confidence, (-naming.context.penalty().coefficient).exp());
         mass.ambiguous_with = vec![EffectKind::DavisError, EffectKind::TractionScale];
         mass.would_separate = vec![candidates::EFFORT];
         mass.term = only.term.is(EffectKind::MassError).then_some(0);
@@ -67,9 +69,10 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
     let fitted = other.as_ref().unwrap_or(fitted);
     let (effect, intervals) = fitted.term.of.effect(fitted, naming)?;
     let kind = fitted.term.of.facts().kind?;
-    let odds: f64 = fitted.rivals.iter().map(|(_, worse)| (-worse.max(0.0)).exp()).sum();
+    let counts = |worse: f64| worse.max(0.0) / fitted.dispersion;
+    let odds: f64 = fitted.rivals.iter().map(|(_, worse)| (-counts(*worse)).exp()).sum();
     let near: Vec<&Term> =
-        fitted.rivals.iter().filter(|(_, worse)| *worse < certainty.near).map(|(term, _)| term).collect();
+        fitted.rivals.iter().filter(|(_, worse)| counts(*worse) < certainty.near).map(|(term, _)| term).collect();
     let mut rivals: Vec<EffectKind> = near.iter().filter_map(|term| term.of.facts().kind).collect();
     rivals.retain(|other| *other != kind);
     rivals.dedup();
@@ -78,7 +81,7 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
         rivals.iter().map(|other| separates(kind, *other, naming.have())).collect();
     would_separate.dedup();
     let mut named = Named::plain(effect, intervals, fitted.gain, certainty.most_gain);
-    named.confidence = not_chance(fitted.gain, certainty.most_gain) / (1.0 + odds);
+    named.confidence = beside(not_chance(fitted.gain, certainty.most_gain), odds);
     named.ambiguous_with = rivals;
     named.would_separate = would_separate;
     named.term = Some(index);

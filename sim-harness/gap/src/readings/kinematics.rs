@@ -58,6 +58,12 @@ fn usual(figures: impl Iterator<Item = Figure>) -> Option<Figure> {
     value.is_finite().then(|| Figure { value, sd: (grown / weight).sqrt() })
 }
 
+/// Measured over true speed by each run alone, where it could be compared, with its index.
+pub fn own_scales(runs: &[Run]) -> Vec<(usize, Figure)> {
+    let of = |(i, run): (usize, &Run)| Some((i, run.recorded.own_scale?));
+    runs.iter().enumerate().filter_map(of).collect()
+}
+
 /// Recorders whose speeds were put right, where there are several: the scale, and the runs by their indices.
 pub fn scaled_recorders(runs: &[Run]) -> Vec<(Figure, Vec<usize>)> {
     let recorders = recorders(runs);

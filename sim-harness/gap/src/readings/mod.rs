@@ -3,5 +3,5 @@
 mod delay;
 pub(crate) mod kinematics;
 pub mod nuisances;
-mod offset;
+pub mod offset;
 pub(crate) mod wheels;

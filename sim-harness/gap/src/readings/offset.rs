@@ -22,6 +22,7 @@ use rundown_check::agreement::Figure;
 /// Shown less true location.
 #[derive(Clone, Copy, Debug)]
 pub struct Offset {
+    /// Shown less true location along the line, m.
     pub offset_m: Figure,
     /// Log-likelihood over none, less that of the prior.
     pub gain: f64,
@@ -58,7 +59,7 @@ fn moved(context: &Context<'_>, rows: &[Row], offset_m: f64) -> Vec<f64> {
 }
 
 /// No driver could have forged what this row shows: braking comes at the same places in each run, and a held speed answers each change of the gradient some seconds late.
-fn is_strong(row: &Row, config: &SearchConfig) -> bool {
+pub fn is_strong(row: &Row, config: &SearchConfig) -> bool {
     let held = row.interval.acceleration_mps2().abs() < config.held_mps2;
     let effort = row.effort_n_per_kg;
     effort >= config.braking_n_per_kg && !(held && effort > 0.0)
@@ -112,7 +113,7 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
 }
 
 /// In which part of the line each row lies, the parts equally filled.
-fn places(rows: &[Row], count: usize) -> Vec<usize> {
+pub fn places(rows: &[Row], count: usize) -> Vec<usize> {
     let at: Vec<f64> = rows.iter().map(|row| in_the_middle(Coordinate::Location, row).unwrap_or(0.0)).collect();
     let edges = crate::columns::knots(at.iter().copied(), count + 1);
     at.iter().map(|at| edges.partition_point(|edge| edge <= at).saturating_sub(1).min(count - 1)).collect()

@@ -12,8 +12,11 @@ use crate::config::{GapConfig, WheelConfig};
 use crate::data::{believed::Surroundings, runs::Run};
 use crate::fit::median;
 use crate::named::{Named, around};
+use crate::trial::Trial;
+use crate::trials::of_scale;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{Effect, SpeedScale};
+use rundown_check::agreement::Figure;
 use rundown_files::sample::Sample;
 
 /// A wheel that is not as believed.
@@ -25,6 +28,8 @@ pub struct Wheel {
     pub sd: f64,
     /// The odometer gave the locations, too.
     pub locations: bool,
+    /// What each of the runs says of it, by its index.
+    pub each: Vec<(usize, Figure)>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +37,13 @@ struct Scale {
     run: usize,
     value: f64,
     sd: f64,
+}
+
+impl Scale {
+    /// Beside that of the other runs.
+    fn over(&self, usual: f64) -> (usize, Figure) {
+        (self.run, Figure { value: self.value / usual, sd: self.sd / usual })
+    }
 }
 
 /// All wheels that are not as believed.
@@ -78,9 +90,10 @@ fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wh
     let wheel = |of: &[&Scale]| {
         let count = of.len() as f64;
         let value = of.iter().map(|s| s.value).sum::<f64>() / count;
+        let each = of.iter().map(|s| s.over(middle)).collect();
         let mut runs: Vec<usize> = of.iter().map(|s| s.run).collect();
         runs.sort_unstable();
-        Wheel { runs, measured_over_true: value / middle, sd: scatter / count.sqrt(), locations }
+        Wheel { runs, measured_over_true: value / middle, sd: scatter / count.sqrt(), locations, each }
     };
     wheels.map(wheel).collect()
 }
@@ -98,6 +111,7 @@ fn common(scales: &[Scale], config: &WheelConfig) -> Option<Wheel> {
         measured_over_true: middle,
         sd,
         locations: true,
+        each: scales.iter().map(|s| s.over(1.0)).collect(),
     })
 }
 
@@ -229,14 +243,20 @@ pub fn put_right(runs: &[Run], wheels: &[Wheel]) -> Vec<Run> {
 }
 
 impl Wheel {
-    pub fn named(&self, runs: &[Run], most_gain: f64) -> Named {
+    pub fn named(&self, runs: &[Run], config: &GapConfig) -> Named {
         let value = self.measured_over_true;
         let effect = Effect::SpeedScale(SpeedScale { measured_over_true: value });
         let off = (value - 1.0) / self.sd;
         let interval = around("measured_over_true", value, self.sd);
-        let mut named = Named::plain(effect, vec![interval], 0.5 * off * off, most_gain);
+        let mut named = Named::plain(effect, vec![interval], 0.5 * off * off, config.certainty.most_gain);
         named.runs = self.runs.iter().map(|i| runs[*i].name.clone()).collect();
+        named.tried(self.trial(runs), config);
         named
+    }
+
+    /// In halves of its runs; none of a single one.
+    pub fn trial(&self, runs: &[Run]) -> Option<Trial> {
+        of_scale(self.measured_over_true, &self.each, runs)
     }
 }
 

@@ -12,6 +12,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
     let certainty = &search.context.config.certainty;
     let score = search.score(model);
     let (naive, robust) = (base.naive(), base.robust());
+    let dispersion = base.dispersion();
     let mut place = 0;
     let of_term = |(index, term): (usize, &Term)| {
         let count = if term.is_whole() { 0 } else { term.count() };
@@ -21,11 +22,14 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
         others.remove(index);
         let (same, rivals): (Vec<Found>, Vec<Found>) =
             search.candidates(&others).into_iter().partition(|found| found.term.is_like(term));
+        // Runs that differ in the effect say so beside the noise of all rows.
+        let differ = same.first().map_or(1.0, |found| found.gain.naive_gain / found.gain.gain.max(1e-9));
+        let dispersion = dispersion.max(differ);
         let rival = |found: Found| {
             let mut with = others.clone();
             with.insert(index, found.term.clone());
             let worse = score - search.score(&with) - found.term.unnamed_penalty(search.context);
-            (worse < certainty.far).then_some((found.term, worse))
+            (worse < certainty.far * dispersion).then_some((found.term, worse))
         };
         let sd = range.clone().zip(search.systematic(model, index)).map(|(i, systematic)| {
             let sd = naive[(i, i)].max(robust[(i, i)]).sqrt().hypot(systematic);
@@ -38,6 +42,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             term: term.clone(),
             sd,
             gain: same.first().map_or(0.0, |found| found.gain.gain),
+            dispersion,
             shape: search.base(&others).and_then(|beside| shape::limits(&beside, search, term, half)),
             section: search.section(&others, term, half, beta.first().copied().unwrap_or(1.0)),
             rivals: rivals.into_iter().filter_map(rival).collect(),

@@ -19,6 +19,7 @@
 pub mod adhesion;
 pub mod edges;
 pub mod exceeded;
+pub mod halves;
 pub mod hypotheses;
 pub mod limit;
 pub mod powering;

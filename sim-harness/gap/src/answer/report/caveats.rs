@@ -72,7 +72,7 @@ fn readings(answer: &Answer) -> String {
 fn names(answer: &Answer) -> Vec<&'static str> {
     let findings = &answer.found.findings;
     let mut all = vec![
-        "A name is the best of a catalogue, chosen for fitting these runs. Something outside the catalogue that acts alike gets the name of what it resembles; a confidence counts rivals within the catalogue and chance, nothing else.",
+        "A name is the best of a catalogue, chosen for fitting these runs. Something outside the catalogue that acts alike gets the name of what it resembles; a confidence counts rivals within the catalogue, chance, and halves of the runs that differ, nothing else.",
         "Two small effects can look like one larger effect, and the intervals hold only if the name is right.",
     ];
     let up = |row: &crate::data::rows::Row| row.direction == rundown::model::direction::Direction::Up;

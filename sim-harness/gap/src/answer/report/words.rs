@@ -3,6 +3,7 @@
 use crate::answer::{notes::notes, whole::Answer};
 use crate::candidates;
 use crate::named::Named;
+use crate::verdict::Verdict;
 use crate::wording::{confidence, plain};
 use rundown::model::effects::EffectKind;
 use rundown_pages::numbers::{counted, number};
@@ -28,10 +29,11 @@ pub(super) fn verdict(answer: &Answer) -> Vec<String> {
     let least = answer.config.evidence.significant;
     let significant = has_rows && found.p_value < least;
     if found.named.is_empty() {
-        sentences.push(match (has_rows, significant) {
-            (false, _) => format!("In what could be looked at, nothing was found in {all}."),
-            (true, true) => format!("No effect of the catalogue was found in {all}."),
-            (true, false) => format!(
+        sentences.push(match found.verdict {
+            Verdict::Candidate => format!("Something may be missing in the model that these {all} cannot name."),
+            _ if !has_rows => format!("In what could be looked at, nothing was found in {all}."),
+            Verdict::Unknown => format!("There is a gap, and no effect of the catalogue was found for it in {all}."),
+            _ => format!(
                 "No gap: what the model does not explain in {all} is what these sensors leave (such residuals, or larger ones, come about by chance {chance})."
             ),
         });
