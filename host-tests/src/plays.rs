@@ -6,7 +6,7 @@ use crate::prelude::*;
 use rundown::model::effects::*;
 use rundown_truth::line::Line;
 
-/// What the board is told, and what it reads.
+/// The description of a board, and its readings.
 pub struct Play {
     /// For messages.
     pub name: &'static str,

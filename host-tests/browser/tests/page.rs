@@ -73,19 +73,20 @@ fn expected(said: &Said) -> BTreeMap<&'static str, String> {
     let parameters = said.parameters.expect("parameters");
     let effort = said.effort.expect("an effort");
     let r100 = parameters.at(100.0 / 3.6);
-    let deviation = |value, digits, scale| format!("±{}", number(Some(value), digits, scale));
+    // Half of a 95 % interval.
+    let half = |sd, digits, scale: f64| format!("±{}", number(Some(sd), digits, 1.96 * scale));
     let mut all = BTreeMap::from([
         ("speed", number(Some(estimate.speed_mps.value), 0, 3.6)),
-        ("speed-sd", deviation(estimate.speed_mps.sd, 1, 3.6)),
-        ("location-sd", format!("±{} m", number(Some(estimate.location_m.sd), 0, 1.0))),
+        ("speed-sd", half(estimate.speed_mps.sd, 1, 3.6)),
+        ("location-sd", half(estimate.location_m.sd, 0, 1.0) + " m"),
         ("r100", number(Some(r100.value), 1, 1e3)),
-        ("r100-sd", deviation(r100.sd, 1, 1e3)),
+        ("r100-sd", half(r100.sd, 1, 1e3)),
         ("r0", number(Some(parameters.r0.value), 2, 1e3)),
-        ("r0-sd", deviation(parameters.r0.sd, 2, 1e3)),
+        ("r0-sd", half(parameters.r0.sd, 2, 1e3)),
         ("r1", number(Some(parameters.r1.value), 3, 1e3)),
-        ("r1-sd", deviation(parameters.r1.sd, 3, 1e3)),
+        ("r1-sd", half(parameters.r1.sd, 3, 1e3)),
         ("r2", number(Some(parameters.r2.value), 4, 1e3)),
-        ("r2-sd", deviation(parameters.r2.sd, 4, 1e3)),
+        ("r2-sd", half(parameters.r2.sd, 4, 1e3)),
         ("gain", number(parameters.gain.map(|gain| gain.value), 3, 1.0)),
         ("effort", number(effort.effort_n_per_kg, 0, 1e3)),
         ("effort-most", number(Some(effort.max_traction_n_per_kg), 0, 1e3)),

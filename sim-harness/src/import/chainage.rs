@@ -84,7 +84,7 @@ fn by(method: Method, why: String, runs: &[Staged], given: Vec<CentreLinePoint>)
 
 fn as_they_are(runs: &[Staged]) -> Vec<Place> {
     let mut places = vec![AS_IT_IS; runs.len()];
-    odometer::within_range(runs, &mut places);
+    within_range(runs, &mut places);
     if runs.len() > 1 {
         for (run, place) in runs.iter().zip(&mut places) {
             if run.from_fixes {
@@ -93,6 +93,23 @@ fn as_they_are(runs: &[Staged]) -> Vec<Place> {
         }
     }
     places
+}
+
+/// Brings runs that stay as they are into the range of a chainage: by one shift, or each to begin at 0.
+fn within_range(runs: &[Staged], places: &mut [Place]) {
+    if !runs.iter().any(|run| odometer::is_far(run.ends_m)) {
+        return;
+    }
+    let least_m = runs.iter().map(|run| run.ends_m.0).fold(f64::INFINITY, f64::min);
+    let most_m = runs.iter().map(|run| run.ends_m.1).fold(f64::NEG_INFINITY, f64::max);
+    for (run, place) in runs.iter().zip(places) {
+        let (from_m, how) = if most_m - least_m < MOST_LOCATION_M {
+            (least_m, "an odometer beyond any line: all runs by the same distance, so that the first begins at 0")
+        } else {
+            (run.ends_m.0, "odometers beyond any line and far apart: each run begins at 0")
+        };
+        *place = Place::Shift { sign: 1.0, offset_m: -from_m, how: how.to_owned() };
+    }
 }
 
 fn decided(runs: &[Staged], given: &[CentreLinePoint]) -> (Method, String) {

@@ -3,10 +3,9 @@
 use super::account::Account;
 use super::geo;
 use super::mapping::Runs;
-use super::odometer::Odometer;
 use super::rows::Record;
-use rundown_check::clock;
 use rundown_check::finding::{Done, Finding, Kind};
+use rundown_check::{clock, places};
 use rundown_files::sample::Sample;
 use std::ops::Range;
 
@@ -19,6 +18,8 @@ const WALKS_MPS: f64 = 1.5;
 pub const STOP_S: f64 = 10.0;
 /// What is kept of a long standing on both sides of a cut, s.
 const KEPT_S: f64 = 30.0;
+/// A train that stood in a gap is no further on, m.
+const STOOD_M: f64 = 300.0;
 /// Fixes nearer than this to the last one counted say nothing of a distance, m.
 const ANCHOR_M: f64 = 15.0;
 
@@ -36,6 +37,30 @@ pub struct Stretch {
     pub from_fixes: bool,
     /// It begins with its file, or with a run of a column.
     pub is_head: bool,
+}
+
+/// By how much the odometer of a file had wrapped when a stretch ended, and where that was.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Odometer {
+    shift_m: f64,
+    end_m: f64,
+}
+
+impl Odometer {
+    /// Joins wraps; those before a gap too, where the train stood in the gap.
+    fn join(&mut self, stretch: &mut Stretch, findings: &mut Vec<Finding>, account: &mut Account) {
+        let read_m = |stretch: &Stretch| stretch.rows.iter().rev().find_map(|row| row.location_m);
+        let (first_m, last_m) = (stretch.rows.iter().find_map(|row| row.location_m), read_m(stretch));
+        let stood = first_m.is_some_and(|first| (first + self.shift_m - self.end_m).abs() < STOOD_M);
+        if self.shift_m != 0.0 && stood && !stretch.is_head {
+            account.count("odometers that wrapped before a gap, joined over it", 1);
+            stretch.rows.iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + self.shift_m));
+        }
+        places::join(&mut stretch.rows, findings);
+        if let Some((last_m, end_m)) = last_m.zip(read_m(stretch)) {
+            *self = Self { shift_m: end_m - last_m, end_m };
+        }
+    }
 }
 
 /// Makes stretches of rows as they come.

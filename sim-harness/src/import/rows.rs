@@ -5,11 +5,13 @@ use super::clock::{self, Kind, Written};
 use super::columns::Columns;
 use super::meaning::Meaning;
 use super::number;
-use super::odometer::MOST_ODOMETER_M;
 use super::source::row::Field;
 use super::units;
 use rundown_files::sample::{COLUMNS, LOCATION, Sample};
 use std::path::Path;
+
+/// No train turns its wheels further in its life, m.
+const MOST_ODOMETER_M: f64 = 1e11;
 
 /// A row that is understood.
 #[derive(Clone, Debug, Default)]
