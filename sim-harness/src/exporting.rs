@@ -110,7 +110,7 @@ impl Order {
         let gone: Vec<String> = gone.filter(|file| !files.contains(&file.as_str())).collect();
         if !gone.is_empty() {
             notes.push(format!(
-                "{}: {} of an earlier export was removed; --out takes another folder, --to several formats",
+                "{}: removed from an earlier export: {}; --out takes another folder, --to several formats",
                 out.display(),
                 gone.join(", ")
             ));

@@ -229,7 +229,7 @@ fn files_of_an_earlier_export_that_go_away_are_named_and_the_speeds_of_learning_
     assert!(speeds.len() == 2 && speeds[0] >= 40.0 && speeds[0] < speeds[1] && speeds[1] < 150.0, "{line}");
     assert!(!said.err.contains("earlier export"), "{said:?}");
     let said = export("altrios");
-    assert!(said.err.contains("of an earlier export was removed"), "{said:?}");
+    assert!(said.err.contains("removed from an earlier export: sumo.add.xml"), "{said:?}");
 }
 
 #[test]

@@ -403,6 +403,23 @@ fn an_odometer_beyond_any_line_comes_onto_one_chainage_by_the_stops() {
     }
 }
 
+/// A counter that has no reading has all its bits set.
+#[test]
+fn a_reading_beyond_any_line_makes_no_odometer() {
+    let rows = drive(&STOPS_M, 30.0);
+    let text = table("time_s,location_m,speed_kmh", &rows, |t, x, v| {
+        let read = if t % 100.0 == 50.0 { 4_294_967_295.0 } else { x };
+        format!("{t},{read:.0},{:.1}", 3.6 * v)
+    });
+    let folder = Folder::new().with("a.csv", &text).with("b.csv", &text);
+    let said = folder.done(&["import", "a.csv", "b.csv"]);
+    assert!(!said.out.contains("odometer;") && !said.out.contains("odometer,"), "{said:?}");
+    let found = csv(&folder, "runs/a_01.csv");
+    near(found[0][1], 0.0, 1.0);
+    near(last(&found)[1], 11_900.0, 1.0);
+    assert!(said.out.contains("locations beyond any line among others that are not, left out"), "{said:?}");
+}
+
 #[test]
 fn odometers_of_unlike_ways_begin_at_zero() {
     let folder = Folder::new();

@@ -68,8 +68,8 @@ pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         let read_s = rows[i].time_s;
         let dt = read_s + shift_s - rows[i - 1].time_s;
         let passed_s = by_distance(rows, i);
-        // The noise of the locations may leave less than nothing; a location that is stuck leaves two steps less.
-        let passed_s = passed_s.filter(|seconds| (-step_s..=20.0 * step_s).contains(seconds));
+        // The noise of the locations may leave less than nothing; a location that is stuck on one side leaves a step less, on both two.
+        let passed_s = passed_s.filter(|seconds| (-0.5 * step_s..=20.0 * step_s).contains(seconds));
         let passed_s = passed_s.map(|seconds| if seconds < 0.5 * step_s { step_s } else { seconds });
         // The rows that follow tell a clock that was set from one row with a wrong time.
         let stays = rows.get(i + 1).is_some_and(|next| (next.time_s - read_s - step_s).abs() < 0.5 * step_s);

@@ -287,7 +287,7 @@ mod tests {
         let places = Places::find("runs".as_ref(), &names).unwrap();
         let of = |values: fn(f64) -> f64| (0..60).map(|row| Some(values(f64::from(row)))).collect::<Vec<_>>();
         for (effort, is_doubted) in [(0.3, false), (120.0, true)] {
-            let mut numbers = vec![of(|t| 10.0 * t), of(|t| 200.0 * t), of(|_| 72.0), vec![Some(effort); 60]];
+            let mut numbers = [of(|t| 10.0 * t), of(|t| 200.0 * t), of(|_| 72.0), vec![Some(effort); 60]];
             let numbers = places.numbers.iter().map(|(column, at)| (*column, std::mem::take(&mut numbers[at - 1])));
             let texts = [vec![Some("a".to_owned()); 60], vec![None; 60], vec![None; 60], vec![None; 60]];
             let batch = Batch { texts, numbers: numbers.collect() };

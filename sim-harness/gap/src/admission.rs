@@ -47,7 +47,7 @@ fn slopes(input: &Input, given: &Context<'_>) -> Result<(), Refusal> {
     let TrackConfig { most_slope_factor: most, slope_sure: sure, .. } = given.config.track;
     let found = slopes::factor(input, given);
     // From the nearest factor that is taken for right.
-    let beyond = |factor: &Figure| factor.away_from(factor.value.clamp(1.0 / most, most));
+    let beyond = |factor: &Figure| factor.away_from(factor.value.max(1.0 / most).min(most));
     match (found, input.gradient_doubt) {
         (Some(factor), _) if beyond(&factor) > sure => {
             Err(Refusal::Slopes { factor: factor.value, sd: factor.sd, most })

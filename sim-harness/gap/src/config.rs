@@ -248,7 +248,7 @@ settings! {
     }
     /// How sure a name and its values are.
     certainty: CertaintyConfig {
-        chance: f64 = 0.03, /// A term of which chance makes as much more often has no name, and is a candidate. Derived: false names in at most 3 of 100 sets that hide nothing.
+        chance: f64 = 0.03, /// A term of which chance makes as much more often has no name. Derived: false names in at most 3 of 100 sets that hide nothing.
         halves: f64 = 3.0, /// Halves of the runs that differ by more standard deviations do not show the same. Judgement.
         halves_apart: f64 = 0.5, /// Halves that differ by no more than this share of the effect show the same, however sure they are. Judgement: a law that is not quite the true one, readings that differ by direction.
         telling_half: f64 = 0.5, /// A half whose standard deviation is a smaller share of the effect could show it. Judgement.

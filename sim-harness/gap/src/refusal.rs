@@ -74,7 +74,7 @@ pub enum Refusal {
     },
     /// The slopes of the whole track are not those of the line.
     #[error(
-        "track: gradients: expected those that the motion of the trains needs, found slopes of which it needs {factor:.2} times (standard deviation over parts of the line {sd:.2}): {}; nothing was written",
+        "track: gradients: expected those that the motion of the trains needs, found slopes that fit it when taken {factor:.2} \u{b1} {sd:.2} times (standard deviation over parts of the line): {}; nothing was written",
         misdescribed(*factor, *most)
     )]
     Slopes {

@@ -122,7 +122,9 @@ impl Halves {
 /// The least that a p-value leaves of the odds of its null hypothesis, whatever the alternative: -e p ln p, which is 1 from 1/e on. (Sellke, Bayarri and Berger
 /// 2001, calibration of p-values.) A p-value of 0.05 leaves 0.41, one of 0.001 leaves 0.019.
 fn left_of_null(p_value: f64) -> f64 {
-    if p_value > 0.0 && p_value < (-1.0_f64).exp() { -core::f64::consts::E * p_value * p_value.ln() } else { 1.0 }
+    // Nothing is left of it at 0, the least that a tail has in floating point.
+    let p_value = p_value.max(f64::MIN_POSITIVE);
+    if p_value < (-1.0_f64).exp() { -core::f64::consts::E * p_value * p_value.ln() } else { 1.0 }
 }
 
 /// The quantile of Student's t beside this one of the normal distribution, by its series in 1/freedom. (Cornish and Fisher 1938.) Below two no difference is sure.
@@ -225,7 +227,7 @@ mod tests {
     #[test]
     fn confidence_falls_with_chance_and_with_halves_that_differ() {
         // -e p ln p, by hand: e * 0.05 * 2.996 and e * 0.001 * 6.908.
-        for (p_value, left) in [(0.05, 0.407), (0.001, 0.0188), (0.5, 1.0), (0.0, 1.0)] {
+        for (p_value, left) in [(0.05, 0.407), (0.001, 0.0188), (0.5, 1.0), (0.0, 0.0)] {
             assert!((left_of_null(p_value) - left).abs() < 1e-3, "{p_value}");
         }
         let config = GapConfig::default();

@@ -24,7 +24,7 @@ pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {
         format!("Running resistance: learned by Rundown from {runs}, with 95 % intervals."),
         format!("{}.", coefficients.join(", ")),
         learned.learned_kmh.map_or_else(
-            || "No run says at which speeds.".to_owned(),
+            || "The speeds at which it was learned are not recorded.".to_owned(),
             |[least, most]| format!("Learned at {least:.0} to {most:.0} km/h; beyond, it rests on the description, and the intervals may be too narrow."),
         ),
         limit("tractive effort", "N", &learned.effort),

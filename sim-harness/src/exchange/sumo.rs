@@ -133,20 +133,34 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
     Ok(draft)
 }
 
-/// Of its tables where it has them, as SUMO takes them.
+/// Each of parameters where the vehicle type has them, else of a table: SUMO takes them so, and ignores a table beside parameters.
 fn traction_and_resistance(vtype: &Element, draft: &mut Draft) -> Result<(), ReadError> {
-    if let Some(tables) = sumo_table::read(vtype)? {
-        draft.resistance_n = tables.resistance_n;
-        draft.put("max_tractive_effort_n", Some(tables.limits.effort_n));
-        draft.put("max_power_w", Some(tables.limits.power_w));
-        draft.notes.extend(tables.notes);
-        return Ok(());
+    let has = |name: &str| vtype.attribute(name).is_some();
+    let mut ignored = |name: &str| draft.notes.push(format!("{name} is ignored beside parameters, as SUMO does"));
+    let limits = if has("maxTraction") || has("maxPower") { None } else { sumo_table::limits(vtype)? };
+    if limits.is_none() && has("tractionTable") {
+        ignored("tractionTable");
     }
-    for (coefficient, name) in draft.resistance_n.iter_mut().zip(RESISTANCE) {
-        *coefficient = 1000.0 * vtype.required(name)?;
+    let resistance = if RESISTANCE.into_iter().any(has) { None } else { sumo_table::resistance_n(vtype)? };
+    if resistance.is_none() && has("resistanceTable") {
+        ignored("resistanceTable");
     }
-    for (field, name) in [("max_tractive_effort_n", "maxTraction"), ("max_power_w", "maxPower")] {
-        draft.put(field, vtype.number(name)?.map(|value| 1000.0 * value));
+    if let Some((found_n, note)) = resistance {
+        draft.resistance_n = found_n;
+        draft.notes.extend(note);
+    } else {
+        for (coefficient, name) in draft.resistance_n.iter_mut().zip(RESISTANCE) {
+            *coefficient = 1000.0 * vtype.required(name)?;
+        }
+    }
+    if let Some(limits) = limits {
+        draft.put("max_tractive_effort_n", Some(limits.effort_n));
+        draft.put("max_power_w", Some(limits.power_w));
+        draft.notes.extend(limits.note);
+    } else {
+        for (field, name) in [("max_tractive_effort_n", "maxTraction"), ("max_power_w", "maxPower")] {
+            draft.put(field, vtype.number(name)?.map(|value| 1000.0 * value));
+        }
     }
     Ok(())
 }

@@ -14,7 +14,9 @@ use rundown::model::units::KmPerHour;
 use rundown_files::refusal::ReadError;
 use rundown_files::train_file::TrainFile;
 
-pub(super) const COLUMNS: [&str; 3] = ["speedTable", "tractionTable", "resistanceTable"];
+const SPEED: &str = "speedTable";
+const TRACTION: &str = "tractionTable";
+const RESISTANCE: &str = "resistanceTable";
 
 /// Resistances that differ by more from the parabola are no Davis formula.
 const MOST_OFF: f64 = 0.05;
@@ -35,76 +37,80 @@ pub(super) fn attributes(train: &TrainFile, max_speed_kmh: f64) -> [(&'static st
         values.collect::<Vec<String>>().join(" ")
     };
     let resistance_kn = |mps: f64, _| rotating_mass_kg * train.davis.resistance_n_per_kg(mps) / 1000.0;
-    let [speed, traction, resistance] = COLUMNS;
     [
-        (speed, column(&|mps, _| mps)),
-        (traction, column(&|_, force_n| force_n / 1000.0)),
-        (resistance, column(&resistance_kn)),
+        (SPEED, column(&|mps, _| mps)),
+        (TRACTION, column(&|_, force_n| force_n / 1000.0)),
+        (RESISTANCE, column(&resistance_kn)),
     ]
 }
 
-/// What the tables of a vehicle type hold.
-pub(super) struct Tables {
-    /// A, B, C: N, N/(m/s), N/(m/s)².
-    pub resistance_n: [f64; 3],
-    pub limits: effort_curve::Limits,
-    pub notes: Vec<String>,
-}
-
-/// None where the vehicle type has no tables.
+/// Largest effort and power of the table of tractions; none without one.
 ///
 /// # Errors
-/// They are incomplete, or hold no parabola of the speed.
-pub(super) fn read(vtype: &Element) -> Result<Option<Tables>, ReadError> {
-    if COLUMNS.iter().all(|name| vtype.attribute(name).is_none()) {
-        return Ok(None);
-    }
-    let [speeds_mps, tractions_kn, resistances_kn] =
-        [column(vtype, COLUMNS[0])?, column(vtype, COLUMNS[1])?, column(vtype, COLUMNS[2])?];
-    for (name, values) in COLUMNS[1..].iter().zip([&tractions_kn, &resistances_kn]) {
-        if values.len() != speeds_mps.len() {
-            let message = format!("expected {} numbers, as in speedTable, found {}", speeds_mps.len(), values.len());
-            return Err(vtype.refuse(name, message));
-        }
-    }
-    let forces = |values_kn: &[f64]| -> Vec<(f64, f64)> {
-        speeds_mps.iter().copied().zip(values_kn.iter().map(|kn| 1000.0 * kn)).collect()
-    };
-    let Some(limits) = effort_curve::limits(&forces(&tractions_kn)) else {
-        return Err(vtype.refuse(COLUMNS[1], "expected a force above 0 kN at a speed above 0, found none".to_owned()));
-    };
-    let resistances_n = forces(&resistances_kn);
-    let Some(resistance_n) = parabola(&resistances_n) else {
-        return Err(vtype.refuse(COLUMNS[0], "expected 3 speeds or more, which rise, found fewer".to_owned()));
-    };
-    let [a, b, c] = resistance_n;
-    let off = |(mps, force_n): &(f64, f64)| ((a + b * mps + c * mps * mps) / force_n - 1.0).abs();
-    let most = resistances_n.iter().map(off).fold(0.0, f64::max);
-    let percent = 100.0 * most;
-    if most.is_nan() || most > MOST_OFF {
-        let message = format!(
-            "expected A + B v + C v² within {:.0} %, found resistances that differ from the nearest one by {percent:.0} %",
-            100.0 * MOST_OFF
-        );
-        return Err(vtype.refuse(COLUMNS[2], message));
-    }
-    let mut notes: Vec<String> = limits.note.clone().into_iter().collect();
-    if most > ALIKE {
-        notes.push(format!("the resistance table is kept as A + B v + C v², which differs by up to {percent:.1} %"));
-    }
-    Ok(Some(Tables { resistance_n, limits, notes }))
+/// The tables are incomplete, or hold no traction.
+pub(super) fn limits(vtype: &Element) -> Result<Option<effort_curve::Limits>, ReadError> {
+    let Some(points) = forces(vtype, TRACTION)? else { return Ok(None) };
+    let none = || vtype.refuse(TRACTION, "expected a force above 0 kN at a speed above 0, found none".to_owned());
+    effort_curve::limits(&points).ok_or_else(none).map(Some)
 }
 
-/// Numbers between spaces.
-fn column(vtype: &Element, name: &str) -> Result<Vec<f64>, ReadError> {
-    let Some(text) = vtype.attribute(name) else {
-        return Err(vtype.refuse(name, format!("expected beside {}, found none", COLUMNS.join(" and "))));
+/// A, B, C: N, N/(m/s), N/(m/s)²; and a note where they differ from the table.
+type Parabola = ([f64; 3], Option<String>);
+
+/// The parabola of the table of resistances; none without one.
+///
+/// # Errors
+/// The tables are incomplete, or hold no parabola of the speed.
+pub(super) fn resistance_n(vtype: &Element) -> Result<Option<Parabola>, ReadError> {
+    let Some(points) = forces(vtype, RESISTANCE)? else { return Ok(None) };
+    let refuse = |name, message: String| Err(vtype.refuse(name, message));
+    if points.len() < 3 || points.windows(2).any(|pair| pair[1].0 <= pair[0].0) {
+        let found = points.iter().map(|(mps, _)| mps.to_string()).collect::<Vec<_>>().join(" ");
+        return refuse(SPEED, format!("expected 3 speeds or more, each above the one before, found `{found}`"));
+    }
+    if let Some((mps, force_n)) = points.iter().find(|(_, force_n)| *force_n <= 0.0) {
+        return refuse(RESISTANCE, format!("expected resistances above 0 kN, found {} at {mps} m/s", force_n / 1e3));
+    }
+    let Some([a, b, c]) = parabola(&points) else {
+        return refuse(SPEED, "expected speeds that tell A, B and C apart, found none".to_owned());
     };
+    let off = |(mps, force_n): &(f64, f64)| ((a + b * mps + c * mps * mps) / force_n - 1.0).abs();
+    let most = points.iter().map(off).fold(0.0, f64::max);
+    let percent = 100.0 * most;
+    if most > MOST_OFF {
+        return refuse(
+            RESISTANCE,
+            format!(
+                "expected A + B v + C v² within {:.0} %, found resistances that differ from the nearest one by {percent:.0} %",
+                100.0 * MOST_OFF
+            ),
+        );
+    }
+    let note = format!("the resistance table is kept as A + B v + C v², which differs by up to {percent:.1} %");
+    Ok(Some(([a, b, c], (most > ALIKE).then_some(note))))
+}
+
+/// Speeds, m/s, and forces, N, of a column; none without it.
+fn forces(vtype: &Element, name: &str) -> Result<Option<Vec<(f64, f64)>>, ReadError> {
+    let Some(values_kn) = column(vtype, name)? else { return Ok(None) };
+    let Some(speeds_mps) = column(vtype, SPEED)? else {
+        return Err(vtype.refuse(SPEED, format!("expected beside {name}, found none")));
+    };
+    if values_kn.len() != speeds_mps.len() {
+        let message = format!("expected {} numbers, as in speedTable, found {}", speeds_mps.len(), values_kn.len());
+        return Err(vtype.refuse(name, message));
+    }
+    Ok(Some(speeds_mps.into_iter().zip(values_kn.into_iter().map(|kn| 1000.0 * kn)).collect()))
+}
+
+/// Numbers between spaces; none without the attribute.
+fn column(vtype: &Element, name: &str) -> Result<Option<Vec<f64>>, ReadError> {
+    let Some(text) = vtype.attribute(name) else { return Ok(None) };
     let number = |word: &str| word.parse::<f64>().ok().filter(|number| number.is_finite());
     let numbers = text.split_whitespace().map(|word| {
         number(word).ok_or_else(|| vtype.refuse(name, format!("expected numbers between spaces, found `{word}`")))
     });
-    numbers.collect()
+    numbers.collect::<Result<_, _>>().map(Some)
 }
 
 /// Least squares of A + B v + C v², each point by its share. None where the speeds do not tell the three apart.
@@ -123,6 +129,7 @@ fn parabola(points: &[(f64, f64)]) -> Option<[f64; 3]> {
     let is_nothing = |n: f64| n.abs() < 1e-6 * largest_n;
     let scaled = [a, b * fastest_mps, c * fastest_mps * fastest_mps];
     let kept = [a, b, c].into_iter().zip(scaled).map(|(value, n)| if is_nothing(n) { 0.0 } else { value });
-    let kept: Vec<f64> = kept.collect();
-    (points.len() > 2).then(|| [kept[0], kept[1], kept[2]]).filter(|kept| kept.iter().all(|value| value.is_finite()))
+    let mut found = [0.0; 3];
+    found.iter_mut().zip(kept).for_each(|(found, value)| *found = value);
+    found.iter().all(|value| value.is_finite()).then_some(found)
 }

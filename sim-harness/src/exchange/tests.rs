@@ -190,5 +190,14 @@ fn tables_of_another_shape_are_refused_with_how_far_they_are_off() {
     assert!(error.contains("resistanceTable: expected 4 numbers, as in speedTable, found 3"), "{error}");
     let error = read("1 1.7 x 4").unwrap_err();
     assert!(error.contains("expected numbers between spaces, found `x`"), "{error}");
-    assert!(read("0 0 0 0").is_err());
+    let error = read("0 1.7 2.8 4.3").unwrap_err();
+    assert!(error.contains("resistanceTable: expected resistances above 0 kN, found 0 at 0 m/s"), "{error}");
+    // Parameters win, each for itself, as in SUMO.
+    let beside = |resistance: &str| read(&format!("1 1.7 2.8 4.3\" {resistance} x=\"")).unwrap();
+    let both = "resCoef_constant=\"2\" resCoef_linear=\"0.1\" resCoef_quadratic=\"0.004\"";
+    assert_eq!(beside(both).resistance_n, [2000.0, 100.0, 4.0]);
+    assert!(beside(both).notes.iter().any(|note| note.starts_with("resistanceTable is ignored")));
+    let power = beside("maxTraction=\"80\" maxPower=\"900\"");
+    assert_eq!((power.values["max_tractive_effort_n"], power.values["max_power_w"]), (8e4, 9e5));
+    assert!((power.resistance_n[0] - 1000.0).abs() < 1e-3);
 }

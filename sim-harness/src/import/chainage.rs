@@ -103,6 +103,10 @@ fn within_range(runs: &[Staged], places: &mut [Place]) {
     let least_m = runs.iter().map(|run| run.ends_m.0).fold(f64::INFINITY, f64::min);
     let most_m = runs.iter().map(|run| run.ends_m.1).fold(f64::NEG_INFINITY, f64::max);
     for (run, place) in runs.iter().zip(places) {
+        let is_near = !odometer::is_far(run.ends_m);
+        if is_near && most_m - least_m >= MOST_LOCATION_M {
+            continue;
+        }
         let (from_m, how) = if most_m - least_m < MOST_LOCATION_M {
             (least_m, "an odometer beyond any line: all runs by the same distance, so that the first begins at 0")
         } else {

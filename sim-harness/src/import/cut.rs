@@ -6,7 +6,7 @@ use super::mapping::Runs;
 use super::rows::Record;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_check::{clock, places};
-use rundown_files::sample::Sample;
+use rundown_files::sample::{MOST_LOCATION_M, Sample};
 use std::ops::Range;
 
 /// Rows that are held at most before a stretch is cut without another reason.
@@ -47,8 +47,12 @@ pub struct Odometer {
 }
 
 impl Odometer {
-    /// Joins wraps; those before a gap too, where the train stood in the gap.
+    /// Leaves out what is beyond any line where most of the stretch is not: readings that mean nothing, not an odometer. Joins wraps; those before a gap too, where the train stood in the gap.
     fn join(&mut self, stretch: &mut Stretch, findings: &mut Vec<Finding>, account: &mut Account) {
+        let left_out = far_readings(&mut stretch.rows);
+        if left_out > 0 {
+            account.count("locations beyond any line among others that are not, left out", left_out as u64);
+        }
         let read_m = |stretch: &Stretch| stretch.rows.iter().rev().find_map(|row| row.location_m);
         let (first_m, last_m) = (stretch.rows.iter().find_map(|row| row.location_m), read_m(stretch));
         let stood = first_m.is_some_and(|first| (first + self.shift_m - self.end_m).abs() < STOOD_M);
@@ -61,6 +65,17 @@ impl Odometer {
             *self = Self { shift_m: end_m - last_m, end_m };
         }
     }
+}
+
+/// Takes locations beyond any line away where less than half of all are far out. Out: how many.
+fn far_readings(rows: &mut [Sample]) -> usize {
+    let located = rows.iter().filter_map(|row| row.location_m).count();
+    let far_out = rows.iter().filter_map(|row| row.location_m).filter(|m| m.abs() > 0.5 * MOST_LOCATION_M).count();
+    if 2 * far_out >= located {
+        return 0;
+    }
+    let beyond = rows.iter_mut().filter_map(|row| row.location_m.take_if(|m| m.abs() > MOST_LOCATION_M));
+    beyond.count()
 }
 
 /// Makes stretches of rows as they come.

@@ -60,7 +60,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     [
         "candidates[].*",
         "",
-        "as an effect: what fits, but may be chance or does not repeat; not in the model",
+        "as an effect: what fits, but does not repeat, or acts in too few runs; not in the model",
         "there is none",
     ],
     ["standouts[].by", "", "by what runs are grouped: `unit`, `driver`, `day`", ""],

@@ -157,7 +157,8 @@ fn candidate(answer: &Answer, one: &Named) -> String {
     let mut text = format!(
         "A candidate, not a name: {what}. It is not in the repaired model, because {why}. More runs would settle it."
     );
-    let is_right = answer.input.runs.iter().any(|run| run.recorded.scale.is_some());
+    let mut acts = answer.input.runs.iter().filter(|run| one.runs.is_empty() || one.runs.contains(&run.name));
+    let is_right = acts.any(|run| run.recorded.scale.is_some());
     if is_right && matches!(one.effect, Effect::SpeedScale(_)) {
         text.push_str(" The diagnosis of the logs has put the speeds right by it nevertheless.");
     }
