@@ -5,7 +5,7 @@ mod filter;
 mod stack;
 mod thumb;
 
-use crate::shell::{cargo, root};
+use crate::shell::{cargo, root, run, target};
 use crate::{firmware, setup};
 use calls::Graph;
 use emulator::{Board, Image, NS_PER_INSTRUCTION};
@@ -118,19 +118,25 @@ struct Run {
 
 /// Plays the reference run to the firmware and to the host; what the firmware says of itself is in the last line.
 fn measure() -> Result<(Run, u64), String> {
-    let said = played(&mut crate::emulate_command("data/reference/run01.csv", crate::REFERENCE, None))?;
+    let said = played(example("emulate")?.arg("data/reference/run01.csv").args(crate::REFERENCE))?;
     Ok((Run::said(&said)?, value(&said, "line_bytes_per_tick=")?))
 }
 
 /// Plays what asks more of the board, in the order of the lines.
 fn plays() -> Result<[Run; 2], String> {
-    let mut plays = cargo();
-    let said = played(plays.args(["run", "--release", "--quiet", "-p", "host-tests", "--example", "plays"]))?;
+    let said = played(&mut example("plays")?)?;
     let run = |name: &str| {
         let line = said.lines().find(|line| line.starts_with(name));
         Run::said(line.ok_or_else(|| format!("expected {name} in: {said}"))?)
     };
     Ok([run("seven_effects")?, run("day")?])
+}
+
+/// An example of `host-tests`, built as `cargo xtask test --pages` has built it: in a run of CI nothing is left to do.
+fn example(name: &str) -> Result<Command, String> {
+    let built = ["build", "--quiet", "--workspace", "--features", "browser-tests/browser", "--example", name];
+    run(cargo().args(built))?;
+    Ok(Command::new(target().join("debug/examples").join(name)))
 }
 
 /// What a program with the emulator says.

@@ -1,7 +1,7 @@
 //! `cargo xtask python`: builds the Python module, installs it into a virtual environment of its own, and runs its tests. A second run finds the
 //! environment and does not fill it again.
 
-use crate::shell::{ask, cargo, root, run};
+use crate::shell::{ask, cargo, root, run, target};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -80,11 +80,6 @@ fn with_module(folder: &str, package: &str) -> Result<Environment, String> {
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     run(environment.command("python").args(install).arg(wheel))?;
     Ok(environment)
-}
-
-fn target() -> PathBuf {
-    // A relative folder is one of the workspace: commands run there.
-    root().join(std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), PathBuf::from))
 }
 
 /// A virtual environment with what the tests need.

@@ -39,6 +39,12 @@ pub fn shown(command: &Command) -> String {
     words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }
 
+/// The folder of what is built.
+pub fn target() -> PathBuf {
+    // A relative folder is one of the workspace: commands run there.
+    root().join(std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), PathBuf::from))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
