@@ -25,6 +25,9 @@ pub struct Row {
     pub speed_mps: f64,
 }
 
+/// Half a 95 % interval in standard deviations: the 97.5 % point of the normal distribution. All intervals have this width.
+pub const HALF_95: f64 = 1.96;
+
 /// A value and its standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Figure {
@@ -37,7 +40,7 @@ pub struct Figure {
 impl Figure {
     /// Bounds of the 95 % interval.
     pub fn interval(&self) -> [f64; 2] {
-        [self.value - 1.96 * self.sd, self.value + 1.96 * self.sd]
+        [self.value - HALF_95 * self.sd, self.value + HALF_95 * self.sd]
     }
 
     /// So many standard deviations from this value.

@@ -9,7 +9,7 @@
 //! Every start and stop passes all speeds below T within T/a. Where the rows are near enough in time that some should have been read there, and none was, the
 //! readings of zero beside are no standstill.
 
-use crate::agreement::Figure;
+use crate::agreement::{Figure, HALF_95};
 use crate::clock::usual_step_s;
 use rundown_files::sample::Sample;
 use rundown_files::units::median;
@@ -79,7 +79,7 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh: f64) -> Option
     let below_mps = rise_mps * (FEW_BELOW * (wild + 1) as f64 / passes.len() as f64).min(1.0);
     let half_kmh = 0.5 * step_kmh;
     let [low_kmh, high_kmh] = [3.6 * (least_mps - below_mps) - half_kmh, 3.6 * least_mps + half_kmh];
-    let figure = Figure { value: 0.5 * (low_kmh + high_kmh), sd: (high_kmh - low_kmh) / (2.0 * 1.96) };
+    let figure = Figure { value: 0.5 * (low_kmh + high_kmh), sd: (high_kmh - low_kmh) / (2.0 * HALF_95) };
     let mut rates: Vec<f64> = passes.iter().map(|pass| pass.rate_mps2).collect();
     rates.sort_by(f64::total_cmp);
     let slow_mps2 = rates[(SLOW_SHARE * rates.len() as f64) as usize];

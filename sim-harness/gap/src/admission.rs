@@ -2,10 +2,8 @@
 
 use crate::config::{GapConfig, TrackConfig};
 use crate::data::believed::Context;
-use crate::data::cut;
 use crate::data::rows::Row;
-use crate::data::runs::EffortReading;
-use crate::efforts::{Looked, measured};
+use crate::efforts::rows_as_read;
 use crate::fit::median;
 use crate::input::Input;
 use crate::investigation::most_held_out;
@@ -36,16 +34,17 @@ pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> 
         return Err(Refusal::OffTrack { off, most_percent: 100.0 * most });
     }
     let most = config.effort.most_factor;
-    match effort_factor(input, given) {
+    let rows = rows_as_read(given, &input.runs).unwrap_or_default();
+    match effort_factor(given, &rows) {
         Some(factor) if !(1.0 / most..=most).contains(&factor) => Err(Refusal::EffortColumn { factor }),
-        _ => slopes(input, given),
+        _ => slopes(input, given, &rows),
     }
 }
 
 /// The described slopes are those of the line: by the effort column, and without one, or where it does not show them, by the coasts.
-fn slopes(input: &Input, given: &Context<'_>) -> Result<(), Refusal> {
+fn slopes(input: &Input, given: &Context<'_>, rows: &[Row]) -> Result<(), Refusal> {
     let TrackConfig { most_slope_factor: most, slope_sure: sure, .. } = given.config.track;
-    let found = slopes::factor(input, given);
+    let found = slopes::factor(given, rows);
     // From the nearest factor that is taken for right.
     let beyond = |factor: &Figure| factor.away_from(factor.value.max(1.0 / most).min(most));
     match (found, input.gradient_doubt) {
@@ -67,16 +66,8 @@ pub fn off_track(input: &Input, config: &GapConfig) -> Option<OffTrack> {
 }
 
 /// How many times the effort that the motion of the train needs the column has, where trains are driven hardest: there the acceleration outweighs what is not
-/// known of resistance and gradients. None without the column, or from too few intervals.
-fn effort_factor(input: &Input, given: &Context<'_>) -> Option<f64> {
-    let runs = &input.runs;
-    if !measured(runs, &given.config.effort) {
-        return None;
-    }
-    let effort = EffortReading::default();
-    let cut = cut::all(given, runs, effort);
-    let looked = Looked { context: given, runs, cut: &cut, effort, measured: true, model: (&[], &[]) };
-    let rows = looked.rows(None, 0.0);
+/// known of resistance and gradients. None from too few intervals.
+fn effort_factor(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
     // By the motion: of a brake the column may have a part.
     let needed = |row: &Row| row.effort_n_per_kg - row.residual_n_per_kg;
     let mut driven: Vec<f64> = rows.iter().map(needed).filter(|needed| *needed > 0.0).collect();

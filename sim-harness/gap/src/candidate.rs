@@ -358,6 +358,13 @@ pub struct Fitted {
 }
 
 impl Fitted {
+    /// A term whose coefficients are known.
+    #[cfg(test)]
+    pub(crate) fn certain(term: Term, beta: Vec<f64>) -> Self {
+        let sd = vec![0.0; beta.len()];
+        Self { term, beta, sd, gain: 0.0, dispersion: 1.0, section: None, shape: None, rivals: Vec::new() }
+    }
+
     /// The value of the first coefficient in a unit, and its 95 % interval; that of a coefficient whose section may be another is a share of it.
     pub fn first(&self, parameter: &'static str, scale: f64) -> (f64, Interval95) {
         let value = self.beta[0] * scale;

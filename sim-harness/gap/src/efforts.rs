@@ -5,7 +5,7 @@ use crate::coasting::{Driven, Extra, Recognised, coasted};
 use crate::config::EffortConfig;
 use crate::data::believed::{Context, believed_load};
 use crate::data::runs::{EffortReading, Run, usual_step_s};
-use crate::data::{interval::Interval, rows::Row};
+use crate::data::{cut, interval::Interval, rows::Row};
 use crate::fit::median;
 use crate::noise::calibrate::{Calibrated, Own};
 use crate::traction::exceeded::{Reading, calculated, traction};
@@ -45,6 +45,17 @@ pub fn measured(runs: &[Run], config: &EffortConfig) -> bool {
     // A column of zeros is none.
     let any = moving().any(|s| s.effort_n_per_kg.is_some_and(|effort| effort != 0.0));
     any && with as f64 > config.measured_share * moving().count() as f64
+}
+
+/// The rows of a measured effort column as it was read, nothing put right yet; none without the column.
+pub fn rows_as_read(context: &Context<'_>, runs: &[Run]) -> Option<Vec<Row>> {
+    if !measured(runs, &context.config.effort) {
+        return None;
+    }
+    let effort = EffortReading::default();
+    let cut = cut::all(context, runs, effort);
+    let looked = Looked { context, runs, cut: &cut, effort, measured: true, model: (&[], &[]) };
+    Some(looked.rows(None, 0.0))
 }
 
 /// Extra resistance of a model along intervals, N/kg.

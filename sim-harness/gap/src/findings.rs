@@ -4,12 +4,12 @@ use crate::candidate::{Fitted, Naming};
 use crate::config::{BetweenRunsConfig, SearchConfig};
 use crate::data::believed::{Conditions, Context};
 use crate::data::{rows::Row, runs::EffortReading};
-use crate::fit::HALF_95;
 use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
 use crate::search::headwind::Headwind;
 use crate::traction::{limit::FoundLimit, powering::SteadyPower};
 use rundown_check::agreement::Figure;
+use rundown_check::agreement::HALF_95;
 
 #[derive(Clone, Debug)]
 pub struct Findings {

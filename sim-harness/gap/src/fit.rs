@@ -3,10 +3,7 @@
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
-/// Half a 95 % interval in standard deviations: the 97.5 % point of the normal distribution. All intervals of a report have this width.
-pub const HALF_95: f64 = 1.96;
-
-/// Log-likelihood that a value at the end of its 95 % interval loses: half the square of [`HALF_95`].
+/// Log-likelihood that a value at the end of its 95 % interval loses: half the square of [`HALF_95`](rundown_check::agreement::HALF_95).
 pub const LOSS_AT_LIMIT: f64 = 1.92;
 
 /// Log of the number of ways to choose `chosen` of `all` runs, about.

@@ -325,16 +325,7 @@ mod tests {
                 let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
                 let shape = Shape::Powers([true, false, false]);
                 let term = Term { of: candidates::of(EffectKind::DavisError), shape };
-                let model = Fitted {
-                    term,
-                    beta: vec![wrong_r0],
-                    sd: vec![0.0],
-                    gain: 0.0,
-                    dispersion: 1.0,
-                    section: None,
-                    shape: None,
-                    rivals: Vec::new(),
-                };
+                let model = Fitted::certain(term, vec![wrong_r0]);
                 standouts(
                     context,
                     &rows,

@@ -8,35 +8,19 @@
 //! and no wrong track.
 
 use crate::data::believed::Context;
-use crate::data::cut;
 use crate::data::rows::Row;
-use crate::data::runs::EffortReading;
-use crate::efforts::{Looked, measured};
 use crate::fit::Base;
-use crate::input::Input;
 use crate::readings::offset::{is_strong, places};
 use nalgebra::DVector;
 use rundown_check::agreement::Figure;
 
-/// Times the described slopes that the motion of the trains needs; none without an effort column, on a level line, or from too few rows.
-pub fn factor(input: &Input, given: &Context<'_>) -> Option<Figure> {
-    let runs = &input.runs;
-    if !measured(runs, &given.config.effort) {
-        return None;
-    }
-    let effort = EffortReading::default();
-    let cut = cut::all(given, runs, effort);
-    let looked = Looked { context: given, runs, cut: &cut, effort, measured: true, model: (&[], &[]) };
-    let mut rows = looked.rows(None, 0.0);
-    rows.retain(|row| is_strong(row, &given.config.search));
-    of_rows(given, &rows)
-}
-
-fn of_rows(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
+/// Times the described slopes that the motion of the trains needs; none on a level line or from too few rows. `rows`: of an effort column as it was read.
+pub fn factor(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
+    let rows: Vec<&Row> = rows.iter().filter(|row| is_strong(row, &given.config.search)).collect();
     if rows.len() < given.config.search.few_rows {
         return None;
     }
-    let column = |of: &dyn Fn(&Row) -> f64| DVector::from_iterator(rows.len(), rows.iter().map(of));
+    let column = |of: &dyn Fn(&Row) -> f64| DVector::from_iterator(rows.len(), rows.iter().map(|row| of(row)));
     let described = column(&|row| {
         let line = given.believed.line(row.direction);
         row.interval.mean(|p| line.gradient_n_per_kg(p.location_m))
@@ -54,7 +38,7 @@ fn of_rows(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
     let beyond = described.dot(&base.residual) / information;
     let count = given.config.nuisance.places.max(2);
     let mut scores = vec![0.0; count];
-    for (i, place) in places(rows, count).into_iter().enumerate() {
+    for (i, place) in places(rows.iter().copied(), count).into_iter().enumerate() {
         scores[place] += described[i] * (base.residual[i] - beyond * described[i]);
     }
     let parts = count as f64;
@@ -65,42 +49,33 @@ fn of_rows(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::GapConfig;
-    use crate::data::believed::{Believed, Conditions, Surroundings};
+    use crate::data::believed::tests::on_a_hilly_line;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
     use rundown::model::direction::Direction;
-    use rundown::model::track::{Gradient, Track};
-    use rundown::model::train::{Train, TrainDescription};
 
     /// What 20 runs on a line of 30 km say, of which the slopes are so many times those described, with another gradient of 4 permille from km 10 to 12, or without.
     fn found(times: f64, wrong_at_one_place: bool, seed: u64) -> Figure {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let gradient = |i: u32| Gradient { from_m: 1_000.0 * f64::from(i), permille: f64::from(i * 7 % 11) - 5.0 };
-        let track = Track::try_new(30_000.0, (0..30).map(gradient)).unwrap();
-        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
-        let config = GapConfig::default();
-        let context = Context {
-            believed: Believed::new(&train, &track),
-            surroundings: &Surroundings::default(),
-            conditions: Conditions { runs: 20, ..Conditions::default() },
-            config: &config,
-        };
-        let mut rows = Vec::new();
-        for i in 0..20 * 60 {
-            let direction = [Direction::Up, Direction::Down][i % 2];
-            let mut row = Row::coasting(direction, 500.0 * (i % 60) as f64, rng.random_range(15.0..40.0));
-            row.interval.run = i / 60;
-            row.effort_n_per_kg = rng.random_range(0.0..0.2);
-            let described = context.believed.line(direction).gradient_n_per_kg(row.interval.middle().location_m);
-            let here = wrong_at_one_place && (10_000.0..12_000.0).contains(&row.interval.middle().location_m);
-            let noise: f64 = StandardNormal.sample(&mut rng);
-            row.residual_n_per_kg =
-                (times - 1.0) * described + if here { direction.sign() * 0.04 } else { 0.0 } + 0.01 * noise;
-            rows.push(row);
-        }
-        of_rows(&context, &rows).unwrap()
+        on_a_hilly_line(20, |context| {
+            let mut rows = Vec::new();
+            for i in 0..20 * 60 {
+                let direction = [Direction::Up, Direction::Down][i % 2];
+                let mut row = Row::coasting(direction, 500.0 * (i % 60) as f64, rng.random_range(15.0..40.0));
+                // Nobody holds this speed.
+                row.interval.speed_mps[1] += 0.5;
+                row.interval.run = i / 60;
+                row.effort_n_per_kg = rng.random_range(0.0..0.2);
+                let described = context.believed.line(direction).gradient_n_per_kg(row.interval.middle().location_m);
+                let here = wrong_at_one_place && (10_000.0..12_000.0).contains(&row.interval.middle().location_m);
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.residual_n_per_kg =
+                    (times - 1.0) * described + if here { direction.sign() * 0.04 } else { 0.0 } + 0.01 * noise;
+                rows.push(row);
+            }
+            factor(context, &rows).unwrap()
+        })
     }
 
     #[test]

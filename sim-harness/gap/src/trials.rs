@@ -140,16 +140,7 @@ mod tests {
                 let noise: f64 = StandardNormal.sample(&mut rng);
                 row.residual_n_per_kg = 0.01 * noise + multiple(row.interval.run) * extra;
             }
-            let fitted = Fitted {
-                term,
-                beta,
-                sd: vec![0.0],
-                gain: 0.0,
-                dispersion: 1.0,
-                section: None,
-                shape: None,
-                rivals: Vec::new(),
-            };
+            let fitted = Fitted::certain(term, beta);
             trials(context, &rows, &calibrated, &[fitted], &runs).remove(0).unwrap()
         })
     }

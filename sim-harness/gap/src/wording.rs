@@ -1,8 +1,8 @@
 //! Effects and parameters as they are read: names, places, units, digits, intervals.
 
-use crate::fit::HALF_95;
 use crate::named::Named;
 use rundown::model::effects::EffectKind;
+use rundown_check::agreement::HALF_95;
 use rundown_pages::numbers::number;
 
 pub fn plain(name: &str) -> String {

@@ -9,6 +9,7 @@ use rundown::tick::estimate::Estimate;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::memory::Vehicle;
 use rundown::tick::regime::Regime;
+use rundown_check::agreement::HALF_95;
 use rundown_truth::driver::Regime as TrueRegime;
 use rundown_truth::scenario::Run;
 use rundown_truth::train::DavisTruth;
@@ -83,7 +84,7 @@ impl Errors {
             *bias += error;
             self.deviations += (r - true_r) * (r - true_r) / (sd * sd);
             self.count += 1.0;
-            if (r - true_r).abs() <= 1.96 * sd {
+            if (r - true_r).abs() <= HALF_95 * sd {
                 self.inside += 1.0;
             }
         }

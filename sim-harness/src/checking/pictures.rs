@@ -1,7 +1,7 @@
 //! Pictures of a recorder: speed against location, the digits of its speeds, what differs from run to run.
 
 use plotters::style::RGBColor;
-use rundown_check::agreement::{Figure as Value, Row};
+use rundown_check::agreement::{Figure as Value, HALF_95, Row};
 use rundown_check::{RecorderCheck, RunCheck, parts};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -109,7 +109,7 @@ fn classes(windows: &[Compared]) -> (Vec<Point>, Vec<Vec<Option<Point>>>) {
         let mean = |of: fn(&Compared) -> f64| class.iter().map(of).sum::<f64>() / n;
         let (x, y) = (mean(|w| w.0), mean(|w| w.1));
         let variance = class.iter().map(|w| (w.1 - y) * (w.1 - y)).sum::<f64>() / (n - 1.0);
-        let half = 1.96 * (variance / n).sqrt();
+        let half = HALF_95 * (variance / n).sqrt();
         means.push((x, y));
         bars.push(vec![Some((x, y - half)), Some((x, y + half))]);
     }

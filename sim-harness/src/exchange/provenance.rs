@@ -2,9 +2,7 @@
 
 use super::number::decimal;
 use crate::learned_train::{LearnedTrain, Limit, Used};
-
-/// Half the width of a 95 % interval of a normal distribution, standard deviations.
-const HALF_95: f64 = 1.96;
+use rundown_check::agreement::HALF_95;
 
 /// One sentence a line, for comments and text fields. Forces are those of a train of `mass_kg`.
 pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {

@@ -3,6 +3,7 @@
 use crate::gap_bench::draw::{Request, SIZES};
 use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
+use rundown_check::agreement::HALF_95;
 use rundown_gap::median;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -112,7 +113,7 @@ fn nuisances(done: &[Done]) -> String {
                 Some((value - truth, *sd))
             };
             let errors: Vec<(f64, f64)> = sets.iter().filter_map(told).collect();
-            let hold = errors.iter().filter(|(error, sd)| error.abs() < 1.96 * sd).count();
+            let hold = errors.iter().filter(|(error, sd)| error.abs() < HALF_95 * sd).count();
             let is_other = |s: &Score, name: &str| s.nuisance.is_none_or(|(own, _)| own != name);
             let besides = sets.iter().filter(|s| s.told.iter().any(|(name, ..)| is_other(s, name))).count();
             text.push_str(&format!(

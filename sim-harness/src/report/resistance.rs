@@ -5,9 +5,7 @@
 //! ```
 
 use rundown::{Real, filter::gaussian::Gaussian, model::resistance::Davis};
-
-/// Half-width of a 95 % interval of a normal distribution in standard deviations.
-pub const NINETY_FIVE: Real = 1.96;
+use rundown_check::agreement::HALF_95;
 
 /// Running resistance at a speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +28,12 @@ impl Resistance {
 
     /// Lower end of the 95 % interval, N/kg.
     pub fn lower(&self) -> Real {
-        self.mean_n_per_kg - NINETY_FIVE * self.sd_n_per_kg
+        self.mean_n_per_kg - HALF_95 * self.sd_n_per_kg
     }
 
     /// Upper end of the 95 % interval, N/kg.
     pub fn upper(&self) -> Real {
-        self.mean_n_per_kg + NINETY_FIVE * self.sd_n_per_kg
+        self.mean_n_per_kg + HALF_95 * self.sd_n_per_kg
     }
 
     /// How it stands to the manufacturer's value at the same speed.

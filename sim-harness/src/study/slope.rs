@@ -9,7 +9,7 @@
 use super::bound::{Known, Worth, information};
 use super::{Refused, case::Case, description::Believed};
 use crate::output::markdown::table as table_of;
-use crate::report::resistance::{NINETY_FIVE, Resistance};
+use crate::report::resistance::Resistance;
 use crate::simulation::scenario_file::Simulation;
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
@@ -18,6 +18,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::{estimator::Estimator, filter::gaussian::Gaussian, model::resistance::Davis, model::units::KmPerHour};
+use rundown_check::agreement::HALF_95;
 use rundown_files::column::{Column, record};
 use rundown_files::replay::{Tick, replay};
 use rundown_files::table::Record;
@@ -212,7 +213,7 @@ fn answer(mode: Mode, runs: usize, looks: &[&Look], described: &Davis) -> Answer
             if let Some(r) = Resistance::at(&look.believed, v) {
                 let error = r.mean_n_per_kg - true_r;
                 square += (error / true_r).powi(2);
-                if error.abs() <= NINETY_FIVE * r.sd_n_per_kg {
+                if error.abs() <= HALF_95 * r.sd_n_per_kg {
                     inside += 1.0;
                 }
             }

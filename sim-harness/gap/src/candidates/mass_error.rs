@@ -2,7 +2,7 @@
 
 use crate::candidates::kit::*;
 use crate::columns::mass;
-use crate::fit::HALF_95;
+use rundown_check::agreement::HALF_95;
 use rundown::model::effects::MassError;
 
 pub struct This;

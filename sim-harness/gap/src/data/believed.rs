@@ -117,10 +117,19 @@ pub(crate) mod tests {
 
     /// The train of the case study on 60 km of level line, and so many runs of it, one a day.
     pub(crate) fn on_a_level_line<T>(runs: usize, then: impl FnOnce(&Context<'_>) -> T) -> T {
+        on(&Track::try_new(60_000.0, [Gradient { from_m: 0.0, permille: 0.0 }]).unwrap(), runs, then)
+    }
+
+    /// The case study's train on 30 km, each of them with another gradient.
+    pub(crate) fn on_a_hilly_line<T>(runs: usize, then: impl FnOnce(&Context<'_>) -> T) -> T {
+        let gradient = |i: u32| Gradient { from_m: 1_000.0 * f64::from(i), permille: f64::from(i * 7 % 11) - 5.0 };
+        on(&Track::try_new(30_000.0, (0..30).map(gradient)).unwrap(), runs, then)
+    }
+
+    fn on<T>(track: &Track, runs: usize, then: impl FnOnce(&Context<'_>) -> T) -> T {
         let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
-        let track = Track::try_new(60_000.0, [Gradient { from_m: 0.0, permille: 0.0 }]).unwrap();
         then(&Context {
-            believed: Believed::new(&train, &track),
+            believed: Believed::new(&train, track),
             surroundings: &Surroundings::default(),
             conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: runs as f64, runs },
             config: &GapConfig::default(),

@@ -8,11 +8,11 @@ use crate::data::believed::Context;
 use crate::data::cut;
 use crate::data::runs::Run;
 use crate::efforts::{Looked, measured};
-use crate::fit::HALF_95;
 use crate::readings::delay::{self, Delay, delay};
 use crate::readings::offset::{self, Offset, offset};
 use rundown::model::effects::EffectKind;
 use rundown_check::agreement::Figure;
+use rundown_check::agreement::HALF_95;
 use serde_json::{Value, json};
 
 /// What was found of all runs.

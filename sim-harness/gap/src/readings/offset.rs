@@ -99,7 +99,7 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
     let value = near_m - (slope.dot(&at) + near_m * prior) / information;
     let rest = &at + &slope * (value - near_m);
     let mut scores = vec![0.0; config.places.max(2)];
-    let places = places(rows, scores.len());
+    let places = places(rows.iter(), scores.len());
     for (i, place) in places.iter().enumerate() {
         scores[*place] += slope[i] * rest[i];
     }
@@ -113,8 +113,8 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
 }
 
 /// In which part of the line each row lies, the parts equally filled.
-pub fn places(rows: &[Row], count: usize) -> Vec<usize> {
-    let at: Vec<f64> = rows.iter().map(|row| in_the_middle(Coordinate::Location, row).unwrap_or(0.0)).collect();
+pub fn places<'a>(rows: impl Iterator<Item = &'a Row>, count: usize) -> Vec<usize> {
+    let at: Vec<f64> = rows.map(|row| in_the_middle(Coordinate::Location, row).unwrap_or(0.0)).collect();
     let edges = crate::columns::knots(at.iter().copied(), count + 1);
     at.iter().map(|at| edges.partition_point(|edge| edge <= at).saturating_sub(1).min(count - 1)).collect()
 }
@@ -152,57 +152,48 @@ pub fn put_right(runs: &[Run], offset_m: f64) -> Vec<Run> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::GapConfig;
-    use crate::data::believed::{Believed, Conditions, Surroundings};
+    use crate::data::believed::tests::on_a_hilly_line;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
     use rundown::model::direction::Direction;
-    use rundown::model::track::{Gradient, Track};
-    use rundown::model::train::{Train, TrainDescription};
 
     /// What is found of 40 runs on a line with 30 gradients, whose locations are shown `offset_m` too far on; `stretch_m`: how much longer the train is.
     fn found(offset_m: f64, stretch_m: f64, seed: u64) -> (Offset, bool) {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let gradient = |i: u32| Gradient { from_m: 1_000.0 * f64::from(i), permille: f64::from(i * 7 % 11) - 5.0 };
-        let track = Track::try_new(30_000.0, (0..30).map(gradient)).unwrap();
-        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
-        let config = GapConfig::default();
-        let context = Context {
-            believed: Believed::new(&train, &track),
-            surroundings: &Surroundings::default(),
-            conditions: Conditions { runs: 40, ..Conditions::default() },
-            config: &config,
-        };
-        let gravity = train.gravity_n_per_kg();
-        let mut rows = Vec::new();
-        for run in 0..40 {
-            let direction = [Direction::Up, Direction::Down][run % 2];
-            let speed_mps = rng.random_range(20.0..40.0);
-            for i in 0..60 {
-                let mut row = Row::coasting(direction, 0.0, speed_mps);
-                let begin_m = 500.0 * f64::from(i);
-                for (k, point) in row.interval.path.iter_mut().enumerate() {
-                    point.location_m = begin_m + direction.sign() * speed_mps * k as f64;
+        on_a_hilly_line(40, |context| {
+            let train = context.believed.train();
+            let gravity = train.gravity_n_per_kg();
+            let mut rows = Vec::new();
+            for run in 0..40 {
+                let direction = [Direction::Up, Direction::Down][run % 2];
+                let speed_mps = rng.random_range(20.0..40.0);
+                let track = context.believed.line(direction).track;
+                for i in 0..60 {
+                    let mut row = Row::coasting(direction, 0.0, speed_mps);
+                    let begin_m = 500.0 * f64::from(i);
+                    for (k, point) in row.interval.path.iter_mut().enumerate() {
+                        point.location_m = begin_m + direction.sign() * speed_mps * k as f64;
+                    }
+                    // Nobody holds this speed.
+                    row.interval.speed_mps[1] += 0.5;
+                    row.interval.run = run;
+                    row.interval.begin_s = 20.0 * f64::from(i);
+                    row.effort_n_per_kg = rng.random_range(-0.1..0.2);
+                    row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
+                    let length_m = train.length_m() + stretch_m;
+                    let g = |p: &Point| gravity * track.mean_gradient(p.location_m - offset_m, length_m, direction);
+                    let here =
+                        gravity * row.interval.mean(|p| track.mean_gradient(p.location_m, train.length_m(), direction));
+                    let noise: f64 = StandardNormal.sample(&mut rng);
+                    row.residual_n_per_kg = row.interval.mean(g) - here + 0.01 * noise;
+                    rows.push(row);
                 }
-                // Nobody holds this speed.
-                row.interval.speed_mps[1] += 0.5;
-                row.interval.run = run;
-                row.interval.begin_s = 20.0 * f64::from(i);
-                row.effort_n_per_kg = rng.random_range(-0.1..0.2);
-                row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
-                let length_m = train.length_m() + stretch_m;
-                let g = |p: &Point| gravity * track.mean_gradient(p.location_m - offset_m, length_m, direction);
-                let here =
-                    gravity * row.interval.mean(|p| track.mean_gradient(p.location_m, train.length_m(), direction));
-                let noise: f64 = StandardNormal.sample(&mut rng);
-                row.residual_n_per_kg = row.interval.mean(g) - here + 0.01 * noise;
-                rows.push(row);
             }
-        }
-        let found = offset(&context, &rows).unwrap();
-        let told = found.matters(&config.nuisance, config.search.enough).is_some();
-        (found, told)
+            let found = offset(context, &rows).unwrap();
+            let told = found.matters(&context.config.nuisance, context.config.search.enough).is_some();
+            (found, told)
+        })
     }
 
     #[test]

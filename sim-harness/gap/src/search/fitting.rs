@@ -1,8 +1,8 @@
 //! The terms of a model with their coefficients, limits and rivals.
 
 use crate::candidate::{Fitted, Term};
-use crate::fit::HALF_95;
 use crate::search::{fits::Search, selection::Found, shape};
+use rundown_check::agreement::HALF_95;
 
 /// Each term of the model with its coefficients, what it brings beside the others, and who would do as well.
 pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {

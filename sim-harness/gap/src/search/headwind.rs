@@ -9,8 +9,8 @@
 use crate::candidate::Term;
 use crate::data::believed::{Context, wind_n_per_kg};
 use crate::data::rows::Row;
-use crate::fit::HALF_95;
 use crate::search::fits::Search;
+use rundown_check::agreement::HALF_95;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headwind {

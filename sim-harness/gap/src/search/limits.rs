@@ -1,8 +1,9 @@
 //! How sure a term is: what no spread of rows or runs shows, and where the edges of a section may lie.
 
 use crate::candidate::{SectionLimits, Shape, Term};
-use crate::fit::{Base, Gain, HALF_95, LOSS_AT_LIMIT};
+use crate::fit::{Base, Gain, LOSS_AT_LIMIT};
 use crate::search::fits::Search;
+use rundown_check::agreement::HALF_95;
 
 impl Search<'_> {
     /// Its sign is sure, whatever differs in all rows alike.

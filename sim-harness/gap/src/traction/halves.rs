@@ -4,13 +4,14 @@
 
 use crate::config::TractionConfig;
 use crate::data::runs::Run;
-use crate::fit::{HALF_95, LOSS_AT_LIMIT};
+use crate::fit::LOSS_AT_LIMIT;
 use crate::traction::limit::FoundLimit;
 use crate::traction::powering::SteadyPower;
 use crate::traction::shares::Shares;
 use crate::trial::{By, Halves};
 use rundown::model::effects::{Effect, LowAdhesion, PowerLimitSection};
 use rundown_check::agreement::Figure;
+use rundown_check::agreement::HALF_95;
 
 /// Multiples that are tried: from none to twice as much.
 const STEPS: usize = 41;

@@ -1,9 +1,10 @@
 //! Fig. 3: speed, acceleration, effort, r0, r1, r2 of a run.
 
-use super::{super::RunView, super::resistance::NINETY_FIVE};
+use super::super::RunView;
 use super::{BACKGROUND, BAND, KMH, nothing_estimated, over_location, trusted};
 use crate::report::axis::Axis;
 use rundown::{Real, model::state, model::train::Train};
+use rundown_check::agreement::HALF_95;
 use rundown_pages::chart::{Drawing, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
@@ -110,7 +111,7 @@ fn coefficient_panel(run: &RunView, axis: &Axis, component: usize, label: &str, 
     let mean = axis.series(&run.estimates, |_, estimate, x| Some((x, per_unit * estimate.belief.mean[component])));
     let band = axis.series(&run.estimates, |_, estimate, x| {
         let mean = per_unit * estimate.belief.mean[component];
-        let width = NINETY_FIVE * per_unit * estimate.belief.sd(component);
+        let width = HALF_95 * per_unit * estimate.belief.sd(component);
         Some((x, mean - width, mean + width))
     });
     let learned = axis.spans(&run.estimates, |_, estimate| estimate.learning);

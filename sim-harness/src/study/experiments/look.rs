@@ -1,7 +1,7 @@
 //! A set of runs of one vehicle, driven once, and what a mode says of it.
 
 use super::variant::Variant;
-use crate::report::resistance::{NINETY_FIVE, Resistance};
+use crate::report::resistance::Resistance;
 use crate::study::Refused;
 use crate::study::case::{Case, FleetUnit};
 use crate::study::view::Seen;
@@ -11,6 +11,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::train::Train;
 use rundown::tick::estimate::Estimate;
 use rundown::tick::regime::Regime;
+use rundown_check::agreement::HALF_95;
 use rundown_files::replay::{ReplayedRun, Tick, replay};
 use rundown_truth::sensors::TruthSample;
 
@@ -92,7 +93,7 @@ pub fn misses(known: &Gaussian<3>, samples: &[TruthSample]) -> Vec<Miss> {
     let miss = |sample: &TruthSample| {
         let r = Resistance::at(known, sample.speed_mps)?;
         let error = r.mean_n_per_kg - sample.resistance_n_per_kg;
-        let is_inside = error.abs() <= NINETY_FIVE * r.sd_n_per_kg;
+        let is_inside = error.abs() <= HALF_95 * r.sd_n_per_kg;
         Some(Miss { truth: sample.resistance_n_per_kg, error, is_inside })
     };
     fast.filter_map(miss).collect()

@@ -3,10 +3,10 @@
 use super::binned::{Value, binned, width};
 use super::maps::{joined, sections};
 use crate::answer::whole::Answer;
-use crate::fit::HALF_95;
 use crate::holdout::forward::Compared;
 use maud::{Markup, html};
 use plotters::style::RGBColor;
+use rundown_check::agreement::HALF_95;
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::shell::{choice_column, column, sortable, text_column};
 use rundown_pages::{colours, numbers::number};

@@ -7,10 +7,10 @@ use crate::axis::Axis;
 use crate::candidates;
 use crate::data::rows::Row;
 use crate::explained::{acts, extra};
-use crate::fit::HALF_95;
 use crate::named::Named;
 use crate::wording::plain;
 use rundown::model::direction::Direction;
+use rundown_check::agreement::HALF_95;
 use rundown_pages::chart::{Drawing, Figure, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 

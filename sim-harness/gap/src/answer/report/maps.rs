@@ -4,9 +4,9 @@ use super::binned::{Bin, Value, binned, width};
 use crate::answer::whole::Answer;
 use crate::axis::Axis;
 use crate::data::rows::Row;
-use crate::fit::HALF_95;
 use plotters::style::RGBColor;
 use rundown::model::direction::Direction;
+use rundown_check::agreement::HALF_95;
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
