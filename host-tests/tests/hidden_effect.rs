@@ -33,9 +33,10 @@ fn of_size(
         Set::draw(Request { kinds: kinds.to_vec(), size, effort, dirty, rough: false, nuisance: None, runs, seed })
             .unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let answer = blind(&set, folder.path()).unwrap().unwrap();
+    let outcome = blind(&set, folder.path()).unwrap();
     assert!(!folder.path().join("truth").exists());
-    let score = Score::of(&set, Some(&answer));
+    let score = Score::of(&set, &outcome);
+    let answer = outcome.unwrap();
     let trials: Vec<_> = answer.found.named.iter().chain(&answer.found.candidates).map(|one| &one.trial).collect();
     println!("{:?}, seed {seed}: {score:?}, trials {trials:?}", set.scenario.effects);
     (set, score, answer)

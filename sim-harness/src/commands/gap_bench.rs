@@ -71,7 +71,7 @@ pub struct Arguments {
     #[arg(long)]
     rough: bool,
     /// Runs of a set
-    #[arg(long, value_name = "N", default_value_t = 67, value_parser = clap::value_parser!(u16).range(4..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 67, value_parser = clap::value_parser!(u16).range(5..=1000))]
     runs: u16,
     /// Seed of all draws
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -257,9 +257,9 @@ fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
     let folder = kept.unwrap_or(folder.path());
     std::fs::create_dir_all(folder).map_err(failed)?;
     let begun = Instant::now();
-    let answer = blind(&set, folder)?;
+    let outcome = blind(&set, folder)?;
     let seconds = begun.elapsed().as_secs_f64();
-    if let (Some(folder), Some(answer)) = (kept, &answer) {
+    if let (Some(folder), Ok(answer)) = (kept, &outcome) {
         // All but the speeds of held-out runs.
         for (name, bytes) in gap_tables::files(answer).map_err(failed)?.into_iter().take(2) {
             std::fs::write(folder.join(name), bytes).map_err(failed)?;
@@ -267,7 +267,7 @@ fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
     }
     let scenario = &set.scenario;
     Ok(Done {
-        score: Score::of(&set, answer.as_ref()),
+        score: Score::of(&set, &outcome),
         hidden: format!("{:?}", scenario.effects),
         data: format!(
             "{:.0} t, {:?}, {:?}, every {} s",
@@ -285,7 +285,8 @@ fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
 fn line(done: &Done) -> String {
     let (request, score) = (&done.request, &done.score);
     let word = match (score.exact, score.shared) {
-        (true, _) => "named ",
+        _ if score.refused.is_some() => "refused",
+        (true, _) => "named",
         (false, true) => "shared",
         (false, false) => "missed",
     };
@@ -294,22 +295,27 @@ fn line(done: &Done) -> String {
         names => format!(", not {}", names.join(", ")),
     };
     let removed = score.removed.map_or("-".to_owned(), |r| format!("{r:.2}"));
+    let p_value = score.p_value.map_or("-".to_owned(), |p| format!("{p:.3}"));
     let mut text = format!(
-        "{word} {:<24} {:<6} {} {} seed {:<10} {:<44} p {:.3} removed {removed} {:.3?} size error {:.2?} place {:.2?} intervals {:?}{}  found {}",
+        "{word:<7} {:<24} {:<6} {} {} seed {:<10} {:<44}",
         if request.kinds.is_empty() { "nothing".to_owned() } else { request.kinds.join("+") },
         format!("{:?}", request.size).to_lowercase(),
         if request.effort { "effort   " } else { "no effort" },
         if request.dirty { "dirty" } else { "clean" },
         request.seed,
         done.data,
-        score.p_value,
-        score.gap_mps,
+    );
+    if let Some(reason) = &score.refused {
+        return format!("{text}\n       {reason}\n");
+    }
+    text.push_str(&format!(
+        " p {p_value} removed {removed} {:.3?} size error {:.2?} place {:.2?} intervals {:?}{outside}  found {}",
+        score.gap_mps.unwrap_or_default(),
         score.size_errors,
         score.places,
         score.intervals,
-        outside,
         score.found.join(" + "),
-    );
+    ));
     if !score.rivals.is_empty() {
         text.push_str(&format!(" or {}", score.rivals.join(", ")));
     }

@@ -12,7 +12,8 @@ pub const DRAWN: &[[&str; 4]] = &[
     ["[].ask.seed", "", "seed of the set", ""],
     ["[].hidden", "", "the hidden effects with their parameters, for people", ""],
     ["[].data", "", "mass of the train, drivers, directions and sampling, for people", ""],
-    ["[].score.verdict", "", "the verdict in one word, as in `gap.json`", ""],
+    ["[].score.verdict", "", "the verdict in one word, as in `gap.json`", "the set was refused"],
+    ["[].score.refused", "", "why the set was not investigated", "it was"],
     ["[].score.key[]", "", "names of the hidden effects, sorted; `unknown` for what is in no catalogue", ""],
     ["[].score.found[]", "", "names that were given, sorted", ""],
     [
@@ -39,10 +40,15 @@ pub const DRAWN: &[[&str; 4]] = &[
         "[].score.removed",
         "1",
         "share of the removable gap that is gone on the hold-out runs",
-        "there was none, or nothing could be compared",
+        "there was none, or the set was refused",
     ],
-    ["[].score.gap_mps[]", "m/s", "the gap on the hold-out runs before and after, and its noise floor", ""],
-    ["[].score.p_value", "1", "p-value of the residuals without a gap", ""],
+    [
+        "[].score.gap_mps[]",
+        "m/s",
+        "the gap on the hold-out runs before and after, and its noise floor",
+        "the set was refused",
+    ],
+    ["[].score.p_value", "1", "p-value of the residuals without a gap", "the set was refused"],
     ["[].score.told[][]", "as in `gap.json`", "nuisances that were reported: name, value, standard deviation", ""],
     [
         "[].score.nuisance[]",
@@ -57,7 +63,7 @@ pub const DRAWN: &[[&str; 4]] = &[
 pub const OF_FOLDER: &[[&str; 4]] = &[
     ["[].set", "", "folder of the set", ""],
     ["[].effort", "", "whether the effort column was left in", ""],
-    ["[].verdict", "", "the verdict in one word, as in `gap.json`; `no_gap` where the set was refused", ""],
+    ["[].verdict", "", "the verdict in one word, as in `gap.json`", "the set was refused"],
     ["[].size", "", "`magnitude_class` of the key, empty without one", ""],
     ["[].hidden[]", "", "names of the key", ""],
     ["[].found[].name", "", "a name that was given", ""],
@@ -67,7 +73,7 @@ pub const OF_FOLDER: &[[&str; 4]] = &[
     ["[].candidates[]", "", "names that were given as candidates only", ""],
     ["[].named", "", "whether each name of the key was given, or one that is as good, and no other", ""],
     ["[].shared", "", "the same, where a name of the key may be one of at most two rivals", ""],
-    ["[].p_value", "1", "p-value of the residuals without a gap, 1 where the set was refused", ""],
+    ["[].p_value", "1", "p-value of the residuals without a gap", "the set was refused"],
     [
         "[].removed",
         "1",

@@ -1,7 +1,7 @@
 //! Sets of others: a folder that holds sets as `rundown simulate` writes them, and a key for each in its folder `keys`.
 
 use super::answer;
-use super::score::{MOST_RIVALS, one_to_one};
+use super::score::{MOST_RIVALS, is_significant, one_to_one};
 use super::table::{reliability, yes};
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::input::Input;
@@ -55,8 +55,8 @@ pub struct Judged {
     pub set: String,
     /// With or without an effort column.
     pub effort: bool,
-    /// The verdict in one word; `no_gap` where it was refused or nothing could be compared.
-    pub verdict: &'static str,
+    /// The verdict in one word; none where it was refused.
+    pub verdict: Option<&'static str>,
     /// In a word.
     pub size: String,
     /// Names of the key.
@@ -69,8 +69,8 @@ pub struct Judged {
     pub named: bool,
     /// The same, where one may stand among at most two rivals.
     pub shared: bool,
-    /// Probability of the residuals without a gap.
-    pub p_value: f64,
+    /// Probability of the residuals without a gap; none where it was refused.
+    pub p_value: Option<f64>,
     /// Share of the gap that is gone on held-out runs; none where there was nothing to remove.
     pub removed: Option<f64>,
     /// Why it was not investigated.
@@ -118,8 +118,7 @@ pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<J
     Ok(Judged::of(name, key, effort, answer))
 }
 
-/// `Ok(None)`: there is too little to compare, and so no name.
-fn investigate(set: &Path) -> Result<Option<Answer>, String> {
+fn investigate(set: &Path) -> Result<Answer, String> {
     let input = Input::of_set(set).map_err(|refusal| refusal.to_string())?;
     answer(input).map_err(|refusal| refusal.to_string())
 }
@@ -151,13 +150,13 @@ fn without_effort(set: &Path, to: &Path) -> io::Result<()> {
 }
 
 impl Judged {
-    fn of(set: &str, key: &Key, effort: bool, answer: Result<Option<Answer>, String>) -> Self {
+    fn of(set: &str, key: &Key, effort: bool, answer: Result<Answer, String>) -> Self {
         let variant = if effort { "effort" } else { "no-effort" };
         let accepted = key.also_accepted.get(variant).cloned().unwrap_or_default();
         let hidden: Vec<String> = key.effects.iter().map(|effect| effect.name.clone()).collect();
         let is_key = |name: &str| hidden.iter().chain(&accepted).any(|key| key == name);
         let (investigation, refused) = match answer {
-            Ok(answer) => (answer.map(|answer| answer.found), None),
+            Ok(answer) => (Some(answer.found), None),
             Err(reason) => (None, Some(reason)),
         };
         let candidates =
@@ -183,12 +182,12 @@ impl Judged {
         Self {
             set: set.to_owned(),
             effort,
-            verdict: investigation.as_ref().map_or(Verdict::NoGap, |found| found.verdict).name(),
+            verdict: investigation.as_ref().map(|found| found.verdict.name()),
             size: key.magnitude_class.clone(),
             named,
             shared,
             hidden,
-            p_value: investigation.as_ref().map_or(1.0, |found| found.p_value),
+            p_value: investigation.as_ref().map(|found| found.p_value),
             removed: investigation.as_ref().and_then(|found| found.gap.removed),
             found,
             candidates,
@@ -215,11 +214,11 @@ impl Judged {
             names => format!("; candidates {}", names.join(", ")),
         };
         let efforts = if self.effort { "effort" } else { "no effort" };
-        let refused = self.refused.as_ref().map_or(String::new(), |reason| format!("; refused: {reason}"));
-        format!(
-            "{word:<6} {:<8} {efforts:<9} {:<6} {hidden}: {found}{candidates}, {}, p {:.3}{refused}\n",
-            self.set, self.size, self.verdict, self.p_value
-        )
+        let said = match (self.verdict, self.p_value) {
+            (Some(verdict), Some(p_value)) => format!("{found}{candidates}, {verdict}, p {p_value:.3}"),
+            _ => format!("refused: {}", self.refused.as_deref().unwrap_or_default()),
+        };
+        format!("{word:<6} {:<8} {efforts:<9} {:<6} {hidden}: {said}\n", self.set, self.size)
     }
 }
 
@@ -234,7 +233,7 @@ fn shares(judged: &[Judged]) -> String {
     let mut text = String::from(
         "### Sets of others\n\nNamed: every effect, or one that the key takes for as good, and no other. Shared: the same, where it may stand among at most two \
         rivals. Wrong: sets with a name that is not the key's.\n\n\
-        | effort column | hidden | size | sets | named | named or shared | wrong | nothing named but `candidate` | p-value below 0.05 |\n|---|---|---|---|---|---|---|---|---|\n",
+        | effort column | hidden | size | sets | named | named or shared | wrong | nothing named but `candidate` | p-value below 0.05 | refused |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut groups: BTreeMap<(bool, usize, &str), Vec<&Judged>> = BTreeMap::new();
     for one in judged {
@@ -244,15 +243,16 @@ fn shares(judged: &[Judged]) -> String {
     for ((without, hidden, size), sets) in groups {
         let count = |of: &dyn Fn(&Judged) -> bool| sets.iter().filter(|one| of(one)).count();
         text.push_str(&format!(
-            "| {} | {hidden} | {} | {} | {} | {} | {} | {} | {} |\n",
+            "| {} | {hidden} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
             yes(!without),
             if size.is_empty() { "-" } else { size },
             sets.len(),
             count(&|one| one.named),
             count(&|one| one.named || one.shared),
             count(&|one| one.found.iter().any(|name| !name.right)),
-            count(&|one| one.verdict == Verdict::Candidate.name()),
-            count(&|one| one.p_value < 0.05),
+            count(&|one| one.verdict == Some(Verdict::Candidate.name())),
+            count(&|one| one.p_value.is_some_and(is_significant)),
+            count(&|one| one.refused.is_some()),
         ));
     }
     text.push('\n');
@@ -267,7 +267,7 @@ mod tests {
         Judged {
             set: "a".to_owned(),
             effort: true,
-            verdict: if found.is_empty() { Verdict::Candidate } else { Verdict::Explained }.name(),
+            verdict: Some(if found.is_empty() { Verdict::Candidate } else { Verdict::Explained }.name()),
             size: "faint".to_owned(),
             hidden: hidden.iter().map(ToString::to_string).collect(),
             found: found
@@ -277,7 +277,7 @@ mod tests {
             candidates: Vec::new(),
             named: false,
             shared: false,
-            p_value: 0.01,
+            p_value: Some(0.01),
             removed: None,
             refused: None,
         }
@@ -291,8 +291,8 @@ mod tests {
             judged(&["mass_error"], &[]),
         ];
         let text = tables(&sets);
-        assert!(text.contains("| yes | 0 | - | 1 | 0 | 0 | 1 | 0 | 1 |"), "{text}");
-        assert!(text.contains("| yes | 1 | faint | 2 | 0 | 0 | 0 | 1 | 2 |"), "{text}");
+        assert!(text.contains("| yes | 0 | - | 1 | 0 | 0 | 1 | 0 | 1 | 0 |"), "{text}");
+        assert!(text.contains("| yes | 1 | faint | 2 | 0 | 0 | 0 | 1 | 2 | 0 |"), "{text}");
         assert!(text.contains("| 0.9 to 0.99 | 2 | 0.95 | 0.50 (1/2) |"), "{text}");
     }
 
@@ -311,8 +311,8 @@ mod tests {
     fn a_refused_set_is_not_one_in_which_nothing_was_rightly_found() {
         let refused = Judged::of("a", &Key::default(), true, Err("runs: nothing".to_owned()));
         assert!(!refused.named && !refused.shared);
-        assert!(refused.line().contains("refused: runs: nothing"));
-        assert!(Judged::of("a", &Key::default(), true, Ok(None)).named, "nothing is hidden, and nothing was named");
+        assert!(refused.line().contains("nothing: refused: runs: nothing"), "{}", refused.line());
+        assert!(tables(&[refused]).contains("| yes | 0 | - | 1 | 0 | 0 | 0 | 0 | 0 | 1 |"));
     }
 
     #[test]

@@ -42,27 +42,27 @@ impl BenchError {
     }
 }
 
+/// An answer, or why the set was refused.
+pub type Outcome = Result<Answer, Refusal>;
+
 /// Writes the set into an empty folder, removes its truth, and investigates what an analyst would have.
-/// `None`: the runs have too little to compare.
 ///
 /// # Errors
 /// [`BenchError`] when a file could not be written or read.
-pub fn blind(set: &Set, folder: &Path) -> Result<Option<Answer>, BenchError> {
+pub fn blind(set: &Set, folder: &Path) -> Result<Outcome, BenchError> {
     set.write(folder).map_err(|error| BenchError::new(set, error))?;
     fs::remove_dir_all(folder.join("truth")).map_err(|error| BenchError::new(set, error))?;
-    let input = Input::of_set(folder).map_err(|error| BenchError::new(set, error))?;
+    let input = match Input::of_set(folder) {
+        Ok(input) => input,
+        Err(refusal) => return Ok(Err(refusal)),
+    };
     if input.runs.len() != set.request.runs {
         let (read, notes) = (input.runs.len(), input.notes.join("; "));
         return Err(BenchError::new(set, format!("{read} of {} runs could be read: {notes}", set.request.runs)));
     }
-    answer(input).map_err(|refusal| BenchError::new(set, refusal))
+    Ok(answer(input))
 }
 
-/// `None`: the runs have too little to compare.
-fn answer(input: Input) -> Result<Option<Answer>, Refusal> {
-    match rundown_gap::run(input, GapConfig::default(), None, |_| ()) {
-        Ok(answer) => Ok(Some(answer)),
-        Err(Refusal::TooLittle { .. }) => Ok(None),
-        Err(refusal) => Err(refusal),
-    }
+fn answer(input: Input) -> Outcome {
+    rundown_gap::run(input, GapConfig::default(), None, |_| ())
 }

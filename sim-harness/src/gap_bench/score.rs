@@ -1,5 +1,6 @@
 //! One investigation beside its key.
 
+use crate::gap_bench::Outcome;
 use crate::gap_bench::draw::Set;
 use crate::gap_bench::nuisance::Drawn;
 use rundown::model::effects::{DavisError, Effect};
@@ -19,8 +20,10 @@ pub(super) const MOST_RIVALS: usize = 2;
 /// What an investigation is worth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Score {
-    /// The verdict in one word; `no_gap` where nothing could be compared.
-    pub verdict: &'static str,
+    /// The verdict in one word; none where the set was refused.
+    pub verdict: Option<&'static str>,
+    /// Why it was.
+    pub refused: Option<String>,
     /// Names of the key, sorted; `unknown` for what is in no catalogue.
     pub key: Vec<&'static str>,
     /// Names found, sorted.
@@ -31,7 +34,7 @@ pub struct Score {
     pub candidates: Vec<&'static str>,
     /// With all rivals that were named beside them.
     pub rivals: Vec<&'static str>,
-    /// All names of the key, and no other.
+    /// All names of the key, and no other; a refused set has none.
     pub exact: bool,
     /// The same, where a name of the key may stand among at most two rivals of a found one.
     pub shared: bool,
@@ -47,10 +50,10 @@ pub struct Score {
     pub outside: Vec<String>,
     /// Share of the removable gap that is gone on the held-out runs; `None` where there was none.
     pub removed: Option<f64>,
-    /// The gap on the held-out runs before and after, and its floor, m/s.
-    pub gap_mps: [f64; 3],
-    /// Probability of the residuals without a gap.
-    pub p_value: f64,
+    /// The gap on the held-out runs before and after, and its floor, m/s; none where the set was refused.
+    pub gap_mps: Option<[f64; 3]>,
+    /// Probability of the residuals without a gap; none where the set was refused.
+    pub p_value: Option<f64>,
     /// Nuisances that were told: name, value, standard deviation.
     pub told: Vec<(&'static str, f64, f64)>,
     /// The nuisance that there is, as it should be told, with its value.
@@ -60,11 +63,17 @@ pub struct Score {
 impl Score {
     /// Something is there, and nothing of it was named.
     pub fn is_candidate(&self) -> bool {
-        self.verdict == Verdict::Candidate.name()
+        self.verdict == Some(Verdict::Candidate.name())
     }
 
-    /// Compares. `None` instead of an investigation: nothing was found because nothing could be compared.
-    pub fn of(set: &Set, answer: Option<&Answer>) -> Self {
+    /// The residuals say that something is there.
+    pub fn is_significant(&self) -> bool {
+        self.p_value.is_some_and(is_significant)
+    }
+
+    /// Compares.
+    pub fn of(set: &Set, outcome: &Outcome) -> Self {
+        let answer = outcome.as_ref().ok();
         let found = answer.map(|answer| &answer.found);
         let hidden = &set.scenario.effects;
         let mut key: Vec<&'static str> = hidden.iter().map(key_name).collect();
@@ -73,17 +82,20 @@ impl Score {
         let mut names: Vec<&'static str> = named.iter().map(|n| n.effect.name()).collect();
         names.sort_unstable();
         let mut score = Self {
-            verdict: found.map_or(Verdict::NoGap, |f| f.verdict).name(),
-            exact: names == key,
-            shared: names.len() == key.len() && one_to_one(&key, named, |n| n.effect.name(), is_rival),
+            verdict: found.map(|f| f.verdict.name()),
+            refused: outcome.as_ref().err().map(ToString::to_string),
+            exact: answer.is_some() && names == key,
+            shared: answer.is_some()
+                && names.len() == key.len()
+                && one_to_one(&key, named, |n| n.effect.name(), is_rival),
             coordinate: None,
             size_errors: Vec::new(),
             places: Vec::new(),
             intervals: [0, 0],
             outside: Vec::new(),
             removed: found.and_then(|f| f.gap.removed),
-            gap_mps: found.map_or([0.0; 3], |f| [f.gap.before, f.gap.after, f.gap.floor]),
-            p_value: found.map_or(1.0, |f| f.p_value),
+            gap_mps: found.map(|f| [f.gap.before, f.gap.after, f.gap.floor]),
+            p_value: found.map(|f| f.p_value),
             told: answer.map_or_else(Vec::new, |answer| told(set, answer)),
             nuisance: set
                 .request
@@ -196,6 +208,11 @@ fn davis_error(truth: &Value, found: &DavisError) -> Option<f64> {
         (error + (b - a).powi(2), hidden + a * a)
     });
     Some((error / hidden).sqrt())
+}
+
+/// Below the usual level.
+pub(super) fn is_significant(p_value: f64) -> bool {
+    p_value < 0.05
 }
 
 /// Intersection over union.

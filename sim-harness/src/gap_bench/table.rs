@@ -53,7 +53,7 @@ pub fn reliability(names: &[(f64, bool)]) -> String {
 
 fn false_alarms(done: &[Done]) -> String {
     let mut text = String::from(
-        "### Nothing hidden\n\n| effort column | sensors | sets | false alarms | nothing named but `candidate` | p-value below 0.05 |\n|---|---|---|---|---|---|\n",
+        "### Nothing hidden\n\n| effort column | sensors | sets | false alarms | nothing named but `candidate` | p-value below 0.05 | refused |\n|---|---|---|---|---|---|---|\n",
     );
     for effort in [true, false] {
         for dirty in [false, true] {
@@ -65,11 +65,12 @@ fn false_alarms(done: &[Done]) -> String {
             if sets.is_empty() {
                 continue;
             }
-            let alarms = sets.iter().filter(|d| !d.score.exact).count();
-            let low = sets.iter().filter(|d| d.score.p_value < 0.05).count();
+            let alarms = sets.iter().filter(|d| !d.score.found.is_empty()).count();
+            let low = sets.iter().filter(|d| d.score.is_significant()).count();
+            let refused = sets.iter().filter(|d| d.score.refused.is_some()).count();
             let unnamed = sets.iter().filter(|d| d.score.is_candidate()).count();
             text.push_str(&format!(
-                "| {} | {} | {} | {alarms} | {unnamed} | {low} |\n",
+                "| {} | {} | {} | {alarms} | {unnamed} | {low} | {refused} |\n",
                 yes(effort),
                 if dirty { "dirty" } else { "clean" },
                 sets.len()
@@ -95,8 +96,8 @@ fn nuisances(done: &[Done]) -> String {
         "### Nuisances\n\n\
         Wrong names: sets with a name that the key has not. Told: the nuisance of the set. Error: of the figure told, median of its size. \
         Told besides: other nuisances.\n\n\
-        | nuisance | effort column | sets | wrong names | p-value below 0.05 | told | error | 95 % intervals that hold | told besides |\n\
-        |---|---|---|---|---|---|---|---|---|\n",
+        | nuisance | effort column | sets | wrong names | p-value below 0.05 | told | error | 95 % intervals that hold | told besides | refused |\n\
+        |---|---|---|---|---|---|---|---|---|---|\n",
     );
     for kind in kinds {
         for effort in [true, false] {
@@ -106,7 +107,8 @@ fn nuisances(done: &[Done]) -> String {
                 continue;
             }
             let wrong = sets.iter().filter(|s| s.found.iter().any(|name| !s.key.contains(name))).count();
-            let low = sets.iter().filter(|s| s.p_value < 0.05).count();
+            let low = sets.iter().filter(|s| s.is_significant()).count();
+            let refused = sets.iter().filter(|s| s.refused.is_some()).count();
             let told = |s: &&Score| {
                 let (name, truth) = s.nuisance?;
                 let (_, value, sd) = s.told.iter().find(|(told, ..)| *told == name)?;
@@ -117,7 +119,7 @@ fn nuisances(done: &[Done]) -> String {
             let is_other = |s: &Score, name: &str| s.nuisance.is_none_or(|(own, _)| own != name);
             let besides = sets.iter().filter(|s| s.told.iter().any(|(name, ..)| is_other(s, name))).count();
             text.push_str(&format!(
-                "| {} | {} | {} | {wrong} | {low} | {} | {} | {} | {besides} |\n",
+                "| {} | {} | {} | {wrong} | {low} | {} | {} | {} | {besides} | {refused} |\n",
                 kind.map_or("none", Nuisance::name),
                 yes(effort),
                 sets.len(),
@@ -137,8 +139,8 @@ fn sizes(done: &[Done]) -> String {
         "### Something hidden\n\n\
         Named: all effects of the set and no other; something outside the catalogue as `unknown`. Shared: the same, or named beside at most two rivals. \
         Errors and shares are medians. Removed: share of the removable gap on held-out runs.\n\n\
-        | effects | effort column | size | sets | named | named or shared | size error | place (IoU) | removed | intervals that hold | right coordinate of unknowns |\n\
-        |---|---|---|---|---|---|---|---|---|---|---|\n",
+        | effects | effort column | size | sets | named | named or shared | size error | place (IoU) | removed | intervals that hold | right coordinate of unknowns | refused |\n\
+        |---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for (count, effort) in [(1, true), (1, false), (2, true), (2, false)] {
         for size in SIZES {
@@ -154,7 +156,7 @@ fn sizes(done: &[Done]) -> String {
             let [intervals, hold] = sets.iter().fold([0, 0], |[a, b], s| [a + s.intervals[0], b + s.intervals[1]]);
             let unknown: Vec<bool> = sets.iter().filter_map(|s| s.coordinate).collect();
             text.push_str(&format!(
-                "| {count} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+                "| {count} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
                 yes(effort),
                 format!("{size:?}").to_lowercase(),
                 sets.len(),
@@ -165,6 +167,7 @@ fn sizes(done: &[Done]) -> String {
                 percent(all(&|s| s.removed.into_iter().collect())),
                 share(hold, intervals),
                 share(unknown.iter().filter(|right| **right).count(), unknown.len()),
+                sets.iter().filter(|s| s.refused.is_some()).count(),
             ));
         }
     }
@@ -184,7 +187,8 @@ fn confusion(done: &[Done], effort: bool) -> String {
             cell.push(if score.exact {
                 "✓".to_owned()
             } else {
-                let mut text = if score.found.is_empty() { "nothing".to_owned() } else { score.found.join(" + ") };
+                let nothing = if score.refused.is_some() { "refused" } else { "nothing" };
+                let mut text = if score.found.is_empty() { nothing.to_owned() } else { score.found.join(" + ") };
                 if score.shared {
                     text.push_str(" (shared)");
                 }
