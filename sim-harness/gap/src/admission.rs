@@ -43,7 +43,12 @@ pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> 
 
 /// The described slopes are those of the line: by the effort column, and without one, or where it does not show them, by the coasts.
 fn slopes(input: &Input, given: &Context<'_>, rows: &[Row]) -> Result<(), Refusal> {
-    let TrackConfig { most_slope_factor: most, slope_sure: sure, .. } = given.config.track;
+    let TrackConfig { most_slope_factor: most, slope_sure: sure, most_gradient_sd_permille, .. } = given.config.track;
+    if given.surroundings.is_level
+        && let Some(found) = slopes::of_level(given, rows).filter(|found| *found > most_gradient_sd_permille)
+    {
+        return Err(Refusal::NotLevel { sd_permille: found });
+    }
     let found = slopes::factor(given, rows);
     // From the nearest factor that is taken for right.
     let beyond = |factor: &Figure| factor.away_from(factor.value.max(1.0 / most).min(most));

@@ -15,10 +15,10 @@ use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
 use crate::holdout::{journey::Journey, share::Share};
 use crate::levels::{Standout, standouts};
 use crate::named::Named;
-use crate::naming::{names::named, on_line::on_line};
+use crate::naming::{confounded::confounded, names::named, on_line::on_line};
 use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
 use crate::readings::kinematics::{own_scales, scaled_recorders};
-use crate::readings::nuisances::{Nuisance, nuisances, righted};
+use crate::readings::nuisances::{self, Nuisance, nuisances, righted};
 use crate::readings::wheels::{Wheel, put_right, wheels};
 use crate::traction::halves::halves;
 use crate::trial::Trial;
@@ -105,8 +105,6 @@ pub fn investigate(
     let Some(findings) = analyse(given, runs, effort) else {
         return Ok(None);
     };
-    let nuisances = nuisances(&readings, findings.gain, config);
-    nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let context = &Context { conditions: findings.conditions, ..*given };
     let (mut named, mut candidates) = all_named(&findings, context, runs);
     let (units, others) = scaled_units(runs, config).into_iter().partition(|one| stands(&one.trial, config));
@@ -115,6 +113,9 @@ pub fn investigate(
         all.extend(wheels.iter().map(|wheel| wheel.named(runs, config)).chain(units));
     }
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut nuisances = nuisances(&readings, findings.gain, config);
+    nuisances::beside(&mut nuisances, &named);
+    nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let with = effects(&named)?;
     for one in &mut named {
         if let Effect::RunWind(wind) = &one.effect {
@@ -184,7 +185,10 @@ fn out_of_sample(
 fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<Named>, Vec<Named>) {
     let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
     let limit = findings.limit(&context.config.search);
-    let mut all = named(&findings.terms, limit, &findings.naming(context, &names));
+    let naming = findings.naming(context, &names);
+    let mut all = named(&findings.terms, limit, &naming);
+    let gain_told = findings.gain.is_some_and(|gain| nuisances::is_told(gain, context.config));
+    confounded(&mut all, gain_told, &naming);
     // What no board takes is no effect of a train; the residuals still say that something is left.
     all.retain(|one| one.effect.check().is_ok());
     for one in &mut all {

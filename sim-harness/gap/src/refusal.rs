@@ -91,6 +91,15 @@ pub enum Refusal {
         /// What coasts say.
         doubt: Doubt,
     },
+    /// A line that is described as level has slopes.
+    #[error(
+        "track: described as level, and at half of its places the motion of the trains needs slopes beyond {:.1} permille: the gap would be theirs. Describe the gradients; nothing was written",
+        0.67 * sd_permille
+    )]
+    NotLevel {
+        /// Standard deviation of the slopes that the motion needs, from their median.
+        sd_permille: f64,
+    },
     /// No run has enough.
     #[error(
         "{runs} runs have too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written"

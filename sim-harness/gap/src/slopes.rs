@@ -9,10 +9,11 @@
 
 use crate::data::believed::Context;
 use crate::data::rows::Row;
-use crate::fit::Base;
+use crate::fit::{Base, median};
 use crate::readings::offset::{is_strong, places};
 use nalgebra::DVector;
 use rundown_check::agreement::Figure;
+use std::collections::BTreeMap;
 
 /// Times the described slopes that the motion of the trains needs; none on a level line or from too few rows. `rows`: of an effort column as it was read.
 pub fn factor(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
@@ -46,10 +47,44 @@ pub fn factor(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
     Some(Figure { value: 1.0 + beyond, sd: scatter.sqrt() / information })
 }
 
+/// The slopes, permille, of a line that is described as level: standard deviation over places of 1 km, from the median of their sizes, so that what acts at
+/// a few places is none. None where most places are within noise. `rows` as above.
+pub fn of_level(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
+    let rows: Vec<&Row> = rows.iter().filter(|row| is_strong(row, &given.config.search)).collect();
+    let column = |of: &dyn Fn(&Row) -> f64| DVector::from_iterator(rows.len(), rows.iter().map(|row| of(row)));
+    let speed = |power: i32| column(&move |row| row.interval.mean_speed_mps().powi(power));
+    let beside = [column(&|row| row.effort_n_per_kg), speed(0), speed(1), speed(2)];
+    let base = Base::new(&column(&|row| row.residual_n_per_kg), &beside, &[])?;
+    let mut places: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
+    for (row, residual) in rows.iter().zip(base.residual.iter()) {
+        let km = row.interval.middle().location_m / 1000.0;
+        places.entry(km.floor() as i64).or_default().push(row.direction.sign() * residual);
+    }
+    let of_place = |residuals: &Vec<f64>| {
+        let count = residuals.len() as f64;
+        let mean = residuals.iter().sum::<f64>() / count;
+        let variance = residuals.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        (mean.abs(), (variance / count).sqrt())
+    };
+    let seen: Vec<(f64, f64)> = places.values().filter(|rows| rows.len() >= LEAST_IN_PLACE).map(of_place).collect();
+    let (size, noise) = (median(seen.iter().map(|(mean, _)| *mean))?, median(seen.iter().map(|(_, sd)| *sd))?);
+    let permille = 1000.0 / given.believed.train().gravity_n_per_kg();
+    (seen.len() >= LEAST_PLACES && size > SURE * noise).then_some(MEDIAN_TO_SD * size * permille)
+}
+
+/// Rows that show the slope of a place.
+const LEAST_IN_PLACE: usize = 5;
+/// Places that show what a line is like.
+const LEAST_PLACES: usize = 5;
+/// Standard deviations of its mean by which the middle one of the places must differ from level.
+const SURE: f64 = 3.0;
+/// Standard deviation of a normal distribution over the median of its sizes.
+const MEDIAN_TO_SD: f64 = 1.48;
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::believed::tests::on_a_hilly_line;
+    use crate::data::believed::tests::{on_a_hilly_line, on_a_level_line};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -83,6 +118,40 @@ mod tests {
         for (seed, times) in [(1, 0.5), (2, -1.0), (3, 1.0), (4, 2.0)] {
             let found = found(times, false, seed);
             assert!((found.value - times).abs() < 0.1 && found.sd < 0.05, "{found:?} for {times}");
+        }
+    }
+
+    /// The slopes that are found on a level line, of which these places are so steep.
+    fn on_level(permille: impl Fn(f64) -> f64, seed: u64) -> Option<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        on_a_level_line(20, |context| {
+            let row = |i: usize| {
+                let direction = [Direction::Up, Direction::Down][i % 2];
+                let mut row = Row::coasting(direction, 500.0 * (i % 60) as f64, rng.random_range(15.0..40.0));
+                row.interval.speed_mps[1] += 0.5;
+                row.effort_n_per_kg = rng.random_range(0.0..0.2);
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                let slope = permille(row.interval.middle().location_m / 1000.0) / 1000.0;
+                let gravity = context.believed.train().gravity_n_per_kg();
+                row.residual_n_per_kg = direction.sign() * gravity * slope + 0.01 * noise;
+                row
+            };
+            of_level(context, &(0..20 * 60).map(row).collect::<Vec<Row>>())
+        })
+    }
+
+    #[test]
+    fn a_line_described_as_level_that_has_slopes_is_seen() {
+        let slopes = on_level(|km| 6.0 * (km / 3.0).sin(), 6).unwrap();
+        assert!((2.0..9.0).contains(&slopes), "{slopes}");
+    }
+
+    #[test]
+    fn a_level_line_is_one_with_a_wrong_gradient_or_without() {
+        for seed in 0..20 {
+            let one_place = |km: f64| if (10.0..13.0).contains(&km) { 5.0 } else { 0.0 };
+            assert!(on_level(one_place, seed).is_none_or(|slopes| slopes < 0.7));
+            assert_eq!(on_level(|_| 0.0, seed), None);
         }
     }
 

@@ -77,7 +77,9 @@ impl Grounds<'_> {
             |multiple: f64, low: f64| low > 0.0 && multiple < holdout.foreseen && multiple * holdout.foreseen > 1.0;
         let nothing_left = self.p_value_after >= config.evidence.significant;
         let all = touched.and_then(|touched| touched.multiple).is_some_and(|(one, (low, _))| foreseen(one, low));
-        (most || nothing_left && all) && !gap.is_worse(holdout)
+        // What is surely no noise is not explained.
+        let something_left = self.p_value_after < config.evidence.sure;
+        (most || nothing_left && all) && !something_left && !gap.is_worse(holdout)
     }
 }
 

@@ -52,6 +52,8 @@ pub fn wind_n_per_kg(line: &Line<'_>, speed_mps: f64, wind_mps: f64) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
     pub length_m: f64,
+    /// No gradient is described.
+    pub is_level: bool,
     /// Curves: (from, to, Röckl's number), m, N/N.
     pub curves: Vec<(f64, f64, f64)>,
     /// Tunnels: (from, to), m.

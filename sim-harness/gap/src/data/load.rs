@@ -211,15 +211,20 @@ fn skew_s(recorder: &RecorderCheck, run: &RunCheck) -> f64 {
     own.drawn(usual, spread_s)
 }
 
+/// No gradient is described.
+pub fn is_level(track: &TrackFile) -> bool {
+    track.gradient.iter().all(|g| g.permille == 0.0)
+}
+
 /// What is doubtful about the described gradients.
 pub fn about_gradients(track: &TrackFile) -> Option<&'static str> {
-    let is_flat = track.gradient.iter().all(|g| g.permille == 0.0);
-    is_flat.then_some("The track is described without gradients. If the line is not flat, its slopes are found as effects of places, of the length of the train or of the direction.")
+    is_level(track).then_some("The track is described without gradients. If the line is not flat, its slopes are found as effects of places, of the length of the train or of the direction.")
 }
 
 /// What the track file says beside gradients.
 pub fn surroundings(track: &TrackFile) -> Surroundings {
     Surroundings {
+        is_level: is_level(track),
         length_m: track.length_m,
         curves: track.curve.iter().map(|c| (c.from_m, c.to_m, rundown::model::curves::roeckl(c.radius_m))).collect(),
         tunnels: track.tunnel.iter().map(|t| (t.from_m, t.to_m)).collect(),

@@ -8,6 +8,7 @@ use crate::data::believed::Context;
 use crate::data::cut;
 use crate::data::runs::Run;
 use crate::efforts::{Looked, measured};
+use crate::named::Named;
 use crate::readings::delay::{self, Delay, delay};
 use crate::readings::offset::{self, Offset, offset};
 use rundown::model::effects::EffectKind;
@@ -58,6 +59,11 @@ pub fn righted(context: &Context<'_>, runs: &[Run]) -> (Vec<Run>, Readings) {
     (runs, Readings { effort, offset })
 }
 
+/// A gain of the effort column that is neither small nor unsure.
+pub fn is_told(gain: Figure, config: &GapConfig) -> bool {
+    gain.value.abs() > config.nuisance.least_gain && gain.away_from(0.0) > config.nuisance.sure
+}
+
 /// All nuisances with an effort column, told or not. `gain`: of the effort column less 1.
 pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) -> Vec<Nuisance> {
     let (nuisance, enough) = (&config.nuisance, config.search.enough);
@@ -69,10 +75,7 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
         told,
         ambiguous_with: Vec::new(),
     };
-    let gain = gain.map(|gain| {
-        let told = gain.value.abs() > nuisance.least_gain && gain.away_from(0.0) > nuisance.sure;
-        one("effort_gain", "", gain, told)
-    });
+    let gain = gain.map(|gain| one("effort_gain", "", gain, is_told(gain, config)));
     let told = readings.effort.matters(nuisance, enough).is_some();
     let delay = readings.effort.delay_s.map(|delay| one("effort_delay", "s", delay, told));
     let offset = readings.offset.map(|offset| {
@@ -82,6 +85,14 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
         Nuisance { ambiguous_with, ..one("location_offset", "m", offset.offset_m, told) }
     });
     [gain, delay, offset].into_iter().flatten().collect()
+}
+
+/// A gain that was put right beside wrong Davis coefficients may as well be the mass, which changes both.
+pub fn beside(nuisances: &mut [Nuisance], named: &[Named]) {
+    let may_be_mass = named.iter().any(|one| one.ambiguous_with.contains(&EffectKind::MassError));
+    for gain in nuisances.iter_mut().filter(|one| may_be_mass && one.told && one.name == "effort_gain") {
+        gain.ambiguous_with.push(EffectKind::MassError);
+    }
 }
 
 impl Nuisance {
@@ -123,6 +134,6 @@ impl Nuisance {
         if !rivals.is_empty() {
             text.push_str(&format!(" (these data cannot tell it from {})", rivals.join(", ")));
         }
-        text + "; put right, and no effect of the train."
+        text + if self.ambiguous_with.is_empty() { "; put right, and no effect of the train." } else { "; put right." }
     }
 }
