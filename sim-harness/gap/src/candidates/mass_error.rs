@@ -2,8 +2,8 @@
 
 use crate::candidates::kit::*;
 use crate::columns::mass;
-use rundown_check::agreement::HALF_95;
 use rundown::model::effects::MassError;
+use rundown_check::agreement::HALF_95;
 
 pub struct This;
 
