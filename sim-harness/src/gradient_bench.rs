@@ -3,6 +3,10 @@
 //! ```text
 //! line, seed -> runs of a vehicle off its description -> gradients described right or wrong -> doubt? of which kind?
 //! ```
+//!
+//! Right ones are described to trains that hop and hold speeds, too ([`hopping`]).
+
+mod hopping;
 
 use crate::accuracy_bench::fleets::{self, Fleet};
 use crate::accuracy_bench::scales;
@@ -12,6 +16,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use rayon::prelude::*;
 use rundown::model::track::{Gradient, Track};
+use rundown::model::train::Train;
 use rundown_check::gradients::{Coasts, Doubt, Version};
 use rundown_files::recording::Recording;
 use rundown_truth::line::Line;
@@ -25,6 +30,8 @@ const RUNS: usize = 20;
 const LONG: [&str; 4] = ["wind", "hills", "on-off", "freight"];
 /// ... and those with short hops, where hardly a stretch of 20 s is coasted as a whole.
 const HOPS: [&str; 2] = ["suburban", "metro"];
+/// So many more sets of trains that hop and hold speeds, where right gradients are most easily accused.
+const HOPPING: u64 = 10;
 
 /// How the gradients are described.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,10 +49,11 @@ enum Described {
     OtherLine,
     Twice,
     Half,
+    Level,
 }
 
 impl Described {
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::Right,
         Self::Rounded,
         Self::Survey,
@@ -57,6 +65,7 @@ impl Described {
         Self::OtherLine,
         Self::Twice,
         Self::Half,
+        Self::Level,
     ];
 
     fn words(self) -> &'static str {
@@ -72,6 +81,7 @@ impl Described {
             Self::OtherLine => "of another line",
             Self::Twice => "twice as steep",
             Self::Half => "half as steep",
+            Self::Level => "as level",
         }
     }
 
@@ -87,7 +97,8 @@ impl Described {
             Self::Permille => better == Version::TenthOfIt,
             Self::OtherEnd => better == Version::OtherEnd,
             Self::Shifted => matches!(better, Version::Shifted(_)),
-            Self::OtherLine => better == Version::Level,
+            Self::OtherLine => matches!(better, Version::Level | Version::ByPlace),
+            Self::Level => better == Version::ByPlace,
             Self::Twice => better == Version::HalfOfIt,
             Self::Half => better == Version::TwiceOfIt,
             Self::Right | Self::Rounded | Self::Survey => false,
@@ -114,6 +125,7 @@ impl Described {
                 Self::Permille => 10.0 * permille,
                 Self::Twice => 2.0 * permille,
                 Self::Half => 0.5 * permille,
+                Self::Level => 0.0,
                 _ => permille,
             };
             Gradient { from_m: if self == Self::Shifted { from_m + shift_m } else { from_m }, permille }
@@ -162,6 +174,23 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["[].said[]", "", "line, description and what was said of each set whose gradients were said to look wrong", ""],
 ];
 
+impl Row {
+    fn new(what: &'static str, is_right: bool) -> Self {
+        Self { what, is_right, long: Count::default(), hops: Count::default(), said: Vec::new() }
+    }
+
+    fn add(&mut self, fleet: &Fleet, doubt: Option<Doubt>, is_named: impl Fn(Version) -> bool) {
+        let is_long = LONG.contains(&fleet.name) && self.what != HOPPING_WORDS && self.what != LEVEL_WORDS;
+        let count = if is_long { &mut self.long } else { &mut self.hops };
+        count.sets += 1;
+        if let Some(doubt) = doubt {
+            count.doubted += 1;
+            count.named += usize::from(is_named(doubt.better));
+            self.said.push(format!("{}, described {}: {doubt}", fleet.what, self.what));
+        }
+    }
+}
+
 /// Diagnoses so many sets of each line with gradients described in each way. Out: a row for each way.
 ///
 /// # Errors
@@ -177,30 +206,44 @@ pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Vec<Row>, S
     };
     let all = each.into_par_iter().map(set).collect::<Result<Vec<_>, String>>()?;
     let row = |(index, described): (usize, &Described)| {
-        let mut row = Row {
-            what: described.words(),
-            is_right: described.is_right(),
-            long: Count::default(),
-            hops: Count::default(),
-            said: Vec::new(),
-        };
-        for (fleet, doubts) in &all {
-            let count = if HOPS.contains(&fleet.name) { &mut row.hops } else { &mut row.long };
-            count.sets += 1;
-            if let Some(doubt) = doubts[index] {
-                count.doubted += 1;
-                count.named += usize::from(described.is_named(doubt.better));
-                row.said.push(format!("{}, described {}: {doubt}", fleet.what, row.what));
-            }
-        }
+        let mut row = Row::new(described.words(), described.is_right());
+        all.iter().for_each(|(fleet, doubts)| row.add(fleet, doubts[index], |better| described.is_named(better)));
         row
     };
-    Ok(Described::ALL.iter().enumerate().map(row).collect())
+    let rows = Described::ALL.iter().enumerate().map(row);
+    Ok(rows.chain(hopping_rows(sets, seed, done)?).collect())
+}
+
+const HOPPING_WORDS: &str = "as they are, to trains that hop and hold speeds";
+const LEVEL_WORDS: &str = "as level, to the same on a level line";
+
+/// Right gradients of trains that hop and hold speeds.
+fn hopping_rows(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<[Row; 2], String> {
+    let set = |number| {
+        let seed = seed.wrapping_add(7_919 * number);
+        let fleet = hopping::fleet(seed)?;
+        let level = hopping::on_level(&fleet);
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut doubt = |fleet: &Fleet| {
+            let track = Described::Right.track(&fleet.scenario.line, &mut random)?;
+            let train = fleet.train().ok_or("the train's description is refused")?;
+            Ok::<_, String>(coasts(&fleet.scenario, &train, seed)?.doubt(&train, &track, 0.0))
+        };
+        let doubts = [doubt(&fleet)?, doubt(&level)?];
+        done();
+        Ok((fleet, doubts))
+    };
+    let all = (0..HOPPING * sets).into_par_iter().map(set).collect::<Result<Vec<_>, String>>()?;
+    let mut rows = [HOPPING_WORDS, LEVEL_WORDS].map(|words| Row::new(words, true));
+    for (fleet, doubts) in &all {
+        rows.iter_mut().zip(doubts).for_each(|(row, doubt)| row.add(fleet, *doubt, |_| false));
+    }
+    Ok(rows)
 }
 
 /// Steps of [`bench()`].
 pub const fn steps(sets: u64) -> u64 {
-    (LONG.len() + HOPS.len()) as u64 * sets
+    ((LONG.len() + HOPS.len()) as u64 + HOPPING) * sets
 }
 
 /// What is said of the same runs with gradients described in each way.
@@ -209,17 +252,22 @@ fn doubts(fleet: &Fleet, seed: u64) -> Result<Vec<Option<Doubt>>, String> {
     let davis_scale = scales(50)[random.random_range(0..50)];
     let scenario =
         Scenario { wind_sd_mps: 2.0, load_sd: 0.03, headings: Headings::Both, davis_scale, ..fleet.scenario.clone() };
+    let train = fleet.train().ok_or("the train's description is refused")?;
+    let coasts = coasts(&scenario, &train, seed)?;
+    let doubt = |described: &Described| Ok(coasts.doubt(&train, &described.track(&scenario.line, &mut random)?, 0.0));
+    Described::ALL.iter().map(doubt).collect()
+}
+
+/// What the runs of a set say of gradients.
+fn coasts(scenario: &Scenario, train: &Train, seed: u64) -> Result<Coasts, String> {
     let recording = |plan| {
-        let run = simulate_planned(&scenario, plan).map_err(|e| e.to_string())?;
+        let run = simulate_planned(scenario, plan).map_err(|e| e.to_string())?;
         Ok(Case::simulated("run".to_owned(), String::new(), run).recording)
     };
-    let recordings: Vec<Recording> =
-        plan(&scenario, RUNS, seed).iter().map(recording).collect::<Result<_, String>>()?;
-    let train = fleet.train().ok_or("the train's description is refused")?;
+    let recordings: Vec<Recording> = plan(scenario, RUNS, seed).iter().map(recording).collect::<Result<_, String>>()?;
     let mut coasts = Coasts::default();
-    coasts.add(&recordings, &train);
-    let doubt = |described: &Described| Ok(coasts.doubt(&train, &described.track(&scenario.line, &mut random)?));
-    Described::ALL.iter().map(doubt).collect()
+    coasts.add(&recordings, train);
+    Ok(coasts)
 }
 
 /// As in `docs/check.md`.
@@ -228,9 +276,10 @@ pub fn table(rows: &[Row]) -> String {
         "| gradients are described | said to look wrong | kind named | on short hops |\n|---|---|---|---|\n",
     );
     for Row { what, is_right, long, hops, .. } in rows {
-        let named = if *is_right { "-".to_owned() } else { format!("{} of {}", long.named, long.sets) };
-        text +=
-            &format!("| {what} | {} of {} | {named} | {} of {} |\n", long.doubted, long.sets, hops.doubted, hops.sets);
+        let of = |count, sets| if sets == 0 { "-".to_owned() } else { format!("{count} of {sets}") };
+        let named = if *is_right { "-".to_owned() } else { of(long.named, long.sets) };
+        let [long, hops] = [long, hops].map(|count| of(count.doubted, count.sets));
+        text += &format!("| {what} | {long} | {named} | {hops} |\n");
     }
     text
 }

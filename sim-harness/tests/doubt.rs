@@ -42,10 +42,34 @@ fn a_track_without_gradients_is_said_and_teaches_little() {
     let (said, published) = replayed(&folder, "set/train.toml", "set/track.toml");
     assert!(!said.contains("permille"), "{said}");
     assert_eq!(published.last().unwrap(), "learned");
-    let flat = format!("gradient_sd_permille = 0\n{}", folder.read("bare.toml"));
-    folder.write("flat.toml", &flat);
+}
+
+#[test]
+fn a_line_that_is_said_to_be_flat_and_is_not_is_recognised() {
+    let folder = simulated(20);
+    folder.write("flat.toml", &format!("gradient_sd_permille = 0\n{}", folder.read("bare.toml")));
+    let bits = || {
+        let json = folder.json("out/replay.json");
+        let runs = json["runs"].as_array().unwrap().iter();
+        runs.map(|run| run["foresight"]["bits_100_kmh"].as_f64().unwrap_or(0.0)).sum::<f64>()
+    };
     let (said, _) = replayed(&folder, "set/train.toml", "flat.toml");
-    assert!(!said.contains("off by"), "{said}");
+    assert!(said.contains("come again at their places in other runs"), "{said}");
+    // They said 0 already.
+    assert!(!said.contains("write gradient_sd_permille = 0"), "{said}");
+    let doubt = folder.json("out/replay.json")["gradient_doubt"].clone();
+    assert_eq!((&doubt["better"], &doubt["log_likelihood"]), (&"by_place".into(), &serde_json::Value::Null));
+    assert!((0.5..3.0).contains(&doubt["off_permille"].as_f64().unwrap()), "{doubt}");
+    let doubted_bits = bits();
+    // With the gradients, and where the doubt is described, nothing is said.
+    let (said, published) = replayed(&folder, "set/train.toml", "set/track.toml");
+    assert!(!said.contains("look wrong") && published.last().unwrap() == "learned", "{said}");
+    assert!(bits() > doubted_bits + 1.0, "{} {doubted_bits}", bits());
+    let (said, _) = replayed(&folder, "set/train.toml", "bare.toml");
+    assert!(!said.contains("look wrong"), "{said}");
+    let check = |track: &str| folder.rundown(&["check", "--train", "set/train.toml", "--track", track, "set/runs"]).out;
+    assert!(check("flat.toml").contains("as coasts at each place have them"));
+    assert!(!check("bare.toml").contains("look wrong"));
 }
 
 #[test]

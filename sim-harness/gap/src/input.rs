@@ -70,7 +70,7 @@ impl Described {
         let Loaded { runs, recordings, check, notes } = loaded;
         let mut coasts = Coasts::default();
         coasts.add(&recordings, &train);
-        let gradient_doubt = coasts.doubt(&train, &track);
+        let gradient_doubt = coasts.doubt(&train, &track, track_file.gradient_sd_permille());
         let doubt = gradient_doubt.map(|doubt| format!("{doubt}; the gap is then theirs"));
         Input {
             train,

@@ -34,7 +34,7 @@ impl Advice {
         }
     }
 
-    pub fn notes(&self, estimator: &Estimator) -> Vec<String> {
+    pub fn notes(&self, estimator: &Estimator, look_wrong: bool) -> Vec<String> {
         let config = estimator.config();
         if self.runs == 0 {
             return Vec::new();
@@ -63,7 +63,7 @@ impl Advice {
                 learning.min_segment_s
             ));
         }
-        notes.extend(vehicle::notes(estimator, &self.vehicles));
+        notes.extend(vehicle::notes(estimator, &self.vehicles, look_wrong));
         notes
     }
 }
@@ -118,7 +118,7 @@ mod tests {
             replayed.runs[0].is_used = is_used;
             let mut advice = Advice::default();
             advice.add(&replayed.runs);
-            let is_said = advice.notes(&estimator).iter().any(|note| note.starts_with("nothing was learned"));
+            let is_said = advice.notes(&estimator, false).iter().any(|note| note.starts_with("nothing was learned"));
             assert_eq!(is_said, !is_used);
         }
     }

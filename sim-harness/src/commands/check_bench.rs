@@ -18,7 +18,8 @@ Examples:
 
 Each defect is injected into sets of four or eight simulated runs; as many sets of each of five clean kinds are diagnosed.
 On each of six lines as many sets of 40 runs are compared, of which a seventh is perturbed, and as many sets of 20 runs
-are diagnosed with gradients that are described in nine ways, three of them right.
+are diagnosed with gradients that are described in twelve ways, three of them right; and ten times as many of trains
+that hop and hold speeds with the right ones.
 
 Files in the output folder:
   table.md         how often each defect was found, error of its figure, intervals that hold the truth; perturbed runs; wrong gradients

@@ -70,7 +70,13 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["gradient_doubt.off_permille", "permille", "root mean square of what they are off by", NOT_WRONG],
     ["gradient_doubt.sd_n_per_kg", "N/kg", "scatter of coasted stretches of 20 s if they were so", NOT_WRONG],
     ["gradient_doubt.described_sd_n_per_kg", "N/kg", "the same as they are described", NOT_WRONG],
-    ["gradient_doubt.log_likelihood", "", "log-likelihood ratio of the two", NOT_WRONG],
+    [
+        "gradient_doubt.log_likelihood",
+        "",
+        "log-likelihood ratio of the two",
+        "they do not look wrong, or `better` is `by_place`",
+    ],
+    ["gradient_doubt.z", "", "standard errors over the places of the line by which it is better", NOT_WRONG],
     ["gradient_doubt.stretches", "", "coasted stretches", NOT_WRONG],
 ];
 
@@ -130,6 +136,7 @@ fn gradient_doubt(doubt: &Doubt) -> Value {
         "sd_n_per_kg": doubt.sd_n_per_kg,
         "described_sd_n_per_kg": doubt.described_sd_n_per_kg,
         "log_likelihood": doubt.log_likelihood,
+        "z": doubt.z,
         "stretches": doubt.stretches,
     })
 }

@@ -249,7 +249,7 @@ impl Opened {
         let mut advice = Advice::default();
         advice.add(&runs);
         let Summary { failed, mut notes, gradient_doubt, .. } = summary;
-        notes.extend(advice.notes(&self.estimator));
+        notes.extend(advice.notes(&self.estimator, gradient_doubt.is_some()));
         let Request { tables, run_pages, .. } = self.request;
         let Self { config, train, core_train, track, provenance, .. } = self;
         Ok(Replayed {
@@ -317,10 +317,10 @@ impl Opened {
     fn doubt_gradients(&mut self, recordings: &[Recording], summary: &mut Summary) -> Result<(), ReplayError> {
         let mut coasts = Coasts::default();
         coasts.add(recordings, &self.core_train);
-        let Some(doubt) = coasts.doubt(&self.core_train, self.estimator.track()) else {
+        let sd = &mut self.config.track_doubt.gradient_sd_permille;
+        let Some(doubt) = coasts.doubt(&self.core_train, self.estimator.track(), *sd) else {
             return Ok(());
         };
-        let sd = &mut self.config.track_doubt.gradient_sd_permille;
         *sd = sd.max(doubt.off_permille.min(MOST_SD_PERMILLE));
         summary.notes.push(format!("{doubt}; until they are put right they are taken to be off by {sd:.1} permille"));
         summary.gradient_doubt = Some(doubt);

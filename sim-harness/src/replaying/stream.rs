@@ -83,7 +83,8 @@ impl Opened {
                 seen(&runs);
             }
             summary.first(&off);
-            summary.notes.extend(advice.notes(&self.estimator));
+            let look_wrong = summary.gradient_doubt.is_some();
+            summary.notes.extend(advice.notes(&self.estimator, look_wrong));
             let mut said = HashSet::new();
             summary.notes.retain(|note| said.insert(note.clone()));
             if summary.runs == 0 || self.request.strict && summary.said() > 0 {

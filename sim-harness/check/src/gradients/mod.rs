@@ -1,7 +1,7 @@
 //! Do the described gradients explain how trains coast, or would another reading of them?
 //!
 //! In: runs whose readings are put right, train and track as described. Out: a [`Doubt`] where another version of the gradients explains the coasts
-//! clearly better, in both halves of the runs.
+//! clearly better, in both halves of the runs and over the places of the line.
 //!
 //! ```text
 //! e = (v1² - v0²)/(2 D) + r(v) + g/γ (h1 - h0)/D        effort over a stretch of 20 s, N/kg; zero while coasting
@@ -9,152 +9,59 @@
 //!
 //! Which stretches are coasted is not asked of the estimator, whose answer depends on the gradients, but of each version: with the right gradients many
 //! stretches have no effort at all, with wrong ones the same stretches scatter. So each version's efforts are a narrow normal distribution around zero
-//! in a broad uniform one (`mixture`), and versions are compared by their likelihoods.
+//! beside held speeds and a broad uniform one (`mixture`), and versions are compared by their likelihoods, place by place (`places`). Where none of them
+//! explains the coasts, what comes again at a place in other runs is the slope that is not described.
 
+mod doubt;
 mod mixture;
+mod places;
 mod stretch;
+mod version;
 
+pub use doubt::Doubt;
+pub use version::Version;
+
+use doubt::explains;
 use mixture::{Fit, MOST_SD_N_PER_KG};
+use places::Locked;
 use rundown::model::direction::Direction;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
+use rundown::tick::track_doubt::TrackDoubtConfig;
 use rundown_files::recording::Recording;
-use serde::{Serialize, Serializer};
-use std::fmt;
 use stretch::Stretch;
 
 /// Runs that are looked at; further ones say the same.
 const MOST_RUNS: usize = 60;
 /// A version must be better by this log-likelihood in each half of the runs: stretches at one place share errors of the gradients, so much more than chance asks.
 const LEAST_GAIN: f64 = 12.0;
+/// And by so many standard errors over the places, for what drivers do at a few places is no slope: where a version explains the coasts ...
+const LEAST_Z: f64 = 1.7;
+/// ... and where none does, as of another line; speeds that are held roughly look like that, too.
+const LEAST_Z_UNEXPLAINED: f64 = 2.5;
 /// And its scatter less than this share of the described one's.
 const LEAST_SHARPER: f64 = 0.8;
 /// So many coasted stretches must say it.
 const LEAST_STRETCHES: f64 = 20.0;
-/// Coasts are explained where they scatter by less than this share of the most that is taken for coasting.
-const EXPLAINED: f64 = 0.9;
 /// Standard deviation of the gradients of a line of which nothing is known, permille: as where a track file describes none.
 const UNKNOWN_PERMILLE: f64 = 5.0;
+/// Scatter that comes again at its place, of a line that is described level: by so many standard errors over the places, and so much of it, N/kg.
+const LOCKED_ON_LEVEL: (f64, f64) = (3.1, 0.003);
+/// So many where that is more than half of all scatter.
+const LOCKED_MOSTLY: (f64, f64) = (2.4, 0.5);
+/// Of a line that is described with gradients, where speeds that are held on them come again, too.
+const LOCKED_ON_SLOPES: (f64, f64) = (4.0, 0.02);
+/// And so many times as much as without the described gradients.
+const LEAST_WORSE: f64 = 1.2;
+/// Coasts on slopes that nobody described scatter by no more, N/kg.
+const MOST_LOCKED_SD_N_PER_KG: f64 = 0.04;
+/// Beyond, of a steep line only the gentle slopes are seen, N/kg.
+const STEEP_N_PER_KG: f64 = 0.01;
 /// Shifts along the line that are tried, m.
 const SHIFT_STEP_M: f64 = 100.0;
 const MOST_SHIFT_M: f64 = 5_000.0;
 /// A smaller shift is a matter of where the chainage begins, m.
 const LEAST_SHIFT_M: f64 = 300.0;
-
-/// A reading of the described gradients.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Version {
-    /// As described.
-    Described,
-    /// Uphill taken for downhill.
-    SignTurned,
-    /// Per cent taken for permille: ten times as steep.
-    PerCent,
-    /// Ten times less steep.
-    TenthOfIt,
-    /// Twice as steep.
-    TwiceOfIt,
-    /// Half as steep.
-    HalfOfIt,
-    /// A level line: the described gradients belong to another one.
-    Level,
-    /// Described from the other end.
-    OtherEnd,
-    /// The chainage of the runs plus so many metres is that of the gradients.
-    Shifted(f64),
-}
-
-impl Version {
-    /// In one word, for programs.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Described => "described",
-            Self::SignTurned => "sign_turned",
-            Self::PerCent => "per_cent",
-            Self::TenthOfIt => "tenth_of_it",
-            Self::TwiceOfIt => "twice_of_it",
-            Self::HalfOfIt => "half_of_it",
-            Self::Level => "level",
-            Self::OtherEnd => "other_end",
-            Self::Shifted(_) => "shifted",
-        }
-    }
-
-    /// By how much, where it is shifted, m.
-    pub fn shift_m(self) -> Option<f64> {
-        match self {
-            Self::Shifted(by_m) => Some(by_m),
-            _ => None,
-        }
-    }
-}
-
-impl Serialize for Version {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.word())
-    }
-}
-
-impl fmt::Display for Version {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Described => write!(f, "as described"),
-            Self::SignTurned => write!(f, "with the sign turned (downhill where uphill is described)"),
-            Self::PerCent => write!(f, "ten times as steep (per cent written as permille)"),
-            Self::TenthOfIt => write!(f, "a tenth as steep (permille multiplied by ten)"),
-            Self::TwiceOfIt => write!(f, "twice as steep"),
-            Self::HalfOfIt => write!(f, "half as steep"),
-            Self::Level => write!(f, "without any (they are those of another line)"),
-            Self::OtherEnd => write!(f, "described from the other end of the line"),
-            Self::Shifted(by_m) => write!(f, "moved by {:+.1} km along the line", -by_m / 1000.0),
-        }
-    }
-}
-
-/// The described gradients look wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Doubt {
-    /// What explains the coasts best.
-    pub better: Version,
-    /// Scatter of coasted stretches with it, standard deviation, N/kg.
-    pub sd_n_per_kg: f64,
-    /// Scatter of the same stretches with the gradients as described, N/kg.
-    pub described_sd_n_per_kg: f64,
-    /// Log-likelihood of the better version less that of the described one.
-    pub log_likelihood: f64,
-    /// Stretches of 20 s that are coasted.
-    pub stretches: usize,
-    /// By how much the described gradients are off, root mean square over these stretches, permille.
-    pub off_permille: f64,
-}
-
-impl Doubt {
-    /// The described slopes have the wrong sign or scale: with another one they leave no more scatter than coasts have, and as described they leave more. No
-    /// other version decides: short hops on a right line at times look like a level line, which a tenth all but is, or another place.
-    pub fn is_decisive(&self) -> bool {
-        let scaled = match self.better {
-            Version::SignTurned | Version::PerCent | Version::TwiceOfIt | Version::HalfOfIt => true,
-            Version::Described | Version::TenthOfIt | Version::Level | Version::OtherEnd | Version::Shifted(_) => false,
-        };
-        scaled && explains(self.sd_n_per_kg) && !explains(self.described_sd_n_per_kg)
-    }
-}
-
-fn explains(sd_n_per_kg: f64) -> bool {
-    sd_n_per_kg < EXPLAINED * MOST_SD_N_PER_KG
-}
-
-impl fmt::Display for Doubt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { better, sd_n_per_kg, described_sd_n_per_kg, log_likelihood, stretches, .. } = self;
-        write!(
-            f,
-            "gradients look wrong: {better} they would explain the coasts: {stretches} stretches of 20 s scatter by \
-             {sd_n_per_kg:.4} in place of {described_sd_n_per_kg:.4} N/kg, log-likelihood ratio {log_likelihood:.0}, \
-             and both halves of the runs agree"
-        )
-    }
-}
 
 /// What runs say of gradients, run by run.
 #[derive(Clone, Debug, Default)]
@@ -170,51 +77,96 @@ impl Coasts {
             if self.runs == MOST_RUNS {
                 return;
             }
-            let half = self.runs % 2;
-            self.stretches.extend(stretch::of(&recording.rows, recording.direction, half, train));
+            self.stretches.extend(stretch::of(&recording.rows, recording.direction, self.runs, train));
             self.runs += 1;
         }
     }
 
-    /// What is wrong with the described gradients; none where nothing is, or nothing can be said.
-    pub fn doubt(&self, train: &Train, track: &Track) -> Option<Doubt> {
-        let climbs = |version| self.climbs(version, train, track);
-        let described_n_per_kg = climbs(Version::Described);
+    /// What is wrong with the described gradients; none where nothing is, or nothing can be said. `said_permille`: how far they may be off by their own
+    /// description, standard deviation; what scatters no more than that is not said again.
+    pub fn doubt(&self, train: &Train, track: &Track, said_permille: f64) -> Option<Doubt> {
+        let described_n_per_kg = self.climbs(Version::Described, train, track);
         // A level line has one version only.
-        described_n_per_kg.iter().any(|climb| climb.abs() > 1e-6).then_some(())?;
-        let fit = |climbs_n_per_kg: &[f64]| Fit::of(&self.stretches, climbs_n_per_kg);
-        let described = fit(&described_n_per_kg)?;
-        let steps = (MOST_SHIFT_M / SHIFT_STEP_M) as i32;
-        let shifts = (-steps..=steps).map(|step| f64::from(step) * SHIFT_STEP_M);
-        let shifts = shifts.filter(|by_m| by_m.abs() >= LEAST_SHIFT_M).map(Version::Shifted);
-        let fixed = [
-            Version::SignTurned,
-            Version::PerCent,
-            Version::TenthOfIt,
-            Version::TwiceOfIt,
-            Version::HalfOfIt,
-            Version::Level,
-            Version::OtherEnd,
-        ];
-        let tried = fixed.into_iter().chain(shifts).filter_map(|version| Some((version, fit(&climbs(version))?)));
+        let is_level = described_n_per_kg.iter().all(|climb| climb.abs() <= 1e-6);
+        let other = (!is_level).then(|| self.other_version(train, track, &described_n_per_kg)).flatten();
+        let by_place = || self.by_place(train, &described_n_per_kg, is_level);
+        other.or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille))
+    }
+
+    /// Another version explains the coasts better.
+    fn other_version(&self, train: &Train, track: &Track, described_n_per_kg: &[f64]) -> Option<Doubt> {
+        let climbs = |version| self.climbs(version, train, track);
+        let fit = |climbs_n_per_kg: &[f64]| Fit::of(&self.stretches, climbs_n_per_kg, MOST_SD_N_PER_KG);
+        let described = fit(described_n_per_kg)?;
+        let tried = versions().filter_map(|version| Some((version, fit(&climbs(version))?)));
         // Between the described slopes and none there is always something that fits a little better.
         let is_between = |version: &Version| matches!(version, Version::TwiceOfIt | Version::HalfOfIt);
         let tried = tried.filter(|(version, fit)| !is_between(version) || explains(fit.sd_n_per_kg));
         let (nearest, best) = tried.max_by(|a, b| a.1.log_likelihood().total_cmp(&b.1.log_likelihood()))?;
         // Two lines may be alike by chance; the right gradients leave no such scatter.
-        let better = if explains(best.sd_n_per_kg) { nearest } else { Version::Level };
+        let (better, least_z) =
+            if explains(best.sd_n_per_kg) { (nearest, LEAST_Z) } else { (Version::Level, LEAST_Z_UNEXPLAINED) };
         let better_n_per_kg = climbs(better);
-        let described_sd = described.sd_of(&self.stretches, &described_n_per_kg, &best.shares);
-        let agree = (0..2).all(|half| best.by_half[half] - described.by_half[half] > LEAST_GAIN);
+        let described_sd = described.sd_of(&self.stretches, described_n_per_kg, &best.shares);
+        let [one, two] = self.gains(&best, &described);
+        let agree = one > LEAST_GAIN && two > LEAST_GAIN;
         let clear = best.coasted() >= LEAST_STRETCHES && best.sd_n_per_kg < LEAST_SHARPER * described_sd;
-        (agree && clear).then(|| Doubt {
+        let z = places::better_by(&self.stretches, &best, &described);
+        (agree && clear && z > least_z).then(|| Doubt {
             better,
             sd_n_per_kg: best.sd_n_per_kg,
             described_sd_n_per_kg: described_sd,
-            log_likelihood: best.log_likelihood() - described.log_likelihood(),
+            log_likelihood: Some(one + two),
+            z,
             stretches: best.coasted().round() as usize,
-            off_permille: off_permille(&best.shares, &described_n_per_kg, &better_n_per_kg, better, train),
+            off_permille: off_permille(&best.shares, described_n_per_kg, &better_n_per_kg, better, train),
         })
+    }
+
+    /// Log-likelihood of a version less that of another one, in each half of the runs.
+    fn gains(&self, better: &Fit, other: &Fit) -> [f64; 2] {
+        let mut gains = [0.0; 2];
+        for (stretch, (a, b)) in self.stretches.iter().zip(better.log_likelihoods.iter().zip(&other.log_likelihoods)) {
+            gains[stretch.half()] += a - b;
+        }
+        gains
+    }
+
+    /// Coasts at the same place in different runs agree on a slope that is not described.
+    fn by_place(&self, train: &Train, described_n_per_kg: &[f64], is_level: bool) -> Option<Doubt> {
+        let locked = |climbs: &[f64]| {
+            let fit = Fit::of(&self.stretches, climbs, MOST_LOCKED_SD_N_PER_KG)?;
+            Locked::of(&self.stretches, &fit, climbs)
+        };
+        let found = locked(described_n_per_kg)?;
+        let (least_z, least_n_per_kg) = if is_level { LOCKED_ON_LEVEL } else { LOCKED_ON_SLOPES };
+        let mostly = found.z > LOCKED_MOSTLY.0 && found.sd_n_per_kg > LOCKED_MOSTLY.1 * found.all_sd_n_per_kg;
+        let is_clear = found.z > least_z || is_level && mostly;
+        let is_locked = is_clear && found.sd_n_per_kg > least_n_per_kg && found.stretches >= LEAST_STRETCHES;
+        let is_worse = || {
+            let level = locked(&vec![0.0; self.stretches.len()]);
+            level.is_some_and(|level| found.sd_n_per_kg > LEAST_WORSE * level.sd_n_per_kg)
+        };
+        let rest = found.all_sd_n_per_kg.powi(2) - found.sd_n_per_kg.powi(2);
+        (is_locked && (is_level || is_worse())).then(|| Doubt {
+            better: Version::ByPlace,
+            sd_n_per_kg: rest.max(0.0).sqrt(),
+            described_sd_n_per_kg: found.all_sd_n_per_kg,
+            log_likelihood: None,
+            z: found.z,
+            stretches: found.stretches.round() as usize,
+            off_permille: self.off_by_place_permille(found.sd_n_per_kg, train),
+        })
+    }
+
+    /// Standard deviation of a gradient whose mean over a stretch and the train has this one.
+    fn off_by_place_permille(&self, sd_n_per_kg: f64, train: &Train) -> f64 {
+        let mean_way_m = self.stretches.iter().map(|s| s.way_m).sum::<f64>() / self.stretches.len() as f64;
+        let ways = (mean_way_m + train.length_m()) / TrackDoubtConfig::default().alike_m;
+        // Of errors whose correlation falls exponentially.
+        let of_mean = 2.0 / ways - 2.0 / (ways * ways) * (1.0 - (-ways).exp());
+        let permille = 1e3 * sd_n_per_kg / train.gravity_n_per_kg() / of_mean.sqrt();
+        if sd_n_per_kg > STEEP_N_PER_KG { permille.max(UNKNOWN_PERMILLE) } else { permille }
     }
 
     /// Force of the climb over each stretch, N/kg.
@@ -229,7 +181,7 @@ impl Coasts {
                 Version::TenthOfIt => 0.1 * under(front_m, stretch.direction),
                 Version::TwiceOfIt => 2.0 * under(front_m, stretch.direction),
                 Version::HalfOfIt => 0.5 * under(front_m, stretch.direction),
-                Version::Level => 0.0,
+                Version::Level | Version::ByPlace => 0.0,
                 Version::OtherEnd => under(track.length_m() - front_m, opposite(stretch.direction)),
                 Version::Shifted(by_m) => under(front_m + by_m, stretch.direction),
             }
@@ -240,6 +192,23 @@ impl Coasts {
         };
         self.stretches.iter().map(climb).collect()
     }
+}
+
+/// What is tried beside the description.
+fn versions() -> impl Iterator<Item = Version> {
+    let steps = (MOST_SHIFT_M / SHIFT_STEP_M) as i32;
+    let shifts = (-steps..=steps).map(|step| f64::from(step) * SHIFT_STEP_M);
+    let shifts = shifts.filter(|by_m| by_m.abs() >= LEAST_SHIFT_M).map(Version::Shifted);
+    let fixed = [
+        Version::SignTurned,
+        Version::PerCent,
+        Version::TenthOfIt,
+        Version::TwiceOfIt,
+        Version::HalfOfIt,
+        Version::Level,
+        Version::OtherEnd,
+    ];
+    fixed.into_iter().chain(shifts)
 }
 
 /// Root mean square of the difference between two versions over the coasted stretches. Of another line nothing is known but that it is no flatter than most.

@@ -16,8 +16,6 @@ const LONGEST_STEP_S: f64 = 12.0;
 const SLOWEST_MPS: f64 = 6.0;
 /// Beyond, trains power or brake on any gradient, m/s².
 const MOST_RATE_MPS2: f64 = 0.35;
-/// A speed that changes less is held, with an effort that is nearly that of coasting, m/s².
-const HELD_MPS2: f64 = 0.015;
 /// Location and speed may differ by this share of the way and these metres.
 const AGREES: (f64, f64) = (0.1, 60.0);
 
@@ -34,12 +32,24 @@ pub struct Stretch {
     pub way_m: f64,
     /// Direction of travel.
     pub direction: Direction,
+    /// Which run, counted from 0.
+    pub run: usize,
+}
+
+impl Stretch {
     /// Which half of the runs: 0 or 1.
-    pub half: usize,
+    pub fn half(&self) -> usize {
+        self.run % 2
+    }
+
+    /// Which cell of so many metres along the line its middle lies in.
+    pub fn cell(&self, extent_m: f64) -> i64 {
+        (0.5 * (self.fronts_m[0] + self.fronts_m[1]) / extent_m).floor() as i64
+    }
 }
 
 /// The stretches of one run.
-pub fn of(rows: &[Sample], direction: Direction, half: usize, train: &Train) -> Vec<Stretch> {
+pub fn of(rows: &[Sample], direction: Direction, run: usize, train: &Train) -> Vec<Stretch> {
     let read = |row: &&Sample| row.location_m.is_some() && row.speed_mps.is_some();
     let rows: Vec<&Sample> = rows.iter().filter(read).collect();
     let mut stretches = Vec::new();
@@ -49,7 +59,7 @@ pub fn of(rows: &[Sample], direction: Direction, half: usize, train: &Train) -> 
         if !(0.0..=LONGEST_STEP_S).contains(&dt) {
             from = to;
         } else if rows[to].time_s - rows[from].time_s >= LENGTH_S - 1e-6 {
-            stretches.extend(stretch(&rows[from..=to], direction, half, train));
+            stretches.extend(stretch(&rows[from..=to], direction, run, train));
             let next_s = rows[from].time_s + BEGIN_EACH_S - 1e-6;
             from = (from..to).find(|row| rows[*row].time_s >= next_s).unwrap_or(to);
         }
@@ -57,7 +67,7 @@ pub fn of(rows: &[Sample], direction: Direction, half: usize, train: &Train) -> 
     stretches
 }
 
-fn stretch(rows: &[&Sample], direction: Direction, half: usize, train: &Train) -> Option<Stretch> {
+fn stretch(rows: &[&Sample], direction: Direction, run: usize, train: &Train) -> Option<Stretch> {
     let speeds = || rows.iter().filter_map(|row| row.speed_mps);
     let fronts_m = [rows.first()?.location_m?, rows.last()?.location_m?];
     let (first, last) = (speeds().next()?, speeds().next_back()?);
@@ -72,14 +82,13 @@ fn stretch(rows: &[&Sample], direction: Direction, half: usize, train: &Train) -
     let rate_mps2 = (last - first) / time_s;
     let moved_m = direction.sign() * (fronts_m[1] - fronts_m[0]);
     let agrees = (moved_m - way_m).abs() < AGREES.0 * way_m + AGREES.1;
-    let is_one =
-        speeds().all(|mps| mps > SLOWEST_MPS) && (HELD_MPS2..MOST_RATE_MPS2).contains(&rate_mps2.abs()) && agrees;
+    let is_one = speeds().all(|mps| mps > SLOWEST_MPS) && rate_mps2.abs() < MOST_RATE_MPS2 && agrees;
     is_one.then(|| Stretch {
         gain_n_per_kg: (last * last - first * first) / (2.0 * way_m),
         resistance_n_per_kg: lost / way_m,
         fronts_m,
         way_m,
         direction,
-        half,
+        run,
     })
 }

@@ -1,0 +1,68 @@
+//! What is said of gradients that look wrong.
+
+use super::mixture::MOST_SD_N_PER_KG;
+use super::version::Version;
+use serde::Serialize;
+use std::fmt;
+
+/// Coasts are explained where they scatter by less than this share of the most that is taken for coasting.
+const EXPLAINED: f64 = 0.9;
+
+/// The described gradients look wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Doubt {
+    /// What explains the coasts best.
+    pub better: Version,
+    /// Scatter of coasted stretches with it, standard deviation, N/kg.
+    pub sd_n_per_kg: f64,
+    /// Scatter of the same stretches with the gradients as described, N/kg.
+    pub described_sd_n_per_kg: f64,
+    /// Log-likelihood of the better version less that of the described one; none where the slopes are by place, whose shape is not fitted.
+    pub log_likelihood: Option<f64>,
+    /// By how many standard errors over the places of the line.
+    pub z: f64,
+    /// Stretches of 20 s that are coasted.
+    pub stretches: usize,
+    /// By how much the described gradients are off, root mean square over these stretches, permille.
+    pub off_permille: f64,
+}
+
+impl Doubt {
+    /// The described slopes have the wrong sign or scale: with another one they leave no more scatter than coasts have, and as described they leave more. No
+    /// other version decides: short hops on a right line at times look like a level line, which a tenth all but is, or another place.
+    pub fn is_decisive(&self) -> bool {
+        let scaled = match self.better {
+            Version::SignTurned | Version::PerCent | Version::TwiceOfIt | Version::HalfOfIt => true,
+            Version::Described
+            | Version::TenthOfIt
+            | Version::Level
+            | Version::ByPlace
+            | Version::OtherEnd
+            | Version::Shifted(_) => false,
+        };
+        scaled && explains(self.sd_n_per_kg) && !explains(self.described_sd_n_per_kg)
+    }
+}
+
+/// Coasts on the right gradients scatter by no more.
+pub fn explains(sd_n_per_kg: f64) -> bool {
+    sd_n_per_kg < EXPLAINED * MOST_SD_N_PER_KG
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { better, sd_n_per_kg: sd, described_sd_n_per_kg: described, stretches, z, .. } = self;
+        write!(
+            f,
+            "gradients look wrong: {better} they would explain the coasts: {stretches} stretches of 20 s scatter by \
+             {sd:.4} in place of {described:.4} N/kg, "
+        )?;
+        match self.log_likelihood {
+            Some(ratio) => write!(f, "log-likelihood ratio {ratio:.0}, and both halves of the runs agree"),
+            None => {
+                let again = (described * described - sd * sd).max(0.0).sqrt();
+                write!(f, "{again:.4} N/kg of it come again at their places in other runs (z = {z:.1})")
+            }
+        }
+    }
+}

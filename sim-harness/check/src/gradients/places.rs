@@ -1,0 +1,159 @@
+//! Places along the line: whether many of them say the same, and how much of the scatter of coasts belongs to its place.
+//!
+//! ```text
+//! z = Σ x / √(Σ x²)                        x of each place: stretches at one place share what drivers do there and what is wrong with the slope there
+//! σ² = mean of e_i e_j over pairs          of coasted stretches at one place in different runs, uphill as the chainage grows
+//! ```
+//!
+//! Wind, load and readings differ from run to run and leave no product; a slope that is not described does, and no shape of it is asked for.
+
+use super::mixture::Fit;
+use super::stretch::Stretch;
+use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
+
+/// Extent of a place, m: a stretch at 90 km/h is as long.
+const PLACE_M: f64 = 500.0;
+/// With fewer places nothing is said.
+const FEWEST: usize = 5;
+
+/// By how many standard errors what all places say is above zero.
+fn standard_errors(places: impl Iterator<Item = f64> + Clone) -> f64 {
+    let squares: f64 = places.clone().map(|x| x * x).sum();
+    if squares > 0.0 { places.sum::<f64>() / squares.sqrt() } else { 0.0 }
+}
+
+/// By how many standard errors a version of the gradients explains the stretches better than another one (Vuong's test, clustered by place).
+pub fn better_by(stretches: &[Stretch], better: &Fit, other: &Fit) -> f64 {
+    let mut places: BTreeMap<i64, f64> = BTreeMap::new();
+    for (stretch, (a, b)) in stretches.iter().zip(better.log_likelihoods.iter().zip(&other.log_likelihoods)) {
+        *places.entry(stretch.cell(PLACE_M)).or_default() += a - b;
+    }
+    standard_errors(places.into_values().collect::<Vec<f64>>().iter().copied())
+}
+
+/// The part of the scatter of coasts that comes again at its place.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Locked {
+    /// Its standard deviation, N/kg.
+    pub sd_n_per_kg: f64,
+    /// By how many standard errors over places it is above zero.
+    pub z: f64,
+    /// Standard deviation of all scatter, N/kg.
+    pub all_sd_n_per_kg: f64,
+    /// Coasted stretches.
+    pub stretches: f64,
+}
+
+impl Locked {
+    /// Of stretches that lose speed, where powering does not come in. None from too few places.
+    pub fn of(stretches: &[Stretch], fit: &Fit, climbs_n_per_kg: &[f64]) -> Option<Self> {
+        let losing = |(stretch, share): (&Stretch, &f64)| if stretch.gain_n_per_kg < 0.0 { *share } else { 0.0 };
+        let shares: Vec<f64> = stretches.iter().zip(&fit.shares).map(losing).collect();
+        let residuals = without_resistance(stretches, &shares, &fit.residuals(stretches, climbs_n_per_kg));
+        let mut cells: BTreeMap<i64, BTreeMap<usize, [f64; 2]>> = BTreeMap::new();
+        let (mut squares, mut weight) = (0.0, 0.0);
+        for ((stretch, share), residual) in stretches.iter().zip(&shares).zip(&residuals) {
+            let [sum, of_run] = cells.entry(stretch.cell(PLACE_M)).or_default().entry(stretch.run).or_default();
+            *sum += share * stretch.direction.sign() * residual;
+            *of_run += share;
+            squares += share * residual * residual;
+            weight += share;
+        }
+        let places: Vec<[f64; 2]> = cells.values().filter_map(product).collect();
+        let pairs: f64 = places.iter().map(|[_, weight]| weight).sum();
+        let products = places.iter().map(|[product, _]| *product);
+        (places.len() >= FEWEST).then(|| Self {
+            sd_n_per_kg: (products.clone().sum::<f64>() / pairs).max(0.0).sqrt(),
+            z: standard_errors(products),
+            all_sd_n_per_kg: (squares / weight).sqrt(),
+            stretches: weight,
+        })
+    }
+}
+
+/// Mean product of residuals of different runs at one place, times its weight, and that weight: as many as there are stretches. None from less than a pair.
+fn product(runs: &BTreeMap<usize, [f64; 2]>) -> Option<[f64; 2]> {
+    let sum = |index: usize| runs.values().map(|of_run| of_run[index]).sum::<f64>();
+    let own = |index: usize| runs.values().map(|of_run| of_run[index].powi(2)).sum::<f64>();
+    let (product, pairs) = (sum(0).powi(2) - own(0), sum(1).powi(2) - own(1));
+    (pairs >= 1.0).then(|| [product * sum(1) / pairs, sum(1)])
+}
+
+/// What of the residuals follows no resistance, however far the described one is off: runs that coast at the same places at the same speeds share that, too.
+fn without_resistance(stretches: &[Stretch], shares: &[f64], residuals: &[f64]) -> Vec<f64> {
+    let row = |stretch: &Stretch| {
+        let r = 100.0 * stretch.resistance_n_per_kg;
+        Vector3::new(1.0, r, r * r)
+    };
+    // A ridge, so that one speed alone is no refusal.
+    let (mut information, mut score) = (1e-6 * Matrix3::<f64>::identity(), Vector3::zeros());
+    for ((stretch, share), residual) in stretches.iter().zip(shares).zip(residuals) {
+        let x = row(stretch);
+        information += *share * x * x.transpose();
+        score += *share * *residual * x;
+    }
+    let fit = information.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&score));
+    stretches.iter().zip(residuals).map(|(stretch, residual)| residual - fit.dot(&row(stretch))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mixture::MOST_SD_N_PER_KG;
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rundown::model::direction::Direction;
+
+    /// Coasts of 20 runs, there and back, over 20 places with slopes of these forces; each run has a wind of its own.
+    fn coasts(slope_n_per_kg: f64) -> Vec<Stretch> {
+        let mut random = ChaCha8Rng::seed_from_u64(11);
+        let slopes: Vec<f64> = (0..20).map(|_| slope_n_per_kg * random.random_range(-1.0..1.0)).collect();
+        let mut stretches = Vec::new();
+        for run in 0..20 {
+            let direction = if run % 2 == 0 { Direction::Up } else { Direction::Down };
+            let wind_n_per_kg = random.random_range(-0.005..0.005);
+            for (place, slope) in slopes.iter().enumerate() {
+                let noise_n_per_kg = random.random_range(-0.01..0.01);
+                let from_m = 500.0 * place as f64;
+                stretches.push(Stretch {
+                    gain_n_per_kg: noise_n_per_kg - 0.03 - wind_n_per_kg - direction.sign() * slope,
+                    resistance_n_per_kg: 0.03,
+                    fronts_m: [from_m, from_m + 490.0],
+                    way_m: 490.0,
+                    direction,
+                    run,
+                });
+            }
+        }
+        stretches
+    }
+
+    fn locked(slope_n_per_kg: f64) -> Locked {
+        let (stretches, level) = (coasts(slope_n_per_kg), [0.0; 400]);
+        let fit = Fit::of(&stretches, &level, MOST_SD_N_PER_KG).unwrap();
+        Locked::of(&stretches, &fit, &level).unwrap()
+    }
+
+    #[test]
+    fn slopes_that_nobody_described_come_again_at_their_places_and_winds_do_not() {
+        let hilly = locked(0.015);
+        assert!(hilly.z > 3.5 && (0.006..0.011).contains(&hilly.sd_n_per_kg), "{hilly:?}");
+        let level = locked(0.0);
+        assert!(level.z < 2.5 && level.sd_n_per_kg < 0.002, "{level:?}");
+    }
+
+    #[test]
+    fn one_place_alone_makes_no_version_better() {
+        let stretches = coasts(0.0);
+        let fit = |gain: &dyn Fn(&Stretch) -> f64| {
+            let mut fit = Fit::of(&stretches, &[0.0; 400], MOST_SD_N_PER_KG).unwrap();
+            fit.log_likelihoods = stretches.iter().map(gain).collect();
+            fit
+        };
+        let other = fit(&|_| 0.0);
+        let everywhere = better_by(&stretches, &fit(&|_| 0.2), &other);
+        let at_one = better_by(&stretches, &fit(&|stretch| if stretch.cell(PLACE_M) == 3 { 4.0 } else { 0.0 }), &other);
+        assert!(everywhere > 3.0 && at_one < 1.1, "{everywhere} {at_one}");
+    }
+}
