@@ -9,6 +9,18 @@ pub fn plain(name: &str) -> String {
     name.replace('_', " ")
 }
 
+/// `curve_resistance, gradient_error (4 times)`, `nothing`.
+pub fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let mut names: Vec<&str> = names.collect();
+    names.sort_unstable();
+    let each = names.chunk_by(|a, b| a == b).map(|same| match same.len() {
+        1 => same[0].to_owned(),
+        count => format!("{} ({count} times)", same[0]),
+    });
+    let each: Vec<String> = each.collect();
+    if each.is_empty() { "nothing".to_owned() } else { each.join(", ") }
+}
+
 /// `km 18.2 to 21.0`.
 pub fn place(from_m: f64, to_m: f64) -> String {
     let km = |m: f64| number(m / 1000.0, 1);
@@ -111,6 +123,13 @@ pub fn scaled(named: &Named, parameter: &str, factor: f64, unit: &str) -> String
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_stands_once_with_its_count() {
+        assert_eq!(listed([].into_iter()), "nothing");
+        let names = ["gradient_error", "mass_error", "gradient_error"];
+        assert_eq!(listed(names.into_iter()), "gradient_error (2 times), mass_error");
+    }
 
     #[test]
     fn digits_follow_the_uncertainty() {

@@ -58,8 +58,14 @@ impl Advice {
                 Mode::Gated => format!("coasting above {} km/h", learning.min_speed_kmh),
                 _ => "known effort".to_owned(),
             };
+            let doubt = config.track_doubt.gradient_sd_permille;
+            let slopes = if doubt > 0.0 {
+                format!(", on gradients that are known better than by {doubt:.1} permille")
+            } else {
+                String::new()
+            };
             notes.push(format!(
-                "nothing was learned about the resistance: it takes {} s of {what} in one piece",
+                "nothing was learned about the resistance: it takes {} s of {what} in one piece{slopes}",
                 learning.min_segment_s
             ));
         }

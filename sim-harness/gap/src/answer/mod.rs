@@ -7,4 +7,5 @@ pub mod report;
 pub mod rivals;
 pub mod story;
 pub mod tables;
+mod unseen;
 pub mod whole;

@@ -1,6 +1,7 @@
 //! What a reader must know beside the verdict: for the screen, `gap.json` and the page alike.
 
 use crate::admission::off_track;
+use crate::answer::unseen::unseen;
 use crate::answer::whole::Answer;
 use crate::candidate::ShowsIn;
 use crate::candidates;
@@ -11,6 +12,7 @@ use crate::levels::Standout;
 use crate::named::Named;
 use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
+use crate::wording::listed;
 use rundown::model::effects::Effect;
 use rundown_pages::numbers::counted;
 
@@ -24,6 +26,9 @@ pub fn notes(answer: &Answer) -> Vec<String> {
         notes.push(no_rows(&found.findings).to_owned());
     }
     notes.extend(seen(&found.findings, answer.config.search.few_rows));
+    if !found.findings.rows.is_empty() {
+        notes.extend(unseen(&found.findings.rows, input.surroundings.length_m));
+    }
     let told = found.nuisances.iter().filter(|nuisance| nuisance.told);
     notes.extend(told.map(Nuisance::sentence));
     notes.extend(found.findings.headwind.as_ref().map(measured_wind));
@@ -132,20 +137,13 @@ fn other_names(found: &Investigation) -> Option<String> {
     let names = |named: &[Named]| {
         // A wheel of one run is put right before.
         let of_all = named.iter().filter(|one| !matches!(one.effect, Effect::SpeedScale(_)));
-        let mut names: Vec<&str> = of_all.map(|one| one.effect.name()).collect();
-        names.sort_unstable();
-        names
+        listed(of_all.map(|one| one.effect.name()))
     };
     let (all, training) = (names(&found.named), names(&found.trained));
-    let listed = |names: &[&str]| match names {
-        [] => "nothing".to_owned(),
-        names => names.join(", "),
-    };
     (!found.held_out.is_empty() && all != training).then(|| {
         format!(
             "All runs show {}, those that were not held out {}: before and after on the held-out runs are measured with the second.",
-            listed(&all),
-            listed(&training)
+            all, training
         )
     })
 }

@@ -32,6 +32,7 @@ mod words;
 use crate::answer::{notes::no_rows, whole::Answer};
 use crate::explained::explained;
 use maud::html;
+use rundown_pages::numbers::counted;
 use rundown_pages::shell::{Section, document, figure};
 
 /// Names of the pictures that [`picture`] knows.
@@ -67,8 +68,8 @@ pub fn page(answer: &Answer, has_run_pages: bool) -> String {
     let context = answer.context();
     let explained = explained(&context.believed, &found.named, &answer.input.runs, &found.findings.rows);
     let lead = html! {
+        p { (counted(answer.input.runs.len(), "run", "runs")) " of " (answer.input.dataset) ". Verdict: " strong { code { (found.verdict.name()) } } "." }
         @for sentence in words::verdict(answer) { p.lead { (sentence) } }
-        p.small { (answer.input.runs.len()) " runs of " (answer.input.dataset) ". Verdict in one word: " code { (found.verdict.name()) } "." }
     };
     let disagreement = html! {
             p { "The residual is the resistance that the believed model lacks: effort less acceleration less believed resistance and gradient, mean over about 10 s. Where the model is right it is zero but for noise." }

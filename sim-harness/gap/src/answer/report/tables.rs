@@ -4,7 +4,7 @@ use crate::answer::whole::Answer;
 use crate::evidence::{Along, Evidence};
 use crate::investigation::Investigation;
 use crate::named::Named;
-use crate::wording::{confidence, interval, place, plain, unit, with_ends};
+use crate::wording::{confidence, interval, listed, place, plain, unit, with_ends};
 use maud::{Markup, html};
 use rundown::model::effects::Coordinate;
 use rundown_pages::numbers::{NOTHING, number, percent};
@@ -133,13 +133,7 @@ pub(super) fn gap(answer: &Answer) -> Markup {
     if compared == 0 {
         return html! { p { "No held-out run could be compared: too few runs, or too little to simulate in them." } };
     }
-    let trained = match found.trained.as_slice() {
-        [] => "nothing".to_owned(),
-        some => {
-            let names = some.iter().map(|one| plain(one.effect.name()));
-            names.collect::<Vec<_>>().join(", ")
-        }
-    };
+    let trained = plain(&listed(found.trained.iter().map(|one| one.effect.name())));
     let rows = html! {
         @for (name, value) in [("before: believed model", gap.before), ("after: with the effects", gap.after), ("noise floor: a perfect model", gap.floor)] {
             tr { th scope="row" { (name) } td { (number(value, 3)) } }
