@@ -25,6 +25,7 @@ use crate::model::train::Train;
 use crate::model::units::KmPerHour;
 use crate::plain::{Bytes, Plain};
 use crate::tick::bounds::ConfigError;
+use crate::tick::effort_reading::Column;
 use crate::tick::estimate::{Cause, Counters, Estimate, Validity};
 use crate::tick::foresight::Foresight;
 use crate::tick::measurement::Measurement;
@@ -237,7 +238,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             Mode::Paper => vehicle.davis(),
             Mode::Gated | Mode::Measured => vehicle.next_run(&self.memory_config()),
         };
-        run.begin(&self.config.learning, begin, direction);
+        run.begin(&self.config.learning, begin, vehicle.column, direction);
     }
 
     /// One tick.
@@ -329,6 +330,9 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         run.features.end(&self.config.features);
         run.features.features_in(&self.config.features, &mut summary.features);
         summary.gain = run.learner.gain();
+        if self.config.mode == Mode::Measured {
+            vehicle.column = Column::of_run(summary.gain, &run.effort_reading);
+        }
         summary.learned_s = run.learner.learned_s();
         summary.counters = run.counters;
     }

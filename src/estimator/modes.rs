@@ -17,7 +17,7 @@ use crate::model::line::Line;
 use crate::model::point::Point;
 use crate::model::resistance::Davis;
 use crate::model::state::{LOCATION, SIZE, SPEED, resistance_sd};
-use crate::tick::effort_reading::Known;
+use crate::tick::effort_reading::MeanEffort;
 use crate::tick::estimate::{Cause, Estimate, Validity};
 use crate::tick::kinematics::Kinematics;
 use crate::tick::learning::{Counts, Tick};
@@ -103,9 +103,11 @@ pub(super) fn learning_tick(
         Mode::Gated | Mode::Paper => None,
     };
     let recognition = recognise(config, run, line, acting, &now, Reading { read, standing, short_hops: are_short });
-    let effort = read_effort.filter(|_| read && now.speed_mps > SLOWEST_MEASURED_MPS);
     let learned = match config.mode {
-        Mode::Measured => learn_measured(config, run, line, acting, judged, effort),
+        Mode::Measured => {
+            let usual = read && now.speed_mps > SLOWEST_MEASURED_MPS && judged.contradiction.is_none();
+            learn_measured(config, run, line, acting, usual.then(|| tick(config, run, line, judged)), read_effort)
+        }
         Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, are_short),
     };
     let (innovation, validity) = match learned {
@@ -158,6 +160,7 @@ fn take_up(config: &Config, run: &mut RunState, line: &Line<'_>, judged: &Judged
         run.anchor = None;
         run.last = None;
         run.effort_reading.interrupt();
+        run.waits = None;
         run.learner.end();
     } else {
         run.kinematics.step(&config.sensor, line.direction.sign(), judged.dt_s, location_m, speed_mps);
@@ -247,10 +250,11 @@ fn recognise(
         run.recogniser = recognised.now;
         run.anchor = Some(*now);
         if config.mode == Mode::Measured && anchor.speed_mps.min(now.speed_mps) > SLOWEST_MEASURED_MPS {
-            let sd = libm::hypot(evidence.acceleration_sd_mps2, evidence.resistance_sd_n_per_kg);
+            let sd = [evidence.acceleration_sd_mps2 * evidence.interval_s, evidence.resistance_sd_n_per_kg];
             run.effort_reading.compare(&config.effort_reading, evidence.interval_s, &effort, sd, run.learner.gain());
+        } else {
+            run.effort_reading.begin_interval();
         }
-        run.effort_reading.begin_interval();
     }
     recognition
 }
@@ -279,13 +283,8 @@ fn evidence(
     }
 }
 
-fn tick(
-    config: &Config,
-    run: &RunState,
-    line: &Line<'_>,
-    judged: &Judged,
-    (effort_n_per_kg, effort_sd_n_per_kg): Known,
-) -> Tick {
+/// Of no effort.
+fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Tick {
     let speed_mps = run.kinematics.belief().mean[SPEED];
     Tick {
         track_density: config.track_doubt.density(line.train.gravity_n_per_kg(), speed_mps),
@@ -293,26 +292,26 @@ fn tick(
         dt_s: judged.dt_s,
         location_m: judged.location_m.ok(),
         speed_mps: judged.speed_mps.ok(),
-        effort_n_per_kg,
-        effort_sd_n_per_kg,
+        effort: MeanEffort::default(),
     }
 }
 
-/// Begins, continues or ends a segment of measured effort. Out: the innovation of a step of it.
+/// Begins, continues or ends a segment of measured effort, with the tick before `now`: of that one the `effort` is known. Out: the innovation of a step of it.
 fn learn_measured(
     config: &Config,
     run: &mut RunState,
     line: &Line<'_>,
     acting: &Acting<'_>,
-    judged: &Judged,
-    effort: Option<Known>,
+    now: Option<Tick>,
+    effort: Option<MeanEffort>,
 ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
-    match effort.filter(|_| judged.contradiction.is_none()) {
-        Some(known) if run.learner.in_segment() => {
-            let tick = tick(config, run, line, judged, known);
+    let waited = core::mem::replace(&mut run.waits, now.map(|tick| (tick, run.kinematics.belief())));
+    match waited.zip(effort) {
+        Some(((tick, _), effort)) if run.learner.in_segment() => {
+            let tick = Tick { effort, ..tick };
             return run.learner.step(&config.learning, &config.sensor, line, acting, &tick, &usual(config));
         }
-        Some(_) if judged.location_m.is_ok() => run.learner.begin(judged.time_s, &run.kinematics.belief(), true),
+        Some(((tick, moving), _)) if tick.location_m.is_some() => run.learner.begin(tick.time_s, &moving, true),
         Some(_) => {}
         None => run.learner.end(),
     }
@@ -362,7 +361,7 @@ fn learn_coasting(
         } else {
             usual(config)
         };
-        let tick = tick(config, run, line, judged, (0.0, 0.0));
+        let tick = tick(config, run, line, judged);
         let stepped = run.learner.step(learning, &config.sensor, line, acting, &tick, &counts)?;
         innovation = stepped.filter(|_| read && run.learner.is_learning());
     } else if !are_short && read && coasted > learning.begin_probability && judged.location_m.is_ok() {

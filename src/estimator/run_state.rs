@@ -10,10 +10,10 @@ use crate::model::effects::Journey;
 use crate::model::point::Point;
 use crate::model::state::{LOCATION, R0, SIZE};
 use crate::plain;
-use crate::tick::effort_reading::EffortReading;
+use crate::tick::effort_reading::{Column, EffortReading};
 use crate::tick::estimate::Counters;
 use crate::tick::kinematics::Kinematics;
-use crate::tick::learning::{Learner, LearningConfig};
+use crate::tick::learning::{Learner, LearningConfig, Tick};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Plausibility;
 use crate::tick::regime::{Recogniser, Regime};
@@ -41,6 +41,8 @@ in_place! {
         /// Last tick with a speed, for the effort of one interval.
         pub(crate) last: Option<Point> = (None);
         pub(crate) effort_reading: EffortReading = (in place);
+        /// The last tick and where the train was by its readings: it waits for the next row of the effort.
+        pub(crate) waits: Option<(Tick, Gaussian<2>)> = (None);
         pub(crate) hops: Hops = (in place);
         /// Last speed reading, for the features.
         pub(crate) reading: Option<Point> = (None);
@@ -77,17 +79,19 @@ impl RunState {
     /// To no run, in place.
     pub fn reset(&mut self) {
         self.journey = Journey::ZEROED;
-        self.begin(&LearningConfig::default(), Gaussian::ZEROED, Direction::Up);
+        self.begin(&LearningConfig::default(), Gaussian::ZEROED, Column::default(), Direction::Up);
     }
 
     /// Begins with a belief of this run's train, in place and without a copy of the features' buffers. The surroundings stay.
-    pub(crate) fn begin(&mut self, config: &LearningConfig, begin: Gaussian<3>, direction: Direction) {
+    pub(crate) fn begin(&mut self, config: &LearningConfig, begin: Gaussian<3>, column: Column, direction: Direction) {
         let mut journey = self.journey;
         journey.begin();
         self.clear_fields();
         self.journey = journey;
         self.direction = direction;
-        self.learner.begin_run(config, &begin);
+        let [gain, share] = column.next_run();
+        self.learner.begin_run(config, &begin, gain);
+        self.effort_reading.begin_run(share);
         self.features.begin();
         self.begin = begin;
     }
@@ -155,7 +159,9 @@ impl RunState {
 
     /// The whole state: location and speed of the segment where one runs, of the readings elsewhere; the coefficients as far as they are valid.
     pub(crate) fn belief(&self) -> Gaussian<SIZE> {
-        let moving = self.learner.moving().unwrap_or_else(|| self.kinematics.belief());
+        // Where a tick waits the segment is one behind.
+        let moving = self.learner.moving().filter(|_| self.waits.is_none());
+        let moving = moving.unwrap_or_else(|| self.kinematics.belief());
         let davis = self.learner.davis();
         let mut belief = Gaussian::independent([0.0; SIZE], [0.0; SIZE]);
         belief.mean.fixed_rows_mut::<2>(LOCATION).copy_from(&moving.mean);

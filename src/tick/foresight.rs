@@ -17,7 +17,7 @@ use crate::Real;
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::model::state::resistance_sd;
-use crate::plain::{Bytes, Plain, plain};
+use crate::plain::plain;
 use serde::{Deserialize, Serialize};
 
 /// Coasts that are taken to have been as expected before the first one: one that is not does not decide.
@@ -99,36 +99,6 @@ impl Trust {
     pub(crate) fn is_sound(&self) -> bool {
         let squares = [self.coasts, self.squares, self.apart];
         self.worse.is_finite() && squares.iter().all(|sum| (0.0..Real::MAX).contains(sum))
-    }
-}
-
-/// The same as it is stored, in single precision.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StoredTrust([f32; 4]);
-
-impl From<&Trust> for StoredTrust {
-    fn from(trust: &Trust) -> Self {
-        Self([trust.coasts, trust.squares, trust.worse, trust.apart].map(|sum| sum as f32))
-    }
-}
-
-impl From<StoredTrust> for Trust {
-    fn from(StoredTrust(sums): StoredTrust) -> Self {
-        let [coasts, squares, worse, apart] = sums.map(Real::from);
-        Self { coasts, squares, worse, apart }
-    }
-}
-
-impl Plain for StoredTrust {
-    const START: Self = Self([0.0; 4]);
-
-    fn pass(&mut self, bytes: &mut Bytes<'_>) {
-        // It was added behind what older firmware stored.
-        if bytes.are_at_end() {
-            *self = Self::START;
-        } else {
-            self.0.pass(bytes);
-        }
     }
 }
 
@@ -380,21 +350,5 @@ mod tests {
         assert_eq!(trust_of(0.0, 0.0).worse_by(), 0.0);
         assert!(trust_of(0.0, 4e-3).inflation() > 5.0);
         assert_eq!(trust_of(4e-3, 4e-3).inflation(), 1.0);
-    }
-
-    #[test]
-    fn a_record_of_older_firmware_has_no_trust() {
-        let mut stored = StoredTrust([1.0; 4]);
-        assert!(crate::plain::read_all(&mut stored, &[]));
-        assert_eq!(Trust::from(stored), Trust::NONE);
-        let mut trust = Trust { coasts: 3.0, squares: 2.1, worse: -1.7, apart: 0.3 };
-        trust.add(&Trust { coasts: 1.0, squares: 0.1, worse: 0.7, apart: 0.9 });
-        let mut buffer = [0; 16];
-        let bytes = crate::plain::write(&mut StoredTrust::from(&trust), &mut buffer).unwrap();
-        let mut stored = StoredTrust::START;
-        assert!(crate::plain::read_all(&mut stored, bytes));
-        assert_eq!(Trust::from(stored), trust);
-        assert!(!Trust { worse: Real::NAN, ..trust }.is_sound());
-        assert!(!Trust { coasts: -1.0, ..trust }.is_sound());
     }
 }

@@ -18,6 +18,7 @@ use crate::model::motion::{Evaluate, Motion};
 use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED, davis};
 use crate::plain::plain;
 use crate::tick::bounds::settings;
+use crate::tick::effort_reading::MeanEffort;
 use crate::tick::foresight::{Course, Foresight, Leg, Lines};
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::{InPlace, in_place};
@@ -85,12 +86,14 @@ pub struct Tick {
     pub location_m: Option<Real>,
     /// Speed reading, m/s.
     pub speed_mps: Option<Real>,
-    /// Effort over the interval and its standard deviation, N/kg.
-    pub effort_n_per_kg: Real,
-    /// Standard deviation of that effort.
-    pub effort_sd_n_per_kg: Real,
+    /// Effort over the interval.
+    pub effort: MeanEffort,
     /// Spectral density of the acceleration by the doubt of the track, m²/s³.
     pub track_density: Real,
+}
+
+plain! {
+    struct Tick { time_s, dt_s, location_m, speed_mps, effort, track_density }
 }
 
 /// What of a segment counts.
@@ -162,14 +165,15 @@ impl Learner {
     pub fn new(config: &LearningConfig, davis: &Gaussian<3>) -> Self {
         let mut learner = Self::ZEROED;
         learner.clear_fields();
-        learner.begin_run(config, davis);
+        learner.begin_run(config, davis, None);
         learner
     }
 
     /// After [`InPlace::clear_fields`].
-    pub(crate) fn begin_run(&mut self, config: &LearningConfig, davis: &Gaussian<3>) {
+    pub(crate) fn begin_run(&mut self, config: &LearningConfig, davis: &Gaussian<3>, gain: Option<(Real, Real)>) {
+        let (gain, sd) = gain.unwrap_or((1.0, config.gain_sd));
         let constants = &mut self.constants;
-        *constants = Gaussian::independent([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, config.gain_sd]);
+        *constants = Gaussian::independent([0.0, 0.0, 0.0, gain], [0.0, 0.0, 0.0, sd.min(config.gain_sd)]);
         constants.mean.fixed_rows_mut::<3>(0).copy_from(&davis.mean);
         constants.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&davis.covariance);
     }
@@ -378,23 +382,24 @@ impl Segment {
         let h_s = tick.dt_s / sub_steps;
         // White acceleration noise of this tick, spread over its sub-steps so that their sum has the same variance.
         let gusts = config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0;
-        let effort = tick.effort_sd_n_per_kg * tick.effort_sd_n_per_kg;
+        let effort = tick.effort.sd_n_per_kg * tick.effort.sd_n_per_kg;
         let noise_mps2 = libm::sqrt(((gusts + tick.track_density) / tick.dt_s + effort) * sub_steps);
         let mut begin_s = tick.time_s - tick.dt_s;
         let (began_mps, believed) = (self.belief.mean[SPEED], davis(&self.belief.mean));
         for _ in 0..sub_steps as u32 {
             let (x, evaluate) = (&self.belief.mean, Evaluate::Midway);
-            let motion = Motion::new(line, x, tick.effort_n_per_kg, h_s, evaluate)
+            let motion = Motion::new(line, x, tick.effort.n_per_kg, h_s, evaluate)
                 .with_effects(line, acting, x, begin_s, evaluate);
             begin_s += h_s;
             ukf.predict(&mut self.belief, &motion.with_noise(noise_mps2))?;
         }
         let staircase = (config.staircase_s / tick.dt_s).max(1.0);
         let speed_sd_mps = sensor.speed_sd_mps();
-        let speed_variance = speed_sd_mps * speed_sd_mps * staircase;
+        let unseen_mps = tick.effort.unseen_mps;
+        let speed_variance = speed_sd_mps * speed_sd_mps * staircase + unseen_mps * unseen_mps;
         let ends_mps = self.belief.mean[SPEED];
         // A measured effort has errors of its own, which would be taken for those of the resistance.
-        let coasts = tick.effort_sd_n_per_kg == 0.0;
+        let coasts = tick.effort.sd_n_per_kg == 0.0;
         let leg = Leg {
             time_s: tick.time_s,
             dt_s: tick.dt_s,

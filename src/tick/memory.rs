@@ -26,6 +26,7 @@ use crate::Real;
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::tick::bounds::settings;
+use crate::tick::effort_reading::Column;
 use crate::tick::foresight::{Foresight, Trust};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -90,6 +91,9 @@ pub struct Vehicle {
     hypotheses: [Hypothesis; SCALES.len()],
     runs: u32,
     trust: Trust,
+    /// Of its effort column.
+    #[serde(default)]
+    pub(crate) column: Column,
 }
 
 impl Vehicle {
@@ -111,7 +115,7 @@ impl Vehicle {
         for (slot, entry) in hypotheses.iter_mut().zip(SCALES.into_iter().zip(SCALE_WEIGHTS)) {
             *slot = hypothesis(entry);
         }
-        Self { nominal, hypotheses, runs: 0, trust: Trust::NONE }
+        Self { nominal, hypotheses, runs: 0, trust: Trust::NONE, column: Column::default() }
     }
 
     /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
@@ -135,6 +139,11 @@ impl Vehicle {
         let variance: Real =
             self.hypotheses.iter().map(|hypothesis| hypothesis.weight * hypothesis.scale * hypothesis.scale).sum();
         config.wind_sd_mps * libm::sqrt(variance)
+    }
+
+    /// What is known of its effort column.
+    pub fn column(&self) -> Column {
+        self.column
     }
 
     /// How far this may be trusted, by how it foresaw coasts.

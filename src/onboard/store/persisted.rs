@@ -4,19 +4,21 @@
 //! record: it has to outlive a change of layout.
 
 use super::{AppendError, EpochError, Identity, Refused, Store};
+use crate::Real;
 use crate::listed::listed;
 use crate::model::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, Unknown};
 use crate::model::resistance::Davis;
 use crate::onboard::train_id::TrainId;
-use crate::plain::{self, Plain as _, plain};
-use crate::tick::foresight::StoredTrust;
+use crate::plain::{self, Bytes, Plain, plain};
+use crate::tick::effort_reading::Column;
+use crate::tick::foresight::Trust;
 use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
 use crate::tick::snapshot::{InPlace, in_place};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{EffectKind, errors};
 
-/// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order (a last field that older records lack excepted), or [`SCALES`](crate::tick::memory::SCALES).
+/// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order (last fields that older records lack excepted: [`Appended`]), or [`SCALES`](crate::tick::memory::SCALES).
 pub const LAYOUT: u16 = 2;
 
 in_place! {
@@ -31,8 +33,10 @@ in_place! {
         pub effects: Vec<StoredEffect, MAX_EFFECTS> = (in place);
         /// The unknown one.
         pub table: Option<Unknown> = (None);
-        /// How far the vehicle may be trusted; the last field, which records of older firmware do not have.
-        pub trust: StoredTrust = (StoredTrust::START);
+        /// How far the vehicle may be trusted.
+        pub trust: Appended<[f32; 4]> = (Appended::START);
+        /// What is known of its effort column.
+        pub column: Appended<Column> = (Appended::START);
     }
 }
 
@@ -49,6 +53,35 @@ pub struct Lifetime {
 
 plain! {
     struct Lifetime { resets, runs, stops }
+}
+
+/// What was added behind what older firmware stored; zeros where a record ends before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Appended<T>(T);
+
+impl From<&Trust> for Appended<[f32; 4]> {
+    fn from(trust: &Trust) -> Self {
+        Self([trust.coasts, trust.squares, trust.worse, trust.apart].map(|sum| sum as f32))
+    }
+}
+
+impl From<Appended<[f32; 4]>> for Trust {
+    fn from(Appended(sums): Appended<[f32; 4]>) -> Self {
+        let [coasts, squares, worse, apart] = sums.map(Real::from);
+        Self { coasts, squares, worse, apart }
+    }
+}
+
+impl<T: Plain> Plain for Appended<T> {
+    const START: Self = Self(T::START);
+
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        if bytes.are_at_end() {
+            *self = Self::START;
+        } else {
+            self.0.pass(bytes);
+        }
+    }
 }
 
 /// A named effect in numbers, as in frames.
@@ -92,7 +125,8 @@ impl Persisted {
         + 1
         + 1
         + MAX_POINTS * 2 * 4
-        + 4 * 4;
+        + 4 * 4
+        + 4 * 3;
 
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
@@ -103,6 +137,7 @@ impl Persisted {
             effects: listed(named.map(Effect::to_frame)),
             table: effects.table().cloned(),
             trust: vehicle.trust().into(),
+            column: Appended(vehicle.column),
         }
     }
 
@@ -165,7 +200,7 @@ impl Persisted {
         effects: &mut Effects,
     ) -> Result<Vehicle, NotRestored> {
         let mut vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
-        vehicle.set_trust(self.trust.into());
+        vehicle.set_trust(self.trust.into(), self.column.0);
         self.effects_in(effects)?;
         Ok(vehicle)
     }
@@ -230,7 +265,22 @@ mod tests {
             coordinate: Coordinate::Day,
             table: core::iter::repeat_n((f32::MAX, f32::MAX), MAX_POINTS).collect(),
         });
+        full.column = Appended(Column { steps: [u16::MAX; 4] });
         let mut buffer = [0; Persisted::MAX_SIZE];
         assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
+    }
+
+    #[test]
+    fn a_record_of_older_firmware_has_no_trust_and_no_column() {
+        let mut stored = Appended([1.0; 4]);
+        assert!(plain::read_all(&mut stored, &[]));
+        assert_eq!(Trust::from(stored), Trust::NONE);
+        let mut trust = Trust { coasts: 3.0, squares: 2.1, worse: -1.7, apart: 0.3 };
+        trust.add(&Trust { coasts: 1.0, squares: 0.1, worse: 0.7, apart: 0.9 });
+        let mut buffer = [0; 16];
+        let bytes = plain::write(&mut Appended::from(&trust), &mut buffer).unwrap();
+        let mut stored = Appended::START;
+        assert!(plain::read_all(&mut stored, bytes));
+        assert_eq!(Trust::from(stored), trust);
     }
 }

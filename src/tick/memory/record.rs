@@ -6,6 +6,7 @@ use crate::filter::elimination::{NotPositiveDefinite, eliminate};
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::plain::plain;
+use crate::tick::effort_reading::Column;
 use crate::tick::foresight::Trust;
 use nalgebra::{Matrix3, Vector3};
 use rundown_wire::errors;
@@ -109,6 +110,7 @@ impl Vehicle {
             }),
             runs: record.runs,
             trust: Trust::NONE,
+            column: Column::default(),
         };
         for (hypothesis, scale) in vehicle.hypotheses.iter_mut().zip(SCALES) {
             hypothesis.scale = scale;
@@ -117,11 +119,12 @@ impl Vehicle {
         Ok(vehicle)
     }
 
-    /// Takes up what is known of how it foresaw coasts. Numbers that are none are left: what was learned is worth more.
-    pub fn set_trust(&mut self, trust: Trust) {
+    /// Takes up what is known of how it foresaw coasts, and of its effort column. Numbers that are none are left: what was learned is worth more.
+    pub fn set_trust(&mut self, trust: Trust, column: Column) {
         if trust.is_sound() {
             self.trust = trust;
         }
+        self.column = column;
     }
 
     fn check(&self, manufacturer: &Davis) -> Result<(), Implausible> {
