@@ -106,7 +106,9 @@ pub(super) fn learning_tick(
     let learned = match config.mode {
         Mode::Measured => {
             let usual = read && now.speed_mps > SLOWEST_MEASURED_MPS && judged.contradiction.is_none();
-            learn_measured(config, run, line, acting, usual.then(|| tick(config, run, line, judged)), read_effort)
+            let learned = learn_measured(config, run, line, acting, read_effort);
+            run.waits = usual.then(|| (tick(config, run, line, judged), run.kinematics.belief()));
+            learned
         }
         Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, are_short),
     };
@@ -296,24 +298,22 @@ fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Ti
     }
 }
 
-/// Begins, continues or ends a segment of measured effort, with the tick before `now`: of that one the `effort` is known. Out: the innovation of a step of it.
+/// Begins, continues or ends a segment of measured effort with the tick that waits, of which the `effort` is known now. Out: the innovation of a step of it.
 fn learn_measured(
     config: &Config,
     run: &mut RunState,
     line: &Line<'_>,
     acting: &Acting<'_>,
-    now: Option<Tick>,
     effort: Option<MeanEffort>,
 ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
-    let waited = core::mem::replace(&mut run.waits, now.map(|tick| (tick, run.kinematics.belief())));
-    match waited.zip(effort) {
-        Some(((tick, _), effort)) if run.learner.in_segment() => {
-            let tick = Tick { effort, ..tick };
-            return run.learner.step(&config.learning, &config.sensor, line, acting, &tick, &usual(config));
+    match (&mut run.waits, effort) {
+        (Some((tick, _)), Some(effort)) if run.learner.in_segment() => {
+            tick.effort = effort;
+            return run.learner.step(&config.learning, &config.sensor, line, acting, tick, &usual(config));
         }
-        Some(((tick, moving), _)) if tick.location_m.is_some() => run.learner.begin(tick.time_s, &moving, true),
-        Some(_) => {}
-        None => run.learner.end(),
+        (Some((tick, moving)), Some(_)) if tick.location_m.is_some() => run.learner.begin(tick.time_s, moving, true),
+        (Some(_), Some(_)) => {}
+        _ => run.learner.end(),
     }
     Ok(None)
 }

@@ -9,7 +9,7 @@ use crate::model::direction::Direction;
 use crate::model::effects::Journey;
 use crate::model::point::Point;
 use crate::model::state::{LOCATION, R0, SIZE};
-use crate::plain;
+use crate::plain::{self, Plain as _};
 use crate::tick::effort_reading::{Column, EffortReading};
 use crate::tick::estimate::Counters;
 use crate::tick::kinematics::Kinematics;
@@ -42,7 +42,7 @@ in_place! {
         pub(crate) last: Option<Point> = (None);
         pub(crate) effort_reading: EffortReading = (in place);
         /// The last tick and where the train was by its readings: it waits for the next row of the effort.
-        pub(crate) waits: Option<(Tick, Gaussian<2>)> = (None);
+        pub(crate) waits: Option<(Tick, Gaussian<2>)> = (None, zeroed Some((Tick::START, Gaussian::ZEROED)));
         pub(crate) hops: Hops = (in place);
         /// Last speed reading, for the features.
         pub(crate) reading: Option<Point> = (None);
@@ -163,7 +163,7 @@ impl RunState {
         let moving = self.learner.moving().filter(|_| self.waits.is_none());
         let moving = moving.unwrap_or_else(|| self.kinematics.belief());
         let davis = self.learner.davis();
-        let mut belief = Gaussian::independent([0.0; SIZE], [0.0; SIZE]);
+        let mut belief = Gaussian::<SIZE>::ZEROED;
         belief.mean.fixed_rows_mut::<2>(LOCATION).copy_from(&moving.mean);
         belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
         belief.covariance.fixed_view_mut::<2, 2>(LOCATION, LOCATION).copy_from(&moving.covariance);

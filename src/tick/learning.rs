@@ -165,15 +165,18 @@ impl Learner {
     pub fn new(config: &LearningConfig, davis: &Gaussian<3>) -> Self {
         let mut learner = Self::ZEROED;
         learner.clear_fields();
-        learner.begin_run(config, davis, None);
+        learner.begin_run(config, davis, (1.0, 0.0));
         learner
     }
 
     /// After [`InPlace::clear_fields`].
-    pub(crate) fn begin_run(&mut self, config: &LearningConfig, davis: &Gaussian<3>, gain: Option<(Real, Real)>) {
-        let (gain, sd) = gain.unwrap_or((1.0, config.gain_sd));
+    pub(crate) fn begin_run(&mut self, config: &LearningConfig, davis: &Gaussian<3>, gain: (f32, f32)) {
         let constants = &mut self.constants;
-        *constants = Gaussian::independent([0.0, 0.0, 0.0, gain], [0.0, 0.0, 0.0, sd.min(config.gain_sd)]);
+        let (gain, variance) = gain;
+        *constants = Gaussian::ZEROED;
+        constants.mean[3] = gain.into();
+        let described = config.gain_sd * config.gain_sd;
+        constants.covariance[(3, 3)] = if variance > 0.0 { described.min(variance.into()) } else { described };
         constants.mean.fixed_rows_mut::<3>(0).copy_from(&davis.mean);
         constants.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&davis.covariance);
     }
@@ -244,7 +247,7 @@ impl Learner {
 
     /// Begins a segment, on trial or `believed`, where location and speed are known from readings alone; the speed is left to the next reading, see `BEGIN_SPEED_SD_MPS`.
     pub fn begin(&mut self, time_s: Real, moving: &Gaussian<2>, believed: bool) {
-        let mut belief = Gaussian::independent([0.0; SIZE_WITH_GAIN], [0.0; SIZE_WITH_GAIN]);
+        let mut belief = Gaussian::<SIZE_WITH_GAIN>::ZEROED;
         belief.mean.fixed_rows_mut::<2>(LOCATION).copy_from(&moving.mean);
         belief.covariance.fixed_view_mut::<2, 2>(LOCATION, LOCATION).copy_from(&moving.covariance);
         belief.covariance[(SPEED, SPEED)] = BEGIN_SPEED_SD_MPS * BEGIN_SPEED_SD_MPS;
@@ -382,24 +385,23 @@ impl Segment {
         let h_s = tick.dt_s / sub_steps;
         // White acceleration noise of this tick, spread over its sub-steps so that their sum has the same variance.
         let gusts = config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0;
-        let effort = tick.effort.sd_n_per_kg * tick.effort.sd_n_per_kg;
+        let effort = Real::from(tick.effort.variance);
         let noise_mps2 = libm::sqrt(((gusts + tick.track_density) / tick.dt_s + effort) * sub_steps);
         let mut begin_s = tick.time_s - tick.dt_s;
         let (began_mps, believed) = (self.belief.mean[SPEED], davis(&self.belief.mean));
         for _ in 0..sub_steps as u32 {
             let (x, evaluate) = (&self.belief.mean, Evaluate::Midway);
-            let motion = Motion::new(line, x, tick.effort.n_per_kg, h_s, evaluate)
+            let motion = Motion::new(line, x, tick.effort.n_per_kg.into(), h_s, evaluate)
                 .with_effects(line, acting, x, begin_s, evaluate);
             begin_s += h_s;
             ukf.predict(&mut self.belief, &motion.with_noise(noise_mps2))?;
         }
         let staircase = (config.staircase_s / tick.dt_s).max(1.0);
         let speed_sd_mps = sensor.speed_sd_mps();
-        let unseen_mps = tick.effort.unseen_mps;
-        let speed_variance = speed_sd_mps * speed_sd_mps * staircase + unseen_mps * unseen_mps;
+        let speed_variance = speed_sd_mps * speed_sd_mps * staircase + Real::from(tick.effort.unseen);
         let ends_mps = self.belief.mean[SPEED];
         // A measured effort has errors of its own, which would be taken for those of the resistance.
-        let coasts = tick.effort.sd_n_per_kg == 0.0;
+        let coasts = tick.effort.variance == 0.0;
         let leg = Leg {
             time_s: tick.time_s,
             dt_s: tick.dt_s,
