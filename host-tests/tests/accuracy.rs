@@ -106,7 +106,8 @@ fn gain_and_age_of_an_effort_column_are_carried_and_a_swapped_recorder_is_believ
     let [old, new] = [scenario(1.05, false), scenario(0.97, true)];
     let estimator = host_tests::accuracy::estimator(Config::with_mode(Mode::Measured), &old);
     let mut vehicle = estimator.new_vehicle();
-    let known = |vehicle: &Vehicle| vehicle.column().next_run().map(|(mean, variance)| (f64::from(mean), f64::from(variance)));
+    let known =
+        |vehicle: &Vehicle| vehicle.column().next_run().map(|(mean, variance)| (f64::from(mean), f64::from(variance)));
     assert_eq!(known(&vehicle), [(1.0, 0.0), (0.0, 0.0)], "nothing is known of a new one");
     let mut after = |scenario: &Scenario, seeds: std::ops::Range<u64>| {
         for seed in seeds {

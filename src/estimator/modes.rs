@@ -108,6 +108,10 @@ pub(super) fn learning_tick(
             let usual = read && now.speed_mps > SLOWEST_MEASURED_MPS && judged.contradiction.is_none();
             let learned = learn_measured(config, run, line, acting, read_effort);
             run.waits = usual.then(|| (tick(config, run, line, judged), run.kinematics.belief()));
+            // Where no tick waits the segment would stay one behind.
+            if run.waits.is_none() {
+                run.learner.end();
+            }
             learned
         }
         Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, are_short),

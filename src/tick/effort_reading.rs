@@ -104,9 +104,10 @@ impl Column {
         Self { steps: steps.map(|steps| (steps + 0.999) as i16 as u16) }
     }
 
-    /// Before the next run: mean and variance of the gain, true over read, and of `s`; 0 where nothing is known.
+    /// Before the next run: mean and variance of the gain, true over read, and of `s`; 0 where nothing is known, or a gain stands there that no sensor has.
     pub fn next_run(self) -> [(f32, f32); 2] {
-        let [gain, gain_sd, share, share_sd] = self.steps;
+        let is_gain = (self.steps[0] as i16).unsigned_abs() < MOST_GAIN_STEPS;
+        let [gain, gain_sd, share, share_sd] = if is_gain { self.steps } else { [0; 4] };
         let mean = |steps: u16, step: f32| f32::from(steps as i16) * step;
         let variance = |steps: u16, step: f32, drift_sd: f32| {
             if steps == 0 { 0.0 } else { square(f32::from(steps) * step) + square(drift_sd) }
@@ -252,6 +253,8 @@ const SMALL_CHANGE_N_PER_KG: f32 = 0.05;
 const LONGEST_TICK: f32 = 1.5;
 /// Standard deviations beyond which a window is not believed as it is.
 const GATE: f32 = 4.0;
+/// Gain less 1 that no sensor has, in steps of 1e-4.
+const MOST_GAIN_STEPS: u16 = 5000;
 /// By how much the gain changes from one run to the next, standard deviation: a recorder that was swapped is believed some runs later.
 const GAIN_DRIFT_SD: f32 = 0.002;
 /// The same of `s`.
@@ -355,6 +358,15 @@ mod tests {
             let [gain, found] = Column::of_run((1.0312, 0.004), &reading).next_run();
             assert!((gain.0 - 1.0312).abs() < 1e-4 && (gain.1.sqrt() - 0.004_f32.hypot(GAIN_DRIFT_SD)).abs() < 1.1e-4);
             assert!((found.0 - share).abs() < 1e-3 && (found.1.sqrt() - SHARE_DRIFT_SD).abs() < 1e-3, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_gain_that_no_sensor_has_is_not_taken_up() {
+        for (gain, is_sound) in [(0.2, true), (0.49, true), (-0.49, true), (0.5, false), (-3.2, false)] {
+            let column = Column::of_run((1.0 + gain, 0.01), &EffortReading::ZEROED);
+            let [(mean, variance), _] = column.next_run();
+            assert_eq!((variance > 0.0, (f64::from(mean) - 1.0 - gain).abs() < 1e-3), (is_sound, is_sound), "{gain}");
         }
     }
 

@@ -200,7 +200,7 @@ impl Persisted {
         effects: &mut Effects,
     ) -> Result<Vehicle, NotRestored> {
         let mut vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
-        vehicle.set_trust(self.trust.into(), self.column.0);
+        vehicle.recall(self.trust.into(), self.column.0);
         self.effects_in(effects)?;
         Ok(vehicle)
     }

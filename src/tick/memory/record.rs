@@ -120,7 +120,7 @@ impl Vehicle {
     }
 
     /// Takes up what is known of how it foresaw coasts, and of its effort column. Numbers that are none are left: what was learned is worth more.
-    pub fn set_trust(&mut self, trust: Trust, column: Column) {
+    pub fn recall(&mut self, trust: Trust, column: Column) {
         if trust.is_sound() {
             self.trust = trust;
         }
