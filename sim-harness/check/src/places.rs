@@ -31,7 +31,7 @@ fn finding(kind: Kind, value: f64, count: usize, line: u64, done: Done) -> Findi
 pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let sign = heading(rows);
     let least_m = (SHIFT_OVER_NOISE * noise_m(rows, sign)).clamp(LEAST_SHIFT_M.0, LEAST_SHIFT_M.1);
-    let mut shift_m = 0.0;
+    let (mut shift_m, mut last_read_m) = (0.0, 0.0);
     let mut last: Option<Sample> = None;
     for i in 0..rows.len() {
         let Some(read_m) = rows[i].location_m.filter(|m| m.is_finite()) else {
@@ -42,7 +42,9 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
             let jump_m = read_m + shift_m - before.location_m.unwrap_or(read_m) - expected_m;
             if jump_m.abs() > least_m + 0.5 * expected_m.abs() && stays(rows, i, sign) {
                 let allowed_m = NEAR_M + 0.3 * expected_m.abs();
-                let turn = TURNS_M.iter().find(|turn| (jump_m.abs() - **turn).abs() < allowed_m);
+                // An odometer that goes on where it was has not turned over: a clock was set, or the location stood still.
+                let turned = |turn_m: f64| (read_m - last_read_m).abs() > 0.5 * turn_m;
+                let turn = TURNS_M.iter().find(|turn| (jump_m.abs() - **turn).abs() < allowed_m && turned(**turn));
                 let zero = read_m.abs() < 100.0 && before.location_m.is_some_and(|m| (m - shift_m).abs() > 1000.0);
                 let (kind, change_m) = match turn {
                     Some(turn) => (Kind::Wrap, -turn.copysign(jump_m)),
@@ -56,7 +58,7 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
             }
         }
         rows[i].location_m = Some(read_m + shift_m);
-        last = Some(rows[i]);
+        (last, last_read_m) = (Some(rows[i]), read_m);
     }
 }
 
@@ -220,4 +222,45 @@ fn middle(rows: &[(u64, f64)]) -> (u64, f64) {
     let mut sorted = rows.to_vec();
     sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
     sorted[sorted.len() / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 20 m/s, a row every 5 s.
+    fn rows(location_m: impl Fn(usize) -> f64, time_s: impl Fn(usize) -> f64) -> Vec<Sample> {
+        let row = |i| Sample {
+            time_s: time_s(i),
+            location_m: Some(location_m(i)),
+            speed_mps: Some(20.0),
+            line: i as u64 + 2,
+            ..Sample::default()
+        };
+        (0..60).map(row).collect()
+    }
+
+    fn joined(mut rows: Vec<Sample>) -> (Vec<Sample>, Vec<Finding>) {
+        let mut findings = Vec::new();
+        join(&mut rows, &mut findings);
+        (rows, findings)
+    }
+
+    #[test]
+    fn an_odometer_that_wraps_is_joined() {
+        let time_s = |i| 5.0 * i as f64;
+        let (rows, findings) = joined(rows(|i| (7_000.0 + 100.0 * i as f64) % 10_000.0, time_s));
+        assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::Wrap]);
+        assert!(rows.windows(2).all(|pair| pair[1].location_m > pair[0].location_m));
+    }
+
+    /// 420 s at 20 m/s are near 10 000 m, of which the odometer did not turn over.
+    #[test]
+    fn a_clock_that_is_set_forward_is_no_wrap() {
+        let time_s = |i| 5.0 * i as f64 + if i > 30 { 470.0 } else { 0.0 };
+        let location_m = |i| 34_700_000.0 + 100.0 * i as f64;
+        let (rows, findings) = joined(rows(location_m, time_s));
+        assert!(findings.iter().all(|finding| finding.kind != Kind::Wrap && finding.done == Done::Said), "{findings:?}");
+        assert_eq!(rows[59].location_m, Some(location_m(59)));
+    }
 }
