@@ -123,6 +123,27 @@ fn gain_and_age_of_an_effort_column_are_carried_and_a_swapped_recorder_is_believ
     assert!((share - 0.5).abs() < 0.15, "{share}");
 }
 
+/// `s` is a share of the tick: what rows of 10 s say of it, believed of rows of 1 s, hid most of the second for as long as the vehicle ran.
+#[test]
+fn a_column_of_another_tick_keeps_its_gain_and_its_age_is_learned_again() {
+    let every = |sampling_s| {
+        let late = Sensors { effort_lag_s: 1.0, effort_gain: 1.05, effort_noise_share: 0.02, ..Sensors::default() };
+        Scenario { sensors: Sensors { sampling_s, ..late }, ..Scenario::default() }
+    };
+    let estimator = host_tests::accuracy::estimator(Config::with_mode(Mode::Measured), &every(10.0));
+    let mut vehicle = estimator.new_vehicle();
+    for (sampling_s, runs, expected) in [(10.0, 810..816, -0.1), (1.0, 820..824, -1.0), (10.0, 830..834, -0.1)] {
+        for seed in runs {
+            replay(&estimator, &mut vehicle, &simulate(&every(sampling_s), seed));
+        }
+        let [(gain, _), (share, variance)] = vehicle.column().next_run();
+        let off = (share - expected) / variance.sqrt();
+        println!("{sampling_s} s: gain {gain}, s {share}, off by {off} standard deviations");
+        assert!((gain - 1.0 / 1.05).abs() < 0.015, "{gain}");
+        assert!(off.abs() < 3.0, "{sampling_s} s: {share}, off by {off} standard deviations");
+    }
+}
+
 /// Nothing was learned on hops before: the errors after 20 runs were the 16 % of the descriptions. What is learned must hold: gentle brakes that were taken
 /// for coasts gave a suburban train a fifth too much.
 #[test]

@@ -91,7 +91,7 @@ impl RunState {
         self.direction = direction;
         let [gain, share] = column.next_run();
         self.learner.begin_run(config, &begin, gain);
-        self.effort_reading.begin_run(share);
+        self.effort_reading.begin_run(share, column);
         self.features.begin();
         self.begin = begin;
     }

@@ -62,6 +62,8 @@ in_place! {
         window: Option<Window> = (None);
         /// What is known of `s`: mean and variance; nothing where that is 0.
         share: (f32, f32) = ((0.0, 0.0));
+        /// Tick that this is of, s.
+        share_tick_s: f32 = (0.0);
     }
 }
 
@@ -87,8 +89,9 @@ plain! {
 /// the default. In whole steps, as it is stored: a board that was restarted goes on with the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Column {
-    /// Gain less 1, and its standard deviation, in steps of 1e-4; `s` and its own in steps of 1e-3. What is known has a deviation of a step at least.
-    pub(crate) steps: [u16; 4],
+    /// Gain less 1, and its standard deviation, in steps of 1e-4; `s` and its own in steps of 1e-3; the tick that `s` is of in steps of 10 ms. What is known
+    /// has a deviation of a step at least.
+    pub(crate) steps: [u16; 5],
 }
 
 plain! {
@@ -99,15 +102,16 @@ impl Column {
     /// After a run.
     pub(crate) fn of_run((gain, gain_sd): (Real, Real), reading: &EffortReading) -> Self {
         let (share, variance) = reading.share;
-        // A doubt is rounded up. A number that is none becomes 0, and one that is too large the largest.
-        let steps = [1e4 * (gain as f32 - 1.0), 1e4 * gain_sd as f32, 1e3 * share, 1e3 * root(variance)];
-        Self { steps: steps.map(|steps| (steps + 0.999) as i16 as u16) }
+        // A doubt is rounded up. A number that is none becomes the largest, as one that is too large.
+        let tick = 1e2 * reading.share_tick_s;
+        let steps = [1e4 * (gain as f32 - 1.0), 1e4 * gain_sd as f32, 1e3 * share, 1e3 * root(variance), tick];
+        Self { steps: steps.map(|steps| (steps + 0.999).min(MOST_STEPS) as i16 as u16) }
     }
 
     /// Before the next run: mean and variance of the gain, true over read, and of `s`; 0 where nothing is known, or a gain stands there that no sensor has.
     pub fn next_run(self) -> [(f32, f32); 2] {
         let is_gain = (self.steps[0] as i16).unsigned_abs() < MOST_GAIN_STEPS;
-        let [gain, gain_sd, share, share_sd] = if is_gain { self.steps } else { [0; 4] };
+        let [gain, gain_sd, share, share_sd, _] = if is_gain { self.steps } else { [0; 5] };
         let mean = |steps: u16, step: f32| f32::from(steps as i16) * step;
         let variance = |steps: u16, step: f32, drift_sd: f32| {
             if steps == 0 { 0.0 } else { square(f32::from(steps) * step) + square(drift_sd) }
@@ -120,10 +124,11 @@ impl Column {
 }
 
 impl EffortReading {
-    /// The belief of `s`: mean and variance.
+    /// The belief of `s`: mean and variance. The same age is another share of another tick.
     fn share(&self, config: &EffortReadingConfig) -> (f32, f32) {
         let late = config.late_sd_s as f32 / self.usual_s;
-        if self.share.1 > 0.0 { self.share } else { (SHARE, SHARE_SD * SHARE_SD + late * late) }
+        let is_of_this_tick = (self.share_tick_s - self.usual_s).abs() < SAME_TICK * self.usual_s;
+        if is_of_this_tick && self.share.1 > 0.0 { self.share } else { (SHARE, SHARE_SD * SHARE_SD + late * late) }
     }
 
     /// A row, `dt_s` after the last one. Out: the mean effort of the tick that ended with the row before, for what comes next says how far that one had
@@ -169,9 +174,10 @@ impl EffortReading {
         })
     }
 
-    /// A run begins with what is known of `s`: mean and variance.
-    pub(crate) fn begin_run(&mut self, share: (f32, f32)) {
+    /// A run begins with what is known of `s`: mean and variance, and the column that holds its tick.
+    pub(crate) fn begin_run(&mut self, share: (f32, f32), column: Column) {
         self.share = share;
+        self.share_tick_s = 1e-2 * f32::from(column.steps[4]);
     }
 
     /// The log begins again after a pause: what was learned of the column stays.
@@ -232,6 +238,7 @@ impl EffortReading {
         let limit = GATE * root(expected);
         let missed = (asked - gain * read - share * column).min(limit).max(-limit);
         self.share = (share + share_variance * column / expected * missed, share_variance * variance / expected);
+        self.share_tick_s = self.usual_s;
     }
 }
 
@@ -249,10 +256,14 @@ const MISSED: f32 = 0.5;
 const UNSEEN_N_PER_KG: f32 = 0.02;
 /// A change of a momentary effort beyond which its row teaches less, N/kg.
 const SMALL_CHANGE_N_PER_KG: f32 = 0.05;
+/// Ticks that differ by less, as a share, are the same: clocks do.
+const SAME_TICK: f32 = 0.1;
 /// Longest tick that is a usual one, in usual ones.
 const LONGEST_TICK: f32 = 1.5;
 /// Standard deviations beyond which a window is not believed as it is.
 const GATE: f32 = 4.0;
+/// What two bytes of a record hold.
+const MOST_STEPS: f32 = 16_383.0;
 /// Gain less 1 that no sensor has, in steps of 1e-4.
 const MOST_GAIN_STEPS: u16 = 5000;
 /// By how much the gain changes from one run to the next, standard deviation: a recorder that was swapped is believed some runs later.
@@ -353,8 +364,8 @@ mod tests {
         assert_eq!(Column::default().next_run(), [(1.0, 0.0), (0.0, 0.0)]);
         let unknown = Column::of_run((1.0312, 0.004), &reading).next_run();
         assert!(unknown[0].1 > 0.0 && unknown[1].1 == 0.0, "{unknown:?}");
-        for share in [-0.1, 0.0, 0.5, -7.25, 32.7] {
-            reading.share = (share, 1e-8);
+        for share in [-0.1, 0.0, 0.5, -7.25, 16.3] {
+            (reading.share, reading.share_tick_s) = ((share, 1e-8), TICK_S as f32);
             let [gain, found] = Column::of_run((1.0312, 0.004), &reading).next_run();
             assert!((gain.0 - 1.0312).abs() < 1e-4 && (gain.1.sqrt() - 0.004_f32.hypot(GAIN_DRIFT_SD)).abs() < 1.1e-4);
             assert!((found.0 - share).abs() < 1e-3 && (found.1.sqrt() - SHARE_DRIFT_SD).abs() < 1e-3, "{found:?}");

@@ -126,7 +126,7 @@ impl Persisted {
         + 1
         + MAX_POINTS * 2 * 4
         + 4 * 4
-        + 4 * 3;
+        + 12;
 
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
@@ -265,22 +265,34 @@ mod tests {
             coordinate: Coordinate::Day,
             table: core::iter::repeat_n((f32::MAX, f32::MAX), MAX_POINTS).collect(),
         });
-        full.column = Appended(Column { steps: [u16::MAX; 4] });
+        full.column = Appended(Column { steps: [u16::MAX, 16_383, u16::MAX, 16_383, 16_383] });
         let mut buffer = [0; Persisted::MAX_SIZE];
         assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
     }
 
+    /// Trust came first, the effort column later.
     #[test]
-    fn a_record_of_older_firmware_has_no_trust_and_no_column() {
-        let mut stored = Appended([1.0; 4]);
-        assert!(plain::read_all(&mut stored, &[]));
-        assert_eq!(Trust::from(stored), Trust::NONE);
-        let mut trust = Trust { coasts: 3.0, squares: 2.1, worse: -1.7, apart: 0.3 };
-        trust.add(&Trust { coasts: 1.0, squares: 0.1, worse: 0.7, apart: 0.9 });
-        let mut buffer = [0; 16];
-        let bytes = plain::write(&mut Appended::from(&trust), &mut buffer).unwrap();
-        let mut stored = Appended::START;
-        assert!(plain::read_all(&mut stored, bytes));
-        assert_eq!(Trust::from(stored), trust);
+    fn a_record_of_older_firmware_has_no_trust_or_no_column() {
+        let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
+        let mut vehicle = Vehicle::new(&MemoryConfig::default(), davis);
+        let trust = Trust { coasts: 3.0, squares: 2.5, worse: -1.75, apart: 0.25 };
+        let column = Column { steps: [300, 40, 65_436, 20, 1000] };
+        vehicle.recall(trust, column);
+        let mut buffer = [0; Persisted::MAX_SIZE];
+        let bytes = Persisted::new(&vehicle, &Effects::NONE).encode(&mut buffer).unwrap();
+        let column_from = bytes.len() - (2 + 1 + 3 + 1 + 2);
+        let read = |end: usize| {
+            let mut stored = Persisted::ZEROED;
+            plain::read_all(&mut stored, &bytes[..end]).then(|| {
+                let restored = stored.vehicle_and_effects(&davis, &mut Effects::NONE.clone()).unwrap();
+                (*restored.trust(), restored.column())
+            })
+        };
+        assert_eq!(read(bytes.len()), Some((trust, column)));
+        assert_eq!(read(column_from), Some((trust, Column::default())));
+        assert_eq!(read(column_from - 16), Some((Trust::NONE, Column::default())));
+        for cut in [1, 8, 10, 24] {
+            assert_eq!(read(bytes.len() - cut), None, "without its last {cut} bytes");
+        }
     }
 }
