@@ -33,6 +33,8 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let least_m = (SHIFT_OVER_NOISE * noise_m(rows, sign)).clamp(LEAST_SHIFT_M.0, LEAST_SHIFT_M.1);
     let (mut shift_m, mut last_read_m) = (0.0, 0.0);
     let mut last: Option<Sample> = None;
+    // Locations that go on at a pace of their own beside a speed that stands still begin nowhere again.
+    let mut was_off = false;
     for i in 0..rows.len() {
         let Some(read_m) = rows[i].location_m.filter(|m| m.is_finite()) else {
             continue;
@@ -40,7 +42,9 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         if let Some(before) = last {
             let expected_m = sign * between(&before, &rows[i]);
             let jump_m = read_m + shift_m - before.location_m.unwrap_or(read_m) - expected_m;
-            if jump_m.abs() > least_m + 0.5 * expected_m.abs() && stays(rows, i, sign) {
+            let is_off = jump_m.abs() > least_m + 0.5 * expected_m.abs();
+            let goes_on_off = std::mem::replace(&mut was_off, is_off);
+            if is_off && !goes_on_off && stays(rows, i, sign) {
                 let allowed_m = NEAR_M + 0.3 * expected_m.abs();
                 // An odometer that goes on where it was has not turned over: a clock was set, or the location stood still.
                 let turned = |turn_m: f64| (read_m - last_read_m).abs() > 0.5 * turn_m;
@@ -85,15 +89,17 @@ fn between(a: &Sample, b: &Sample) -> f64 {
     speeds.sum::<f64>() / count * (b.time_s - a.time_s).clamp(0.0, 3600.0)
 }
 
-/// The locations go on from row `i` as the speed says: it is no spike.
+/// The locations go on from row `i` as the speed says, from row to row and over all of them: it is no spike, and no speed that stands still.
 fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
     let located: Vec<&Sample> = rows[i..].iter().filter(|row| row.location_m.is_some()).take(4).collect();
-    let goes_on = |pair: &[&Sample]| {
-        let (a, b) = (pair[0], pair[1]);
-        let step_m = b.location_m.unwrap_or_default() - a.location_m.unwrap_or_default();
-        (step_m - sign * between(a, b)).abs() < 100.0 + 0.5 * step_m.abs()
-    };
-    located.len() == 4 && located.windows(2).all(goes_on)
+    let steps = located.windows(2).map(|pair| {
+        let step_m = pair[1].location_m.unwrap_or_default() - pair[0].location_m.unwrap_or_default();
+        (step_m, sign * between(pair[0], pair[1]))
+    });
+    let steps: Vec<(f64, f64)> = steps.collect();
+    let agree = |(by_location, by_speed): (f64, f64)| (by_location - by_speed).abs() < 100.0 + 0.5 * by_location.abs();
+    let all = steps.iter().fold((0.0, 0.0), |sum, step| (sum.0 + step.0, sum.1 + step.1));
+    steps.len() == 3 && steps.into_iter().all(agree) && agree(all)
 }
 
 /// Locations far from both neighbours, which agree with each other: left out.
@@ -254,13 +260,24 @@ mod tests {
         assert!(rows.windows(2).all(|pair| pair[1].location_m > pair[0].location_m));
     }
 
+    #[test]
+    fn a_speed_that_stands_still_is_no_location_that_begins_again() {
+        let mut all = rows(|i| 175.0 * i as f64, |i| 5.0 * i as f64);
+        all.iter_mut().for_each(|row| row.speed_mps = Some(35.0));
+        all[20..32].iter_mut().for_each(|row| row.speed_mps = Some(0.0));
+        assert_eq!(joined(all).1, []);
+    }
+
     /// 420 s at 20 m/s are near 10 000 m, of which the odometer did not turn over.
     #[test]
     fn a_clock_that_is_set_forward_is_no_wrap() {
         let time_s = |i| 5.0 * i as f64 + if i > 30 { 470.0 } else { 0.0 };
         let location_m = |i| 34_700_000.0 + 100.0 * i as f64;
         let (rows, findings) = joined(rows(location_m, time_s));
-        assert!(findings.iter().all(|finding| finding.kind != Kind::Wrap && finding.done == Done::Said), "{findings:?}");
+        assert!(
+            findings.iter().all(|finding| finding.kind != Kind::Wrap && finding.done == Done::Said),
+            "{findings:?}"
+        );
         assert_eq!(rows[59].location_m, Some(location_m(59)));
     }
 }

@@ -311,23 +311,21 @@ fn profile(run: &Staged, sign: f64) -> Vec<(i64, f64)> {
     bins.into_iter().collect()
 }
 
-/// A run of the length that most have stays as it is, of several the longest; the others are placed beside those that are placed already. Runs of a length
+/// A run of the length that most have stays as it is, of several the longest, of these the first; the others are placed beside those that are placed already. Runs of a length
 /// of their own come last: two that a short stop did not part, or the readings of another wheel.
 fn shifted(runs: &[Staged], ways: &[FindPlace]) -> Vec<Place> {
     let lengths_m: Vec<f64> = runs.iter().map(Staged::length_m).collect();
     let alike = |length_m: f64| lengths_m.iter().filter(|other| (**other - length_m).abs() < STOP_M).count();
     let mut order: Vec<(usize, usize)> = lengths_m.iter().map(|length_m| alike(*length_m)).enumerate().collect();
-    order.sort_by(|a, b| b.1.cmp(&a.1).then(lengths_m[b.0].total_cmp(&lengths_m[a.0])).then(a.cmp(b)));
+    let steps = |index: usize| (lengths_m[index] / STOP_M).round();
+    order.sort_by(|a, b| b.1.cmp(&a.1).then(steps(b.0).total_cmp(&steps(a.0))).then(a.cmp(b)));
     let order: Vec<usize> = order.into_iter().map(|(index, _)| index).collect();
     let mut places: Vec<Option<Place>> = vec![None; runs.len()];
     let mut known = Known::default();
     let Some(first) = order.first() else { return Vec::new() };
     known.add(&runs[*first], 1.0, 0.0);
-    places[*first] = Some(Place::Shift {
-        sign: 1.0,
-        offset_m: 0.0,
-        how: "the run that the others are shifted to".to_owned(),
-    });
+    places[*first] =
+        Some(Place::Shift { sign: 1.0, offset_m: 0.0, how: "the run that the others are shifted to".to_owned() });
     // Those that cannot be placed at first may be when more of the line is known.
     for _ in 0..3 {
         for index in &order {

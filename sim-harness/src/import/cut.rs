@@ -131,7 +131,7 @@ impl Stretch {
             account.count("single rows between gaps, left out", self.rows.len() as u64);
             return Vec::new();
         }
-        self.in_order(settings.gap_s, account);
+        self.in_order(account);
         self.locate(account);
         self.speeds(account);
         let mut findings = Vec::new();
@@ -147,7 +147,7 @@ impl Stretch {
     }
 
     /// Times go forward: rows that were written out of order are sorted, a clock that was set is put right. Which, the locations say: the shorter path is the true one.
-    fn in_order(&mut self, gap_s: f64, account: &mut Account) {
+    fn in_order(&mut self, account: &mut Account) {
         let back = self.rows.windows(2).filter(|pair| pair[1].time_s < pair[0].time_s).count();
         if back > 0 {
             let mut order: Vec<usize> = (0..self.rows.len()).collect();
@@ -157,13 +157,11 @@ impl Stretch {
                 account.count("steps back of the clock where rows were out of order, sorted", back as u64);
                 self.altitudes_m = order.iter().map(|i| self.altitudes_m[*i]).collect();
                 self.rows = sorted;
-            } else {
-                self.set_clock(account);
             }
         }
-        if self.rows.windows(2).any(|pair| pair[1].time_s - pair[0].time_s > gap_s) {
-            self.set_clock(account);
-        }
+        let mut findings = Vec::new();
+        clock::put_right(&mut self.rows, &mut findings);
+        put_down(&findings, account);
         let (before, mut last_s, mut keep) = (self.rows.len(), f64::NEG_INFINITY, Vec::new());
         for row in &self.rows {
             keep.push(row.time_s > last_s);
@@ -174,12 +172,6 @@ impl Stretch {
         let mut kept = keep.iter();
         self.altitudes_m.retain(|_| kept.next().copied().unwrap_or(true));
         account.count("rows with a time that was there before, left out", (before - self.rows.len()) as u64);
-    }
-
-    fn set_clock(&mut self, account: &mut Account) {
-        let mut findings = Vec::new();
-        clock::put_right(&mut self.rows, &mut findings);
-        put_down(&findings, account);
     }
 
     /// Distances along the fixes, where there is no location.
