@@ -403,6 +403,44 @@ fn an_odometer_beyond_any_line_comes_onto_one_chainage_by_the_stops() {
     }
 }
 
+/// The track says where the first stop is, and which end it is.
+#[test]
+fn an_odometer_comes_onto_the_chainage_of_a_track_by_its_stops() {
+    let back: Vec<f64> = STOPS_M.iter().map(|at| 11_900.0 - at).rev().collect();
+    let runs = [drive(&back, 25.0), drive(&STOPS_M, 30.0)];
+    let rows = runs.iter().enumerate().flat_map(|(run, rows)| {
+        rows.iter().map(move |(t, x, v)| (run as f64 * 5000.0 + t, 2e7 + run as f64 * 11_900.0 + x, *v))
+    });
+    let rows: Vec<_> = rows.collect();
+    let folder = Folder::new();
+    folder.write(
+        "log.csv",
+        &table("Time [s],Odometer [m],Speed [km/h]", &rows, |t, x, v| format!("{t},{x:.0},{:.1}", 3.6 * v)),
+    );
+    let track = |stops: &[f64]| {
+        let stops = stops.iter().map(|at| format!("[[stop]]\nat_m = {:.1}\nname = \"S\"\n", at + 2000.0));
+        format!("name = \"line\"\nlength_m = 20000.0\n{}", stops.collect::<String>())
+    };
+    folder.write("line.toml", &track(&STOPS_M));
+    let said = folder.done(&["import", "log.csv", "--track", "line.toml", "--out", "runs"]);
+    assert!(said.out.contains("chainage: stops (the track has stops"), "{said:?}");
+    for (run, [begin_m, end_m]) in [(1, [13_900.0, 2000.0]), (2, [2000.0, 13_900.0])] {
+        let rows = csv(&folder, &format!("runs/log_0{run}.csv"));
+        near(rows[0][1], begin_m, 5.0);
+        near(last(&rows)[1], end_m, 5.0);
+    }
+    // On their chainage they stay as they are.
+    let again =
+        folder.done(&["import", "runs/log_01.csv", "runs/log_02.csv", "--track", "line.toml", "--out", "again"]);
+    assert!(again.out.contains("2 of 2 runs stop where the track has its stops"), "{again:?}");
+    folder.write("short.toml", &track(&STOPS_M[..2]));
+    let refused = folder.rundown(&["import", "log.csv", "--track", "short.toml", "--out", "none"]);
+    assert!(
+        refused.err.contains("short.toml: stop: expected a centre line, or at least 3 stops, found 2 stops"),
+        "{refused:?}"
+    );
+}
+
 /// A counter that has no reading has all its bits set.
 #[test]
 fn a_reading_beyond_any_line_makes_no_odometer() {

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// How the runs come onto one chainage; found from what is there if not given
     #[arg(long, value_enum)]
     chainage: Option<Method>,
-    /// Track whose centre line gives the chainage of positions
+    /// Track that has the chainage: its centre line for positions, its stops for odometers and locations of each run's own
     #[arg(long, value_name = "K.toml")]
     track: Option<PathBuf>,
     /// Write a track to begin with: length, stations, centre line, gradients

@@ -35,6 +35,16 @@ pub struct Placed {
     pub line: Vec<CentreLinePoint>,
 }
 
+/// What a track says of the line before any run.
+#[derive(Clone, Debug, Default)]
+pub struct Given {
+    pub line: Vec<CentreLinePoint>,
+    /// Where trains stop, m.
+    pub stops_m: Vec<f64>,
+}
+
+/// So many stops tell a place and a direction.
+pub const LEAST_STOPS: usize = 3;
 /// Stops agree within, m: platforms are long, and trains stop anywhere along them.
 const STOP_M: f64 = 80.0;
 /// Offsets that differ by less are the same answer, m.
@@ -50,8 +60,8 @@ const LEAST_LEAD: f64 = 0.1;
 const LEAST_ON_LINE: f64 = 0.8;
 const AS_IT_IS: Place = Place::Shift { sign: 1.0, offset_m: 0.0, how: String::new() };
 
-/// Places runs. `given` is a centre line that is there already.
-pub fn place(runs: &[Staged], wanted: Option<Method>, given: Vec<CentreLinePoint>) -> Placed {
+/// Places runs, on a line of which something is known already.
+pub fn place(runs: &[Staged], wanted: Option<Method>, given: Given) -> Placed {
     match wanted {
         Some(method) => by(method, "asked for".to_owned(), runs, given),
         None => found(runs, given),
@@ -59,25 +69,25 @@ pub fn place(runs: &[Staged], wanted: Option<Method>, given: Vec<CentreLinePoint
 }
 
 /// By the method that the runs call for.
-fn found(runs: &[Staged], given: Vec<CentreLinePoint>) -> Placed {
+fn found(runs: &[Staged], given: Given) -> Placed {
     let (method, why) = decided(runs, &given);
     let counts = if method == Method::AsIs { odometer::counts_on(runs) } else { None };
     let Some(counts) = counts else { return by(method, why, runs, given) };
     // Stops that agree by chance place one run, not most of them; speeds agree by chance more often.
-    let places = shifted(runs, &[Known::by_stops]);
+    let places = shifted(runs, &[Known::by_stops], &given.stops_m);
     let left_out = places.iter().filter(|place| matches!(place, Place::Out(_))).count();
     if 5 * left_out <= runs.len() && runs.len() > 1 {
-        return by(Method::Stops, format!("{counts}; most runs stop at the same places"), runs, Vec::new());
+        return by(Method::Stops, format!("{counts}; most runs stop at the same places"), runs, given);
     }
     by(Method::AsIs, format!("{counts}, and the runs do not stop at the same places"), runs, given)
 }
 
-fn by(method: Method, why: String, runs: &[Staged], given: Vec<CentreLinePoint>) -> Placed {
+fn by(method: Method, why: String, runs: &[Staged], given: Given) -> Placed {
     let (places, line) = match method {
         Method::AsIs => (as_they_are(runs), Vec::new()),
-        Method::Stops => (shifted(runs, &[Known::by_stops, Known::by_speeds]), Vec::new()),
-        Method::Align => (shifted(runs, &[Known::by_speeds]), Vec::new()),
-        Method::Line => on_line(runs, given),
+        Method::Stops => (shifted(runs, &[Known::by_stops, Known::by_speeds], &given.stops_m), Vec::new()),
+        Method::Align => (shifted(runs, &[Known::by_speeds], &[]), Vec::new()),
+        Method::Line => on_line(runs, given.line),
     };
     Placed { method, why, places, line }
 }
@@ -116,14 +126,17 @@ fn within_range(runs: &[Staged], places: &mut [Place]) {
     }
 }
 
-fn decided(runs: &[Staged], given: &[CentreLinePoint]) -> (Method, String) {
+fn decided(runs: &[Staged], given: &Given) -> (Method, String) {
     let with_fixes = runs.iter().filter(|run| run.fixes > 1).count();
     let many_fixes = 10 * with_fixes >= 9 * runs.len();
-    if !given.is_empty() && many_fixes {
+    if !given.line.is_empty() && many_fixes {
         return (Method::Line, "a track with a centre line is given".to_owned());
     }
     if runs.iter().any(|run| run.from_fixes) {
         return (Method::Line, "there are positions and no locations".to_owned());
+    }
+    if given.stops_m.len() >= LEAST_STOPS {
+        return by_stops_of(runs, &given.stops_m);
     }
     // A piece behind a cut goes on where the one before ended; the first of a file or a run says where its locations begin.
     let heads: Vec<&Staged> = runs.iter().filter(|run| run.is_head).collect();
@@ -146,6 +159,17 @@ fn decided(runs: &[Staged], given: &[CentreLinePoint]) -> (Method, String) {
         return (Method::AsIs, format!("{why}, and the trains stop at the same places as they are"));
     }
     (Method::Stops, why)
+}
+
+/// By the stops of a track: as they are where most runs stop there already.
+fn by_stops_of(runs: &[Staged], stops_m: &[f64]) -> (Method, String) {
+    let is_there = |stop: &&f64| stops_m.iter().any(|known| (known - **stop).abs() < STOP_M);
+    let agrees = |own: &Vec<f64>| 2 * own.iter().filter(is_there).count() > own.len();
+    let agree = runs.iter().map(own_stops).filter(agrees).count();
+    if 10 * agree >= 8 * runs.len() {
+        return (Method::AsIs, format!("{agree} of {} runs stop where the track has its stops", runs.len()));
+    }
+    (Method::Stops, "the track has stops, and the runs do not stop there as they are".to_owned())
 }
 
 /// Own locations where a run stands, its ends among them.
@@ -313,7 +337,8 @@ fn profile(run: &Staged, sign: f64) -> Vec<(i64, f64)> {
 
 /// A run of the length that most have stays as it is, of several the longest, of these the first; the others are placed beside those that are placed already. Runs of a length
 /// of their own come last: two that a short stop did not part, or the readings of another wheel.
-fn shifted(runs: &[Staged], ways: &[FindPlace]) -> Vec<Place> {
+/// Where the stops of a track are known, all are placed by these.
+fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Place> {
     let lengths_m: Vec<f64> = runs.iter().map(Staged::length_m).collect();
     let alike = |length_m: f64| lengths_m.iter().filter(|other| (**other - length_m).abs() < STOP_M).count();
     let mut order: Vec<(usize, usize)> = lengths_m.iter().map(|length_m| alike(*length_m)).enumerate().collect();
@@ -321,11 +346,12 @@ fn shifted(runs: &[Staged], ways: &[FindPlace]) -> Vec<Place> {
     order.sort_by(|a, b| b.1.cmp(&a.1).then(steps(b.0).total_cmp(&steps(a.0))).then(a.cmp(b)));
     let order: Vec<usize> = order.into_iter().map(|(index, _)| index).collect();
     let mut places: Vec<Option<Place>> = vec![None; runs.len()];
-    let mut known = Known::default();
-    let Some(first) = order.first() else { return Vec::new() };
-    known.add(&runs[*first], 1.0, 0.0);
-    places[*first] =
-        Some(Place::Shift { sign: 1.0, offset_m: 0.0, how: "the run that the others are shifted to".to_owned() });
+    let mut known = Known { stops: stops_m.to_vec(), ..Known::default() };
+    if let (Some(first), []) = (order.first(), stops_m) {
+        known.add(&runs[*first], 1.0, 0.0);
+        let how = "the run that the others are shifted to".to_owned();
+        places[*first] = Some(Place::Shift { sign: 1.0, offset_m: 0.0, how });
+    }
     // Those that cannot be placed at first may be when more of the line is known.
     for _ in 0..3 {
         for index in &order {
@@ -344,7 +370,12 @@ fn shifted(runs: &[Staged], ways: &[FindPlace]) -> Vec<Place> {
         _ => None,
     });
     let least_m = least.min_by(f64::total_cmp).unwrap_or(0.0);
-    let zero_m = if least_m.abs() > MOST_LOCATION_M { least_m } else { least_m.min(0.0) };
+    // The chainage of a track stays.
+    let zero_m = match stops_m {
+        [] if runs.iter().any(|run| odometer::is_far(run.ends_m)) => least_m,
+        [] => least_m.min(0.0),
+        _ => 0.0,
+    };
     let out = || {
         Place::Out(
             "neither its stops nor its speeds over the location agree with those of the other runs at one place only"

@@ -31,14 +31,14 @@ mod write;
 
 use account::{Account, INVERTED, ROWS, SHIFTED};
 use analysis::Group;
-use chainage::{Place, Placed};
+use chainage::{Given, Place, Placed};
 use cut::{Cutter, Odometer, Stretch};
 use mapping::{Chainage, Mapping};
 use rows::Converter;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::refusal::{Place as FilePlace, ReadError};
-use rundown_files::track_file::{CentreLinePoint, TrackFile};
+use rundown_files::track_file::TrackFile;
 use serde_json::{Value, json};
 use source::Source;
 use source::row::Event;
@@ -131,7 +131,7 @@ impl Order {
         Ok(Self { files, mapping: read, mapping_file: mapping, out, track_out: None, strict: false })
     }
 
-    /// How the runs come onto one chainage, and a track whose centre line gives that of positions; what is not given here stays as the mapping says it.
+    /// How the runs come onto one chainage, and a track whose centre line or stops give it; what is not given here stays as the mapping says it.
     pub fn place_by(&mut self, method: Option<Method>, track: Option<PathBuf>) {
         let said = &mut self.mapping.chainage;
         said.method = method.or(said.method);
@@ -165,7 +165,7 @@ impl Order {
     /// # Errors
     /// Nothing usable came out, or it cannot be written.
     pub fn import(&self) -> Result<Imported, ImportError> {
-        let given = self.given_line()?;
+        let given = self.given()?;
         let (mut groups, errors) = self.groups()?;
         groups.retain(|group| group.question.is_none());
         if groups.is_empty() {
@@ -194,7 +194,7 @@ impl Order {
         &self,
         groups: &[Group],
         mut errors: Vec<ReadError>,
-        given: Vec<CentreLinePoint>,
+        given: Given,
         folder: &Path,
     ) -> Result<(String, Imported), ImportError> {
         let mut account = Account::default();
@@ -232,14 +232,15 @@ impl Order {
         Ok((track, Imported { errors, ..done }))
     }
 
-    fn given_line(&self) -> Result<Vec<CentreLinePoint>, ImportError> {
-        let Some(path) = &self.mapping.chainage.track else { return Ok(Vec::new()) };
+    fn given(&self) -> Result<Given, ImportError> {
+        let Some(path) = &self.mapping.chainage.track else { return Ok(Given::default()) };
         let (track, _) = TrackFile::read(path)?;
-        if track.centre_line.is_empty() {
-            let refusal = FilePlace::of_file(path).refuse("centre_line", "expected at least 2 points, found 0");
-            return Err(ReadError::from(refusal).into());
+        let stops_m: Vec<f64> = track.stop.iter().map(|stop| stop.at_m).collect();
+        if track.centre_line.is_empty() && stops_m.len() < chainage::LEAST_STOPS {
+            let expected = format!("expected a centre line, or at least 3 stops, found {} stops", stops_m.len());
+            return Err(ReadError::from(FilePlace::of_file(path).refuse("stop", expected)).into());
         }
-        Ok(track.centre_line)
+        Ok(Given { line: track.centre_line, stops_m })
     }
 
     fn read(
