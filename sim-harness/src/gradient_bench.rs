@@ -4,7 +4,7 @@
 //! line, seed -> runs of a vehicle off its description -> gradients described right or wrong -> doubt? of which kind?
 //! ```
 //!
-//! Right ones are described to trains that hop and hold speeds, too ([`hopping`]).
+//! Right ones are described to trains that hop and hold speeds, too (`hopping`).
 
 mod hopping;
 
