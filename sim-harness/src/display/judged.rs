@@ -54,6 +54,8 @@ struct Coast {
     at_m: f32,
     first: [f32; 2],
     last_mps: f32,
+    /// When the newest was made, s: a frame that comes again is no further prediction.
+    from_time_s: f64,
     predictions: u32,
 }
 
@@ -91,12 +93,19 @@ impl Judged {
         match &mut self.coast {
             Some(coast) if coast.at_m == target.at_m => {
                 coast.last_mps = speed.value;
-                coast.predictions += 1;
+                coast.predictions += u32::from(coast.from_time_s != ahead.from_time_s);
+                coast.from_time_s = ahead.from_time_s;
             }
             _ => {
                 self.end_coast();
                 let first = [speed.value, speed.sd];
-                self.coast = Some(Coast { at_m: target.at_m, first, last_mps: speed.value, predictions: 1 });
+                self.coast = Some(Coast {
+                    at_m: target.at_m,
+                    first,
+                    last_mps: speed.value,
+                    from_time_s: ahead.from_time_s,
+                    predictions: 1,
+                });
             }
         }
     }
@@ -182,9 +191,9 @@ mod tests {
         }
     }
 
-    fn ahead(at_m: f32, value: f32, sd: f32) -> CoastAhead {
+    fn ahead(from_time_s: f64, at_m: f32, value: f32, sd: f32) -> CoastAhead {
         CoastAhead {
-            from_time_s: 0.0,
+            from_time_s,
             from_location_m: 0.0,
             from_speed_mps: 30.0,
             target: Some(CoastTarget { at_m, limit_mps: None }),
@@ -216,7 +225,10 @@ mod tests {
         let mut judged = Judged::default();
         let mut coast = |predictions: &[(f32, f32)]| {
             judged.estimate(&estimate(Regime::Coast));
-            predictions.iter().for_each(|(mps, sd)| judged.coast_ahead(&ahead(9e3, *mps, *sd)));
+            for (i, (mps, sd)) in predictions.iter().enumerate() {
+                // The board repeats its newest prediction.
+                (0..3).for_each(|_| judged.coast_ahead(&ahead(10.0 * i as f64, 9e3, *mps, *sd)));
+            }
             judged.estimate(&estimate(Regime::Brake));
             judged.coasts
         };
@@ -225,8 +237,8 @@ mod tests {
         let both = coast(&[(20.0, 1.0), (23.0, 0.2)]);
         assert_eq!((both.count, both.within), (2, 1));
         assert!((both.rms_mps - 5_f32.sqrt()).abs() < 1e-6, "{both:?}");
-        judged.coast_ahead(&ahead(9e3, 1.0, 1.0));
-        judged.coast_ahead(&ahead(9e3, 2.0, 1.0));
+        judged.coast_ahead(&ahead(0.0, 9e3, 1.0, 1.0));
+        judged.coast_ahead(&ahead(10.0, 9e3, 2.0, 1.0));
         judged.estimate(&estimate(Regime::Brake));
         assert_eq!(judged.coasts.count, 2, "predictions of a train that does not coast");
     }
