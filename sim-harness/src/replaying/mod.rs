@@ -14,7 +14,7 @@ pub use stream::{CHUNK, StreamError};
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
 use crate::report::page::HISTORY_KMH;
-use crate::report::{Report, RunView, figures, write_report};
+use crate::report::{Report, RunView, Vehicle, figures, write_report};
 use crate::{advice::Advice, output::tables::Tables, output::write_tables};
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::{bounds::ConfigError, sensor::Rounding};
@@ -417,13 +417,14 @@ impl Replayed {
     /// Names of the pictures that [`Replayed::picture`] knows; all but the first two are of a run.
     pub const PICTURES: [&str; 6] = ["resistance", "history", "motion", "terms", "regimes", "innovations"];
 
-    /// A picture of the report as SVG, of the run at `index` where it is of one; none where there is no such picture or run.
+    /// A picture of the report as SVG, of the run at `index` or of the unit that made it; none where there is no such picture or run.
     pub fn picture(&self, name: &str, index: usize) -> Option<String> {
         let report = self.report();
         let run = report.runs.get(index)?;
+        let vehicle = report.vehicles.iter().find(|vehicle| vehicle.unit == run.unit)?;
         let drawing = match name {
-            "resistance" => report.resistance_curve(),
-            "history" => figures::vehicle_history(&report.vehicle, &self.core_train, HISTORY_KMH),
+            "resistance" => report.resistance_curve(Some(vehicle)),
+            "history" => figures::vehicle_history(&vehicle.after, &self.core_train, HISTORY_KMH),
             "motion" => figures::motion(run, &self.core_train),
             "terms" => figures::resistance_terms(run),
             "regimes" => figures::regimes(run),
@@ -444,7 +445,7 @@ impl Replayed {
             has_run_pages: self.run_pages,
             mode: mode_word(self.config.mode),
             features: self.config.features,
-            vehicle: self.runs.iter().map(|run| (run.name.clone(), run.vehicle_after)).collect(),
+            vehicles: Vehicle::of_runs(&self.runs),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A plausible run for the tests of the report, made by hand and replayed: traction, cruise, a final coast with learning, brake, standstill.
 
-use super::{Report, RunView};
+use super::{Report, RunView, Vehicle};
 use rundown::estimator::config::{Config, Mode};
 use rundown::model::train::{Train, TrainDescription};
 use rundown::{
@@ -90,6 +90,7 @@ pub fn report<'a>(runs: &'a [ReplayedRun], train: &'a Train) -> Report<'a> {
         let sd = [4e-4, 1e-5, 5e-7].map(|sd| sd / (1.0 + index as Real).sqrt());
         (run.name.clone(), Gaussian::independent([7.1e-3 + 1e-5 * index as Real, 1.5e-4, 2.7e-5], sd))
     };
+    let of_one = || Vehicle { unit: runs[0].unit.clone(), after: runs.iter().enumerate().map(vehicle).collect() };
     Report {
         title: "Replay".to_owned(),
         train,
@@ -100,7 +101,7 @@ pub fn report<'a>(runs: &'a [ReplayedRun], train: &'a Train) -> Report<'a> {
         has_run_pages: true,
         mode: "gated",
         features: FeatureConfig::default(),
-        vehicle: runs.iter().enumerate().map(vehicle).collect(),
+        vehicles: (!runs.is_empty()).then(of_one).into_iter().collect(),
     }
 }
 

@@ -46,8 +46,42 @@ pub(crate) struct Report<'a> {
     pub mode: &'static str,
     /// Windows and steps of the features, for their labels.
     pub features: FeatureConfig,
-    /// The vehicle's Davis coefficients after each run, with the run's name.
-    pub vehicle: Vec<(String, Gaussian<3>)>,
+    /// Each unit with what is learned of it, in the order of their first runs.
+    pub vehicles: Vec<Vehicle>,
+}
+
+/// A unit, and its Davis coefficients after each of its runs.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Vehicle {
+    /// Empty: not known.
+    pub unit: String,
+    /// Name of the run, and what is believed after it.
+    pub after: Vec<(String, Gaussian<3>)>,
+}
+
+impl Vehicle {
+    /// Of runs in their order.
+    pub fn of_runs(runs: &[ReplayedRun]) -> Vec<Self> {
+        let mut vehicles: Vec<Self> = Vec::new();
+        for run in runs {
+            let after = (run.name.clone(), run.vehicle_after);
+            match vehicles.iter_mut().find(|vehicle| vehicle.unit == run.unit) {
+                Some(vehicle) => vehicle.after.push(after),
+                None => vehicles.push(Self { unit: run.unit.clone(), after: vec![after] }),
+            }
+        }
+        vehicles
+    }
+
+    /// What is believed after its last run.
+    pub fn last(&self) -> Option<&Gaussian<3>> {
+        self.after.last().map(|(_, belief)| belief)
+    }
+
+    /// As a person calls it.
+    pub fn name(&self) -> String {
+        if self.unit.is_empty() { "the unit without a name".to_owned() } else { format!("unit {}", self.unit) }
+    }
 }
 
 /// A replayed run, and what was true of a simulated one.
@@ -111,10 +145,13 @@ impl Report<'_> {
         self.runs.iter().map(RunView::learned).fold(Learned::default(), |all, run| all.and(&run))
     }
 
-    /// r(v) of the vehicle after the last run, as the page has it.
-    pub(crate) fn resistance_curve(&self) -> Drawing {
-        let vehicle = self.vehicle.last().map(|(_, belief)| belief);
-        figures::resistance_curve(vehicle, self.train, self.learned().speeds_mps)
+    /// r(v) of a vehicle after its last run, as the page has it.
+    pub(crate) fn resistance_curve(&self, vehicle: Option<&Vehicle>) -> Drawing {
+        let its =
+            |run: &&RunView<'_>| vehicle.is_none_or(|vehicle| run.unit == vehicle.unit) || self.vehicles.len() == 1;
+        let learned = self.runs.iter().filter(its).map(RunView::learned);
+        let learned = learned.fold(Learned::default(), |all, run| all.and(&run));
+        figures::resistance_curve(vehicle.and_then(Vehicle::last), self.train, learned.speeds_mps)
     }
 }
 

@@ -65,7 +65,7 @@ impl RunPages {
             has_run_pages: true,
             mode: self.mode,
             features: self.features,
-            vehicle: Vec::new(),
+            vehicles: Vec::new(),
         };
         write_run_pages(&self.folder, &report)?;
         self.written += runs.len();

@@ -85,7 +85,7 @@ pub fn write_pages(folder: &Path, bench: &Bench, tuned: &Config) -> Result<(), R
             has_run_pages: true,
             mode: mode_word(tuned.mode),
             features: tuned.features,
-            vehicle: Vec::new(),
+            vehicles: Vec::new(),
         };
         write_run_pages(folder, &report)?;
     }

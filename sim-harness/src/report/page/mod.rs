@@ -7,18 +7,21 @@ mod runs;
 mod tests;
 
 use super::resistance::Resistance;
-use super::{Report, RunView, figures};
+use super::{Report, RunView, Vehicle, figures};
 use maud::{Markup, html};
 use run::{lead, learning_words, run_sections};
 use rundown::{Real, filter::gaussian::Gaussian, model::train::Train, model::units::KmPerHour};
 use rundown_pages::numbers::{counted, duration, number, percent};
 use rundown_pages::run_pages::{self, Neighbours};
-use rundown_pages::shell::{self, Section, column, figure, signed_percent, table};
+use rundown_pages::shell::{self, Section, column, figure, signed_percent, sortable, table};
 use runs::run_table;
 
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
 
 pub(crate) const HISTORY_KMH: Real = 100.0;
+
+/// Units whose curves are drawn; all are in the table.
+const PICTURED: usize = 12;
 
 const KMH: Real = 3.6;
 
@@ -91,14 +94,24 @@ fn summary(report: &Report) -> Markup {
 }
 
 fn verdict(report: &Report) -> Markup {
-    let Some((name, vehicle)) = report.vehicle.last() else {
-        return html! {
-            "There is " strong { "no estimate" } " of the vehicle: no run has ended."
-        };
+    let vehicle = match &report.vehicles[..] {
+        [] => {
+            return html! { "There is " strong { "no estimate" } " of the vehicle: no run has ended." };
+        }
+        [one] => one,
+        several => {
+            return html! {
+                "The runs are of " (several.len()) " units: each has a running resistance of its own, in "
+                a href="#resistance" { "the table below" } "."
+            };
+        }
+    };
+    let Some((name, belief)) = vehicle.after.last() else {
+        return html! { "There is " strong { "no estimate" } " of the vehicle: no run has ended." };
     };
     let at = |speed_kmh: Real| {
         let speed_mps = KmPerHour(speed_kmh).to_mps();
-        let r = Resistance::at(vehicle, speed_mps)?;
+        let r = Resistance::at(belief, speed_mps)?;
         Some((speed_kmh, r, r.against(&report.train.davis(), speed_mps)))
     };
     let Some(found) = SPEEDS_KMH.map(at).into_iter().collect::<Option<Vec<_>>>() else {
@@ -129,7 +142,7 @@ fn verdict(report: &Report) -> Markup {
         _ => format!("The manufacturer's value lies outside the interval at {} km/h only.", outside.join(" and ")),
     };
     html! {
-        "After " @if report.vehicle.len() > 1 { "the last run, " } (name)
+        "After " @if vehicle.after.len() > 1 { "the last run, " } (name)
         ", the running resistance of the vehicle is " (words.join("; ")) ". "
         // In the paper's mode the interval says nothing of the truth.
         @if report.mode != "paper" { (significance) }
@@ -137,22 +150,70 @@ fn verdict(report: &Report) -> Markup {
 }
 
 fn resistance(report: &Report) -> Markup {
-    let vehicle = report.vehicle.last().map(|(_, vehicle)| vehicle);
+    match &report.vehicles[..] {
+        [] => html! { (curve(report, None)) },
+        [one] => of_vehicle(report, one),
+        several => html! {
+            (table_of_units(several, report.train))
+            @if several.len() > PICTURED {
+                p.note {
+                    "Pictures of the first " (PICTURED) " units; those of another: replay its runs alone."
+                }
+            }
+            @for vehicle in several.iter().take(PICTURED) {
+                h3 { (vehicle.name()) }
+                (of_vehicle(report, vehicle))
+            }
+        },
+    }
+}
+
+fn curve(report: &Report, vehicle: Option<&Vehicle>) -> Markup {
+    figure(
+        &report.resistance_curve(vehicle),
+        "Running resistance per rotating mass over speed, after the last run. Beyond the speeds at which it was learned the curve is the Davis equation's.",
+    )
+}
+
+fn of_vehicle(report: &Report, vehicle: &Vehicle) -> Markup {
     html! {
-        @if let Some(vehicle) = vehicle {
-            (resistance_table(vehicle, report.train))
+        @if let Some(belief) = vehicle.last() {
+            (resistance_table(belief, report.train))
         }
-        (figure(
-            &report.resistance_curve(),
-            "Running resistance per rotating mass over speed, after the last run. Beyond the speeds at which it was learned the curve is the Davis equation's."
-        ))
-        @if report.vehicle.len() > 1 {
+        (curve(report, Some(vehicle)))
+        @if vehicle.after.len() > 1 {
             (figure(
-                &figures::vehicle_history(&report.vehicle, report.train, HISTORY_KMH),
+                &figures::vehicle_history(&vehicle.after, report.train, HISTORY_KMH),
                 "Running resistance of the vehicle at 100 km/h as it stood after each run."
             ))
         }
     }
+}
+
+/// A line for each unit.
+fn table_of_units(vehicles: &[Vehicle], train: &Train) -> Markup {
+    let speeds = SPEEDS_KMH.map(|speed_kmh| format!("r({speed_kmh}\u{a0}km/h), 95\u{a0}% interval"));
+    let mut head = vec![column("unit", ""), column("runs", "")];
+    for speed in &speeds {
+        head.push(column(speed, "N/kg"));
+        head.push(column("difference", "of the manufacturer's"));
+    }
+    let rows = html! { @for vehicle in vehicles {
+        tr {
+            th scope="row" { @if vehicle.unit.is_empty() { "no name" } @else { (vehicle.unit) } }
+            td { (vehicle.after.len()) }
+            @for speed_kmh in SPEEDS_KMH {
+                @let speed_mps = KmPerHour(speed_kmh).to_mps();
+                @if let Some(r) = vehicle.last().and_then(|belief| Resistance::at(belief, speed_mps)) {
+                    td { (number(r.mean_n_per_kg, 5)) " (" (number(r.lower(), 5)) " to " (number(r.upper(), 5)) ")" }
+                    td { (signed_percent(r.against(&train.davis(), speed_mps).deviation)) }
+                } @else {
+                    td colspan="2" { "no estimate: not finite" }
+                }
+            }
+        }
+    } };
+    sortable(head, rows)
 }
 
 fn resistance_table(vehicle: &Gaussian<3>, train: &Train) -> Markup {

@@ -129,8 +129,7 @@ fn numbers_that_are_not_finite_leave_gaps() {
     }
     let (_, page) = of(&[run]);
     assert!(page[0].contains("no estimate: no value is finite"));
-    let mut report_of_nan = report(&[], &train()).vehicle;
-    report_of_nan.push(("run01".to_owned(), Gaussian::independent([nan; 3], [1.0; 3])));
+    let after = vec![("run01".to_owned(), Gaussian::independent([nan; 3], [1.0; 3]))];
     let page = html(&Report {
         title: String::new(),
         train: &train(),
@@ -141,10 +140,35 @@ fn numbers_that_are_not_finite_leave_gaps() {
         before: None,
         after: None,
         has_run_pages: true,
-        vehicle: report_of_nan,
+        vehicles: vec![Vehicle { unit: String::new(), after }],
     });
     check(&page);
     assert!(page.contains("left behind is not finite"));
+}
+
+#[test]
+fn each_unit_of_a_fleet_has_its_own_resistance() {
+    let unit = |unit: &str, r0: Real| {
+        let after = vec![("run01".to_owned(), Gaussian::independent([r0, 1.5e-4, 2.7e-5], [4e-4, 1e-5, 5e-7]))];
+        Vehicle { unit: unit.to_owned(), after }
+    };
+    let train = train();
+    let mut report = report(&[], &train);
+    report.vehicles = vec![unit("201", 7e-3), unit("202", 12e-3)];
+    let page = html(&report);
+    check(&page);
+    assert!(page.contains("The runs are of 2 units") && !page.contains("After the last run"));
+    let row =
+        |unit: &str| page.split(&format!(">{unit}</th>")).nth(1).unwrap().split("</tr>").next().unwrap().to_owned();
+    let r = |belief: &Vehicle| {
+        number(Resistance::at(belief.last().unwrap(), KmPerHour(60.0).to_mps()).unwrap().mean_n_per_kg, 5)
+    };
+    for vehicle in &report.vehicles {
+        assert!(row(&vehicle.unit).contains(&format!(">{} (", r(vehicle))), "{}", row(&vehicle.unit));
+        assert!(page.contains(&format!("<h3>unit {}</h3>", vehicle.unit)));
+    }
+    assert_ne!(r(&report.vehicles[0]), r(&report.vehicles[1]));
+    assert_eq!(page.matches("<figure").count(), 2, "a curve for each");
 }
 
 #[test]
