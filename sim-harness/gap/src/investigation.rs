@@ -13,7 +13,7 @@ use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
 use crate::holdout::{journey::Journey, share::Share};
-use crate::levels::{Standout, standouts};
+use crate::levels::{NotCompared, Standout, standouts};
 use crate::named::Named;
 use crate::naming::{confounded::confounded, names::named, on_line::on_line};
 use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
@@ -38,6 +38,8 @@ pub struct Investigation {
     pub candidates: Vec<Named>,
     /// Units, drivers and days that differ from the others beside all that.
     pub standouts: Vec<Standout>,
+    /// Which of these could not be compared with each other.
+    pub not_compared: Vec<NotCompared>,
     /// How well the noise fits; none from too few rows.
     pub whiteness: Option<Whiteness>,
     /// What is wrong with the readings of all runs alike, told or not.
@@ -127,7 +129,7 @@ pub fn investigate(
     let rows = repaired(&context.believed, &named, runs, &findings.rows);
     let (_, p_value_after) = crate::evidence::evidence(context, &rows, &findings.calibrated);
     progress("which unit, driver or day differs");
-    let standouts = standouts(context, &findings.rows, &findings.calibrated, &findings.terms, runs);
+    let (standouts, not_compared) = standouts(context, &findings.rows, &findings.calibrated, &findings.terms, runs);
     let whiteness = Whiteness::of(context, &findings.rows, &findings.calibrated, &findings.terms);
     let held_out = held_out(runs.len(), hold_out, &config.holdout);
     let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
@@ -148,6 +150,7 @@ pub fn investigate(
         named,
         candidates,
         standouts,
+        not_compared,
         whiteness,
         nuisances,
         trained,

@@ -3,7 +3,7 @@
 use crate::answer::{notes::notes, rivals::MEANING, whole::Answer};
 use crate::holdout::journey::{Spread, Summary};
 use crate::holdout::share::Share;
-use crate::levels::Standout;
+use crate::levels::{NotCompared, Standout};
 use crate::named::Named;
 use crate::noise::whiteness::Whiteness;
 use crate::readings::nuisances::Nuisance;
@@ -63,11 +63,21 @@ pub const FIELDS: &[[&str; 4]] = &[
         "as an effect: what fits, but does not repeat, or acts in too few runs; not in the model",
         "there is none",
     ],
+    ["not_compared[].by", "", "what could not be compared with each other: `unit`, `driver`, `day`", ""],
+    ["not_compared[].why", "", "why", ""],
     ["standouts[].by", "", "by what runs are grouped: `unit`, `driver`, `day`", ""],
     ["standouts[].of", "", "the unit, driver or date whose runs differ from the others", ""],
     ["standouts[].runs", "", "its runs", ""],
     ["standouts[].share", "1", "its resistance in coasting beyond that of the others, of the believed", ""],
     ["standouts[].share_sd", "1", "the standard deviation of that", ""],
+    [
+        "standouts[].described",
+        "1",
+        "its resistance in coasting beyond the described one, of that, beside the effects of places",
+        "",
+    ],
+    ["standouts[].other.of", "", "the other one, where there are only two", "without `other`: there are more than two"],
+    ["standouts[].other.described", "1", "its resistance in coasting beyond the described one, of that", ""],
     ["standouts[].p_value", "1", "how often chance makes such a difference somewhere", ""],
     [
         "whiteness.coasting",
@@ -154,6 +164,7 @@ impl Answer {
             "nuisances": found.nuisances.iter().map(Nuisance::json).collect::<Vec<_>>(),
             "effects": self.effects(),
             "candidates": found.candidates.iter().map(|one| one.json()).collect::<Vec<_>>(),
+            "not_compared": found.not_compared.iter().map(NotCompared::json).collect::<Vec<_>>(),
             "standouts": found.standouts.iter().map(Standout::json).collect::<Vec<_>>(),
             "whiteness": found.whiteness.as_ref().map(Whiteness::json),
             "gap": self.gap(),

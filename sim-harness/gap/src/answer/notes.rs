@@ -8,7 +8,7 @@ use crate::candidates;
 use crate::data::load::about_gradients;
 use crate::findings::Findings;
 use crate::investigation::Investigation;
-use crate::levels::Standout;
+use crate::levels::{NotCompared, Standout};
 use crate::named::Named;
 use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
@@ -61,6 +61,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
         )
     }));
     notes.extend(found.standouts.iter().map(Standout::sentence));
+    notes.extend(found.not_compared.iter().map(NotCompared::sentence));
     notes.extend(contradiction(found, answer.config.evidence.significant));
     notes.extend(about_gradients(&input.track_file).map(str::to_owned));
     if input.left_out > 0 {

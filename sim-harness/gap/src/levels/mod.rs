@@ -2,9 +2,9 @@
 //!
 //! In: the coasting rows beside the model that was found. Each run says by which share of the believed r(v) it has more resistance (a probe, see `chance.rs`); the
 //! runs of one unit are compared with those of the others, in standard deviations. It was looked for among all units, so it must exceed the largest
-//! difference of its kind that exchanged labels make: those of units and drivers between runs of one day and direction, or of whole days where each day has one
-//! unit, because the runs of a day share their weather; those of days between runs of one direction. (Permutation test.) Runs that are all of one driver and of
-//! one unit differ by both names.
+//! difference of its kind that exchanged labels make (`exchange.rs`; permutation test). Runs that are all of one driver and of one unit differ by both names.
+
+mod exchange;
 
 use crate::candidate::Fitted;
 use crate::chance::{Ground, OfRun, beyond_noise, probability};
@@ -12,10 +12,9 @@ use crate::config::GapConfig;
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::noise::{calibrate::Calibrated, habits::regime};
 use crate::trials::column;
+use exchange::Exchange;
 use rand::SeedableRng;
-use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
-use rundown::model::direction::Direction;
 use rundown_check::agreement::Figure;
 use rundown_files::effect_file::date_of;
 use rundown_pages::numbers::counted;
@@ -44,6 +43,10 @@ pub struct Standout {
     pub runs: usize,
     /// Resistance beyond that of the other runs, as a share of the believed.
     pub share: Figure,
+    /// Resistance beyond the believed one itself, as a share of it; beside the effects of places.
+    pub described: f64,
+    /// The other one, where there are only two, with its resistance beyond the believed one.
+    pub other: Option<(String, f64)>,
     /// Probability of such a difference, or a larger one, somewhere among these levels, if none differs.
     pub p_value: f64,
 }
@@ -73,14 +76,21 @@ impl Level {
 impl Standout {
     /// For a person.
     pub fn sentence(&self) -> String {
-        let Self { level, of, share: Figure { value, sd }, .. } = self;
-        let more = if *value < 0.0 { "less" } else { "more" };
+        let Self { level, of, share: Figure { value, sd }, described, other, .. } = self;
+        let name = level.name();
+        let than = other.as_ref().map_or("the others".to_owned(), |(other, _)| format!("those of {name} {other}"));
+        let against = match other {
+            Some((other, others)) => {
+                format!("{of} has {}, {other} {}", amount(*described), amount(*others))
+            }
+            None => format!("they have {}", amount(*described)),
+        };
         format!(
-            "The {} of {} {of} have {:.1} \u{b1} {:.1} % {more} resistance in coasting than the others, beside the effects above (p-value {:.3}): no law of its own is known for that.",
+            "The {} of {name} {of} have {:.1} \u{b1} {:.1} % {} resistance in coasting than {than}, beside the effects above (p-value {:.3}). Against the description {against}: no law of its own is known for that.",
             counted(self.runs, "run", "runs"),
-            level.name(),
             100.0 * value.abs(),
             196.0 * sd,
+            comparative(*value),
             self.p_value
         )
     }
@@ -93,25 +103,57 @@ impl Standout {
             "runs": self.runs,
             "share": self.share.value,
             "share_sd": self.share.sd,
+            "described": self.described,
+            "other": self.other.as_ref().map(|(of, described)| json!({"of": of, "described": described})),
             "p_value": self.p_value,
         })
     }
 }
 
-/// What a run says, and which way it went.
+fn comparative(share: f64) -> &'static str {
+    if share < 0.0 { "less" } else { "more" }
+}
+
+fn amount(share: f64) -> String {
+    format!("{:.1} % {}", 100.0 * share.abs(), comparative(share))
+}
+
+/// Several units, drivers or days that cannot be compared with each other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NotCompared {
+    /// What they are.
+    pub level: Level,
+    /// Why.
+    pub why: String,
+}
+
+impl NotCompared {
+    /// For a person.
+    pub fn sentence(&self) -> String {
+        format!("Whether one {} has more resistance than the others is not known: {}.", self.level.name(), self.why)
+    }
+
+    /// As in `gap.json`.
+    pub fn json(&self) -> Value {
+        json!({"by": self.level.name(), "why": self.why})
+    }
+}
+
+/// What a run says: in comparison with the others, and with the description.
 struct One<'a> {
     of_run: OfRun,
+    described: OfRun,
     run: &'a Run,
 }
 
-/// Groups that differ from the others by more than chance, the surest first.
+/// Groups that differ from the others by more than chance, the surest first, and what could not be compared.
 pub fn standouts(
     context: &Context<'_>,
     rows: &[Row],
     calibrated: &Calibrated,
     model: &[Fitted],
     runs: &[Run],
-) -> Vec<Standout> {
+) -> (Vec<Standout>, Vec<NotCompared>) {
     let evidence = &context.config.evidence;
     let of_rows = || rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| &runs[rows[0].interval.run]);
     let may_differ = |level: &Level| {
@@ -120,54 +162,63 @@ pub fn standouts(
     };
     // Of one unit, and days of a run or two each, nothing is to be compared.
     if !Level::ALL.iter().any(may_differ) {
-        return Vec::new();
+        return Default::default();
     }
     let ground = Ground::of_terms(context, rows, calibrated);
-    let columns: Vec<Vec<f64>> = model.iter().map(|fitted| column(context, rows, fitted)).collect();
+    let of_terms = |terms: &mut dyn Iterator<Item = &Fitted>| {
+        let columns: Vec<Vec<f64>> = terms.map(|fitted| column(context, rows, fitted)).collect();
+        ground.beside(&columns)
+    };
     let davis = context.believed.train().davis();
     let believed = |row: &Row| row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps));
     let coasting = |row: &Row| if regime(row, evidence) == 0 { believed(row) } else { 0.0 };
     let believed: Vec<f64> = rows.iter().map(coasting).collect();
-    let Some(base) = ground.beside(&columns) else {
-        return Vec::new();
+    // Of places the description is compared by others; what is the same all along the line stays in the comparison with it.
+    let bases = (of_terms(&mut model.iter()), of_terms(&mut model.iter().filter(|fitted| fitted.term.by_place())));
+    let (Some(base), Some(places)) = bases else {
+        return Default::default();
     };
-    let of_runs = ground.of_runs(&base, &believed);
-    let all = of_runs.iter().zip(of_rows()).map(|(of_run, run)| One { of_run: *of_run, run });
+    let [of_runs, described] = [base, places].map(|base| ground.of_runs(&base, &believed));
+    let all = of_runs.iter().zip(&described).zip(of_rows());
+    let all = all.map(|((of_run, described), run)| One { of_run: *of_run, described: *described, run });
     let all: Vec<One<'_>> = all.filter(|one| one.of_run.information > 0.0).collect();
-    let tried: Vec<(Level, Vec<Labelled<'_>>)> = Level::ALL
-        .iter()
-        .map(|level| (*level, labelled(*level, &all)))
-        .filter(|(_, all)| groups(all.iter().map(|one| one.label.as_str()), evidence.least_runs).len() > 1)
-        .collect();
-    let mut found: Vec<Standout> =
-        tried.iter().flat_map(|(level, all)| of_level(*level, all, tried.len(), context.config)).collect();
+    let (mut found, mut not_compared) = (Vec::new(), Vec::new());
+    let mut tried = Vec::new();
+    let least = context.config.certainty.chance / Level::ALL.len() as f64;
+    for level in Level::ALL {
+        let all = labelled(level, &all);
+        if groups(all.iter().map(|one| one.label.as_str()), evidence.least_runs).len() > 1 {
+            match Exchange::of(level, &all, least) {
+                Ok(exchange) => tried.push((level, all, exchange)),
+                Err(why) => not_compared.push(NotCompared { level, why }),
+            }
+        }
+    }
+    for (level, all, exchange) in &tried {
+        found.extend(of_level(*level, all, exchange, tried.len(), context.config));
+    }
     found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
-    found
+    (found, not_compared)
 }
 
 /// A run with its label at a level.
 #[derive(Clone)]
 struct Labelled<'a> {
     of_run: OfRun,
+    described: OfRun,
     label: String,
-    /// Runs whose labels may be exchanged: those of one direction, and where days are known and cross the labels, of one day.
-    block: (bool, Option<i64>),
     run: &'a Run,
 }
 
 /// Runs that have a label.
 fn labelled<'a>(level: Level, all: &[One<'a>]) -> Vec<Labelled<'a>> {
-    let one = |one: &One<'a>| {
-        let is_up = one.run.direction == Direction::Up;
-        Labelled { of_run: one.of_run, label: level.of(one.run), block: (is_up, None), run: one.run }
+    let one = |one: &One<'a>| Labelled {
+        of_run: one.of_run,
+        described: one.described,
+        label: level.of(one.run),
+        run: one.run,
     };
-    let mut all: Vec<Labelled<'a>> = all.iter().map(one).filter(|one| !one.label.is_empty()).collect();
-    // What the runs of a day share, weather and load, is no matter of who drove them, nor of the unit.
-    let day = |one: &Labelled<'_>| one.run.day.map(|day| day.floor() as i64);
-    if level != Level::Day && all.iter().all(|one| day(one).is_some()) {
-        all.iter_mut().for_each(|one| one.block.1 = day(one));
-    }
-    all
+    all.iter().map(one).filter(|one| !one.label.is_empty()).collect()
 }
 
 /// Labels of enough runs, where the others are enough, too.
@@ -179,7 +230,13 @@ fn groups<'a>(labels: impl Iterator<Item = &'a str>, least: usize) -> BTreeSet<&
 }
 
 /// `tried`: so many levels were looked at.
-fn of_level(level: Level, all: &[Labelled<'_>], tried: usize, config: &GapConfig) -> Vec<Standout> {
+fn of_level(
+    level: Level,
+    all: &[Labelled<'_>],
+    exchange: &Exchange,
+    tried: usize,
+    config: &GapConfig,
+) -> Vec<Standout> {
     let groups = groups(all.iter().map(|one| one.label.as_str()), config.evidence.least_runs);
     // As all runs scatter: labels that are exchanged change nothing of it.
     let [excess, growth] = beyond_noise(all.iter().map(|one| one.of_run), None);
@@ -193,7 +250,7 @@ fn of_level(level: Level, all: &[Labelled<'_>], tried: usize, config: &GapConfig
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let largest = |sizes: Vec<f64>| sizes.into_iter().fold(0.0, f64::max);
     let draws: Vec<f64> =
-        (0..config.evidence.flips).map(|_| largest(sizes(&exchanged(&labels, all, &mut rng)))).collect();
+        (0..config.evidence.flips).map(|_| largest(sizes(&exchange.draw(&labels, &mut rng)))).collect();
     let of_group = |(group, size): (&&str, &f64)| {
         let reached = draws.iter().filter(|draw| *draw >= size).count();
         let p_value = (tried as f64 * probability(reached, draws.len())).min(1.0);
@@ -203,11 +260,18 @@ fn of_level(level: Level, all: &[Labelled<'_>], tried: usize, config: &GapConfig
             beyond_noise(those.map(|one| one.of_run), None)
         };
         let [[a, of_a], [b, of_b]] = [is_in(true), is_in(false)];
+        let other = groups.iter().find(|other| *other != group).filter(|_| groups.len() == 2);
+        let [own, others] = [Some(group), other].map(|of| {
+            let those = || all.iter().filter(move |one| Some(&one.label.as_str()) == of).map(|one| one.described);
+            those().map(|run| run.score).sum::<f64>() / those().map(|run| run.information).sum::<f64>()
+        });
         Standout {
             level,
             of: (*group).to_owned(),
             runs: labels.iter().filter(|label| *label == group).count(),
             share: difference(&labels, group, all, ((a + b) / (of_a + of_b)).max(0.0)),
+            described: own,
+            other: other.map(|other| ((*other).to_owned(), others)),
             p_value,
         }
     };
@@ -229,37 +293,6 @@ fn difference(labels: &[&str], group: &str, all: &[Labelled<'_>], between: f64) 
     Figure { value: score / information - others / of_others, sd: (1.0 / information + 1.0 / of_others).sqrt() }
 }
 
-/// Labels exchanged within blocks; where each day has one label, as of units that run on their own days, those of whole days with runs in the same directions.
-fn exchanged<'a>(labels: &[&'a str], all: &[Labelled<'_>], rng: &mut ChaCha8Rng) -> Vec<&'a str> {
-    let mut labels = labels.to_vec();
-    let mut days: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-    let known = all.iter().enumerate().filter_map(|(i, one)| Some((i, one.block.1?)));
-    known.for_each(|(i, day)| days.entry(day).or_default().push(i));
-    if !days.is_empty() && days.values().all(|day| day.iter().all(|i| labels[*i] == labels[day[0]])) {
-        let mut alike: BTreeMap<[bool; 2], Vec<&Vec<usize>>> = BTreeMap::new();
-        for day in days.values() {
-            let goes = |up: bool| day.iter().any(|i| all[*i].block.0 == up);
-            alike.entry([goes(true), goes(false)]).or_default().push(day);
-        }
-        for days in alike.values() {
-            let mut of_days: Vec<&str> = days.iter().map(|day| labels[day[0]]).collect();
-            of_days.shuffle(rng);
-            for (day, label) in days.iter().zip(of_days) {
-                day.iter().for_each(|i| labels[*i] = label);
-            }
-        }
-        return labels;
-    }
-    let mut blocks: BTreeMap<(bool, Option<i64>), Vec<usize>> = BTreeMap::new();
-    all.iter().enumerate().for_each(|(i, one)| blocks.entry(one.block).or_default().push(i));
-    for block in blocks.values() {
-        let mut those: Vec<&str> = block.iter().map(|i| labels[*i]).collect();
-        those.shuffle(rng);
-        block.iter().zip(those).for_each(|(i, label)| labels[*i] = label);
-    }
-    labels
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -269,6 +302,7 @@ mod tests {
     use crate::data::runs::Recorded;
     use crate::noise::whitening::Noise;
     use rand_distr::{Distribution, StandardNormal};
+    use rundown::model::direction::Direction;
     use rundown::model::effects::EffectKind;
 
     const RUNS: usize = 40;
@@ -278,6 +312,8 @@ mod tests {
     struct Fleet {
         /// Which unit a run is of.
         unit: fn(usize) -> usize,
+        /// How many runs a day has, in turn up and down.
+        runs_a_day: usize,
         /// How much more of r(v) a run has.
         more: fn(usize) -> f64,
         /// Scatter between days, a share of r(v).
@@ -286,15 +322,19 @@ mod tests {
         slower_mps: f64,
     }
 
-    const FLEET: Fleet = Fleet { unit: |run| run % 5, more: |_| 0.0, day_sd: 0.0, slower_mps: 0.0 };
+    const FLEET: Fleet = Fleet { unit: |run| run % 5, runs_a_day: 5, more: |_| 0.0, day_sd: 0.0, slower_mps: 0.0 };
 
     impl Fleet {
         fn found(&self, seed: u64) -> Vec<Standout> {
+            self.compared(seed).0
+        }
+
+        fn compared(&self, seed: u64) -> (Vec<Standout>, Vec<NotCompared>) {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let run = |run: usize| Run {
                 name: run.to_string(),
                 direction: [Direction::Up, Direction::Down][run % 2],
-                day: Some((run / 5) as f64 + 0.3),
+                day: Some((run / self.runs_a_day) as f64 + 0.3),
                 samples: Vec::new(),
                 recorded: Recorded {
                     unit: format!("u{}", (self.unit)(run)),
@@ -307,11 +347,11 @@ mod tests {
             on_a_level_line(RUNS, |context| {
                 let davis = context.believed.train().davis();
                 let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-                let days: Vec<f64> = (0..RUNS / 5).map(|_| self.day_sd * normal()).collect();
+                let days: Vec<f64> = (0..RUNS / self.runs_a_day).map(|_| self.day_sd * normal()).collect();
                 let wrong_r0 = if self.slower_mps > 0.0 { 2e-3 } else { 0.0 };
                 let mut rows = Vec::new();
                 for (index, run) in runs.iter().enumerate() {
-                    let share = (self.more)(index) + 0.03 * normal() + days[index / 5];
+                    let share = (self.more)(index) + 0.03 * normal() + days[index / self.runs_a_day];
                     let slower_mps = if (self.unit)(index) == 3 { self.slower_mps } else { 0.0 };
                     for i in 0..ROWS {
                         let speed_mps = 40.0 - 0.5 * i as f64 - slower_mps;
@@ -375,6 +415,40 @@ mod tests {
         assert_eq!(drivers, ["Bo"], "{found:?}");
     }
 
+    /// Units 0 and 1 each make a run a day, one up and one down, in turn.
+    const IN_TURN: Fleet = Fleet { unit: |run| (run + run / 2) % 2, runs_a_day: 2, ..FLEET };
+
+    #[test]
+    fn two_units_that_never_go_the_same_way_on_a_day_are_compared() {
+        let more: fn(usize) -> f64 = |run| if (run + run / 2) % 2 == 1 { -0.1 } else { 0.0 };
+        for seed in 0..5 {
+            let (found, not_compared) = Fleet { more, day_sd: 0.05, ..IN_TURN }.compared(seed);
+            assert_eq!(not_compared, []);
+            let one = found.iter().find(|one| one.level == Level::Unit).expect("units that differ by a tenth");
+            // Of two it is said of the one that has more, though the other is the one that is not as described.
+            assert_eq!(one.of, "u0");
+            let (other, others) = one.other.as_ref().expect("the other one");
+            assert_eq!(other, "u1");
+            assert!((one.share.value - 0.1).abs() < 0.04, "{one:?}");
+            assert!(one.described.abs() < 0.06 && (others + 0.1).abs() < 0.06, "{one:?}");
+            assert!(one.sentence().contains("than those of unit u1"), "{}", one.sentence());
+        }
+    }
+
+    #[test]
+    fn units_that_each_go_in_one_direction_are_not_compared_and_it_is_said() {
+        let unit: fn(usize) -> usize = |run| run % 2;
+        let (found, not_compared) = Fleet { unit, more: |run| 0.1 * (run % 2) as f64, ..IN_TURN }.compared(0);
+        assert!(found.iter().all(|one| one.level != Level::Unit), "{found:?}");
+        let [one] = &not_compared[..] else {
+            panic!("expected the units, found {not_compared:?}");
+        };
+        assert_eq!(
+            one.sentence(),
+            "Whether one unit has more resistance than the others is not known: each unit went in one direction only, so a unit that differs is not told from a direction that does."
+        );
+    }
+
     /// Of 60 sets.
     fn false_ones(fleet: &Fleet) -> usize {
         let of_units = |found: Vec<Standout>| found.iter().any(|one| one.level != Level::Day);
@@ -391,9 +465,11 @@ mod tests {
 
     #[test]
     fn windy_days_make_no_unit_that_differs() {
-        // Each day has all units, or one of four.
-        for unit in [|run: usize| run % 5, |run: usize| run / 5 % 4] {
-            let sets = false_ones(&Fleet { unit, day_sd: 0.05, ..FLEET });
+        // Each day has all units, or one of four, or each of two in a direction of its own.
+        let of_one_direction_a_day = Fleet { day_sd: 0.05, ..IN_TURN };
+        let units = [|run: usize| run % 5, |run: usize| run / 5 % 4];
+        for fleet in units.map(|unit| Fleet { unit, day_sd: 0.05, ..FLEET }).iter().chain([&of_one_direction_a_day]) {
+            let sets = false_ones(fleet);
             println!("{sets} of 60");
             assert!(sets <= 6, "{sets} of 60");
         }
