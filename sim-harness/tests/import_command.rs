@@ -403,6 +403,32 @@ fn an_odometer_beyond_any_line_comes_onto_one_chainage_by_the_stops() {
     }
 }
 
+/// Each has one of its own; they overlap by chance.
+#[test]
+fn odometers_of_several_units_are_recognised_unit_by_unit() {
+    let back: Vec<f64> = STOPS_M.iter().map(|at| 11_900.0 - at).rev().collect();
+    let runs = [drive(&STOPS_M, 30.0), drive(&back, 25.0), drive(&STOPS_M, 28.0)];
+    let folder = Folder::new();
+    for (unit, from_m) in [("201", 410_000.0), ("202", 403_300.0)] {
+        for (run, rows) in runs.iter().enumerate() {
+            let text = table("Zeit [s],Strecken-km,v-Ist [km/h],Fahrzeug", rows, |t, x, v| {
+                format!("{t},{:.3},{:.1},{unit}", (from_m + run as f64 * 11_900.0 + x) / 1000.0, 3.6 * v)
+            });
+            folder.write(&format!("u{unit}_0{}.csv", run + 1), &text);
+        }
+    }
+    let logs = ["u201_01.csv", "u201_02.csv", "u201_03.csv", "u202_01.csv", "u202_02.csv", "u202_03.csv"];
+    let said = folder.done(&[&["import"], &logs[..], &["--out", "runs"]].concat());
+    assert!(
+        said.out.contains("no two runs of a unit overlap: an odometer; most runs stop at the same places"),
+        "{said:?}"
+    );
+    let begins = |name: &str| csv(&folder, &format!("runs/{name}_01.csv"))[0][1];
+    near(begins("u201_01"), begins("u202_01"), 5.0);
+    near(begins("u201_02"), begins("u202_02"), 5.0);
+    near((begins("u201_01") - begins("u201_02")).abs(), 11_900.0, 10.0);
+}
+
 /// The track says where the first stop is, and which end it is.
 #[test]
 fn an_odometer_comes_onto_the_chainage_of_a_track_by_its_stops() {

@@ -33,12 +33,23 @@ enum Speeds {
 }
 
 impl Replay {
-    /// The run of this name; the last one without a name.
-    fn index(&self, run: Option<&str>) -> PyResult<usize> {
-        let runs = &self.replayed.runs;
-        let Some(name) = run else { return Ok(runs.len() - 1) };
+    /// The run of this name.
+    fn named(&self, name: &str) -> PyResult<usize> {
         let unknown = || refused(format!("run: expected the name of a run that was replayed, found {name:?}"));
-        runs.iter().position(|run| run.name == name).ok_or_else(unknown)
+        self.replayed.runs.iter().position(|run| run.name == name).ok_or_else(unknown)
+    }
+
+    /// The run of this name, or the last one of each unit; of all units without a name.
+    fn chosen(&self, run: Option<&str>, unit: Option<&str>) -> PyResult<Vec<usize>> {
+        let last_of = |unit: &str| self.replayed.runs.iter().rposition(|run| run.unit == unit);
+        match (run, unit) {
+            (Some(_), Some(_)) => Err(refused("run, unit: expected one of them, found both")),
+            (Some(name), None) => Ok(vec![self.named(name)?]),
+            (None, Some(unit)) => last_of(unit)
+                .map(|index| vec![index])
+                .ok_or_else(|| refused(format!("unit: expected one of {}, found {unit:?}", self.units().join(", ")))),
+            (None, None) => Ok(self.units().into_iter().filter_map(last_of).collect()),
+        }
     }
 
     /// The table of each run, with the run's name in the first column.
@@ -48,20 +59,12 @@ impl Replay {
         table: impl Fn(&ReplayedRun) -> (Vec<Column<R>>, Vec<R>),
     ) -> PyResult<Table> {
         let runs = match run {
-            Some(_) => std::slice::from_ref(&self.replayed.runs[self.index(run)?]),
+            Some(name) => std::slice::from_ref(&self.replayed.runs[self.named(name)?]),
             None => &self.replayed.runs[..],
         };
         let named = |run: &ReplayedRun| -> Filled {
             let (columns, rows) = table(run);
-            let about = About {
-                name: "run".to_owned(),
-                kind: Kind::Text,
-                unit: "",
-                meaning: "name of the run".to_owned(),
-                empty: "",
-            };
-            let names = (about, vec![Cell::from(run.name.as_str()); rows.len()]);
-            std::iter::once(names).chain(filled(columns, rows)).collect()
+            with_text("run", "name of the run", &run.name, filled(columns, rows))
         };
         Table::of_parts(runs.iter().map(named).collect())
     }
@@ -88,12 +91,31 @@ impl Replay {
     }
 }
 
+/// The same text in all rows of a first column.
+fn with_text(name: &str, meaning: &str, text: &str, filled: Filled) -> Filled {
+    let about = About { name: name.to_owned(), kind: Kind::Text, unit: "", meaning: meaning.to_owned(), empty: "" };
+    let rows = filled.first().map_or(0, |(_, cells)| cells.len());
+    std::iter::once((about, vec![Cell::from(text); rows])).chain(filled).collect()
+}
+
 #[pymethods]
 impl Replay {
     /// Names of the runs in their order.
     #[getter]
     fn runs(&self) -> Vec<&str> {
         self.replayed.runs.iter().map(|run| run.name.as_str()).collect()
+    }
+
+    /// Names of the units that made the runs, each once; an empty text where a log names none.
+    #[getter]
+    fn units(&self) -> Vec<&str> {
+        let mut units: Vec<&str> = Vec::new();
+        for run in &self.replayed.runs {
+            if !units.contains(&run.unit.as_str()) {
+                units.push(&run.unit);
+            }
+        }
+        units
     }
 
     /// Logs that could not be used, with the reason.
@@ -149,9 +171,18 @@ impl Replay {
     /// Running resistance at a speed or several, m/s, with its 95 % interval: a row for each.
     ///
     /// `of`: "vehicle" after the run, "run" for the train of that run alone, with wind and load of the day, or "before" for the vehicle before the run.
-    /// Without `run` it is the last one. Beyond the speeds of the runs r(v) is extrapolated; far beyond a warning says so.
-    #[pyo3(signature = (speeds_mps, run=None, *, of="vehicle"))]
-    fn resistance(&self, py: Python<'_>, speeds_mps: Speeds, run: Option<&str>, of: &str) -> PyResult<Table> {
+    /// Without `run` it is the last one of the `unit`, or of each unit: of several units the first column is `unit`.
+    /// Beyond the speeds of the runs r(v) is extrapolated; far beyond a warning says so.
+    #[pyo3(signature = (speeds_mps, run=None, *, unit=None, of="vehicle"))]
+    fn resistance(
+        &self,
+        py: Python<'_>,
+        speeds_mps: Speeds,
+        run: Option<&str>,
+        unit: Option<&str>,
+        of: &str,
+    ) -> PyResult<Table> {
+        let chosen = self.chosen(run, unit)?;
         let speeds_mps = match speeds_mps {
             Speeds::One(speed_mps) => vec![speed_mps],
             Speeds::Several(speeds_mps) => speeds_mps,
@@ -167,16 +198,24 @@ impl Replay {
             );
             warn(py, &[warning])?;
         }
-        let belief = self.belief(&self.replayed.runs[self.index(run)?], of)?;
-        Table::of(resistance::table(&belief, &speeds_mps))
+        let table = |index: &usize| -> PyResult<Filled> {
+            let run = &self.replayed.runs[*index];
+            let table = resistance::table(&self.belief(run, of)?, &speeds_mps);
+            Ok(if chosen.len() > 1 { with_text("unit", "the unit that it is of", &run.unit, table) } else { table })
+        };
+        Table::of_parts(chosen.iter().map(table).collect::<PyResult<_>>()?)
     }
 
     /// A picture of the report: `resistance` over speed with its band, its `history` over the runs; of a run `motion`, `terms`, `regimes`,
-    /// `innovations`.
-    #[pyo3(signature = (what="resistance", run=None))]
-    fn plot(&self, what: &str, run: Option<&str>) -> PyResult<Figure> {
+    /// `innovations`. Without `run` it is the last one, of the `unit` where there are several.
+    #[pyo3(signature = (what="resistance", run=None, *, unit=None))]
+    fn plot(&self, what: &str, run: Option<&str>, unit: Option<&str>) -> PyResult<Figure> {
         let known = Replayed::PICTURES.map(|name| (name, name));
-        let (name, index) = (paths::chosen("what", what, &known)?, self.index(run)?);
+        let name = paths::chosen("what", what, &known)?;
+        let [index] = self.chosen(run, unit)?[..] else {
+            let units = self.units().join(", ");
+            return Err(refused(format!("unit: expected one of {units}: a picture is of one unit, or of one run")));
+        };
         let svg = self.replayed.picture(name, index);
         svg.as_deref().map(Figure::of).ok_or_else(|| refused(format!("{name}: there is nothing to be drawn")))
     }

@@ -193,3 +193,27 @@ def test_tables_are_frames_and_dictionaries(made, table):
     pandas = pytest.importorskip("pandas")
     assert isinstance(learned.parameters.to_pandas(), pandas.DataFrame)
     assert learned.to_dict() == json.loads(learned.to_json())
+
+
+def test_each_unit_has_its_own_resistance(made, table):
+    of_run = table["run"].to_pylist()
+    units = pyarrow.array(["202" if run == "run002" else "201" for run in of_run])
+    at = table.column_names.index("unit") if "unit" in table.column_names else None
+    of_units = table.append_column("unit", units) if at is None else table.set_column(at, "unit", units)
+    learned = rundown.replay(of_units, train=made.train, track=made.track)
+    assert learned.units == ["201", "202"]
+    both = learned.resistance([20.0, 30.0])
+    assert both["unit"] == ["201", "201", "202", "202"]
+    for first, unit, last in [(0, "201", "run003"), (2, "202", "run002")]:
+        own = learned.resistance([20.0, 30.0], unit=unit)
+        assert own["resistance_n_per_kg"] == both["resistance_n_per_kg"][first : first + 2]
+        assert own["resistance_n_per_kg"] == learned.resistance([20.0, 30.0], last)["resistance_n_per_kg"]
+        assert "unit" not in own.column_names
+    assert both["resistance_n_per_kg"][0] != both["resistance_n_per_kg"][2]
+    with pytest.raises(rundown.RundownError, match="unit: expected one of 201, 202, found '?\"?203"):
+        learned.resistance(20.0, unit="203")
+    with pytest.raises(rundown.RundownError, match="run, unit: expected one of them, found both"):
+        learned.resistance(20.0, "run002", unit="202")
+    with pytest.raises(rundown.RundownError, match="unit: expected one of 201, 202: a picture is of one unit"):
+        learned.plot()
+    assert learned.plot(unit="201").svg != learned.plot(unit="202").svg

@@ -55,7 +55,9 @@ impl Meaning {
                  track km|weg|wegstrecke|strecke|streckenkilometer|kilometrierung|fahrweg|wegmesser|\
                  kilometerstand|ort|pk|point kilometrique|odometre|distance parcourue|distancia|\
                  punto kilometrico|odometro|posicion|ubicacion|distanza|progressiva|posizione|chilometrica|\
-                 progressiva chilometrica|s|x|km|dist|distance travelled|distance traveled|travelled distance"
+                 progressiva chilometrica|s|x|km|dist|distance travelled|distance traveled|travelled distance|\
+                 strecken|strecken km|strecken kilometer|bahn km|bahnkilometer|km stand|kilometer|kilometre|\
+                 kilometros|chilometri|line kilometre|line kilometer"
             }
             Self::Speed => {
                 "speed|velocity|v|geschwindigkeit|v ist|ist geschwindigkeit|fahrgeschwindigkeit|tempo kmh|\
@@ -77,7 +79,8 @@ impl Meaning {
             Self::Effort => {
                 "effort|tractive effort|traction force|force|zugkraft|zugkraft bremskraft|kraft|\
                  effort de traction|effort traction|esfuerzo|esfuerzo de traccion|sforzo|sforzo di trazione|\
-                 applied effort"
+                 applied effort|zugkraft masse|zugkraft je masse|zugkraft pro masse|spezifische zugkraft|\
+                 effort mass|force mass|specific effort|specific tractive effort|effort masse"
             }
             Self::Temperature => {
                 "temperature|ambient temperature|outside temperature|temperatur|aussentemperatur|\
@@ -151,6 +154,9 @@ mod tests {
             ["Heure", "Point kilométrique", "Vitesse"],
             ["Hora", "Distancia", "Velocidad"],
             ["Ora", "Progressiva", "Velocità"],
+            ["Zeit", "Strecken-km", "v-Ist"],
+            ["Zeit", "km-Stand", "Geschwindigkeit"],
+            ["Uhrzeit", "Kilometer", "v"],
         ] {
             assert_eq!(of(&names), [(Time, 0), (Location, 1), (Speed, 2)], "{names:?}");
         }

@@ -30,7 +30,11 @@ impl Unit {
 
 const LENGTHS: [Unit; 6] = [
     Unit::new("m", &["metre", "metres", "meter", "meters", "mètres", "metros", "metri", "mtr"], 1.0),
-    Unit::new("km", &["kilometre", "kilometres", "kilometer", "kilometers", "kilómetros", "chilometri"], 1000.0),
+    Unit::new(
+        "km",
+        &["kilometre", "kilometres", "kilometer", "kilometers", "kilómetros", "kilometros", "chilometri"],
+        1000.0,
+    ),
     Unit::new("miles", &["mi", "mile"], 1609.344),
     Unit::new("feet", &["ft", "foot"], 0.3048),
     Unit::new("cm", &[], 0.01),
@@ -119,9 +123,11 @@ pub fn split(header: &str) -> (String, Option<String>) {
             }
         }
     }
-    // `km` alone names a location and its unit.
+    // `km` or `Kilometer` alone names a location and its unit.
     let alone = plain(header);
-    if known(&alone) == Some(Meaning::Location) && alone == "km" {
+    if known(&alone) == Some(Meaning::Location)
+        && by_name(Meaning::Location, &alone).is_some_and(|unit| unit.name == "km")
+    {
         return (header.to_owned(), Some("km".to_owned()));
     }
     (header.to_owned(), None)
@@ -142,6 +148,9 @@ mod tests {
             ("effort_n_per_kg", "effort", Some("n per kg")),
             ("train number", "train number", None),
             ("km", "km", Some("km")),
+            ("Kilometer", "Kilometer", Some("km")),
+            ("Strecken-km", "Strecken", Some("km")),
+            ("Zugkraft/Masse [N/kg]", "Zugkraft/Masse", Some("N/kg")),
         ] {
             assert_eq!(split(header), (name.to_owned(), unit.map(str::to_owned)), "{header}");
         }

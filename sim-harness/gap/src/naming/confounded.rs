@@ -2,13 +2,24 @@
 
 use crate::candidate::Naming;
 use crate::candidates::separates;
+use crate::data::believed::Context;
 use crate::data::rows::Row;
 use crate::named::Named;
-use rundown::model::effects::{DavisError, Effect, EffectKind};
+use rundown::model::direction::Direction;
+use rundown::model::effects::{DavisError, Effect, EffectKind, PowerLimitSection};
+
+/// Length of the places at which the described gradient is looked at, m.
+const PLACE_M: f64 = 100.0;
 
 /// Adds to what was named the causes that it may be in truth. `gain_told`: the effort column was put right by a gain.
 pub fn confounded(all: &mut [Named], gain_told: bool, naming: &Naming<'_>) {
     let (have, odds) = (naming.have(), naming.context.config.certainty.confounded);
+    let wrong: Vec<[f64; 2]> = all
+        .iter()
+        .filter(|one| is_of_gradients(one))
+        .filter_map(|one| one.effect.section_m())
+        .map(Into::into)
+        .collect();
     for named in all {
         let rivals: &[EffectKind] = match &named.effect {
             // Beside another mass, or what else changes r(v), a wind is no single rival.
@@ -18,8 +29,9 @@ pub fn confounded(all: &mut [Named], gain_told: bool, naming: &Naming<'_>) {
                 (false, true) => &[EffectKind::MassError],
                 (false, false) => &[],
             },
-            // A climb that nobody has described: without efforts the power goes into it.
-            Effect::PowerLimitSection(_) if naming.context.surroundings.is_level && !naming.measured => {
+            Effect::PowerLimitSection(PowerLimitSection { from_m, to_m, .. })
+                if !naming.measured && may_climb([*from_m, *to_m], &wrong, naming) =>
+            {
                 &[EffectKind::GradientError]
             }
             _ => &[],
@@ -32,6 +44,27 @@ pub fn confounded(all: &mut [Named], gain_told: bool, naming: &Naming<'_>) {
     }
 }
 
+/// Places that the description of the line may be wrong about.
+fn is_of_gradients(named: &Named) -> bool {
+    matches!(named.effect.kind(), EffectKind::GradientError | EffectKind::Unknown)
+}
+
+/// Without efforts the power goes into a climb that nobody has described: where gradients are wrong close by, or, of a section that is hardly ever coasted in,
+/// where they are wrong elsewhere or the section is described as level.
+fn may_climb(section: [f64; 2], wrong: &[[f64; 2]], naming: &Naming<'_>) -> bool {
+    let Context { believed, surroundings, config, .. } = naming.context;
+    let [from_m, to_m] = section;
+    let near_m = config.certainty.described_m;
+    let is_near = |[from, to]: &[f64; 2]| *from < to_m + near_m && *to > from_m - near_m;
+    let coasts = naming.rows.iter().filter(|row| (from_m..to_m).contains(&row.interval.middle().location_m));
+    let is_coasted = coasts.count() >= config.certainty.coasted_rows;
+    let track = believed.line(Direction::Up).track;
+    let places = ((to_m - from_m) / PLACE_M).max(1.0) as u32;
+    let is_level =
+        (1..=places).all(|i| track.mean_gradient(from_m + PLACE_M * f64::from(i), PLACE_M, Direction::Up) == 0.0);
+    surroundings.is_level || wrong.iter().any(is_near) || (!is_coasted && (is_level || !wrong.is_empty()))
+}
+
 /// A wind that blows would add as much at the usual speed: r2 ((v + w)² - v²).
 fn is_like_wind(davis: &DavisError, naming: &Naming<'_>) -> bool {
     let speeds = || naming.rows.iter().map(|row: &Row| row.interval.mean_speed_mps());
@@ -40,4 +73,58 @@ fn is_like_wind(davis: &DavisError, naming: &Naming<'_>) -> bool {
     let air = speed_mps * speed_mps + extra / naming.context.believed.train().davis().r2;
     let wind_mps = air.max(0.0).sqrt() - speed_mps;
     air > 0.0 && wind_mps.abs() < naming.context.config.certainty.most_wind_mps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::believed::tests::on_a_hilly_line;
+    use crate::readings::kinematics::Kinematics;
+    use rundown::model::effects::GradientError;
+
+    /// Rivals of a limit in this section, where gradients are wrong in `wrong` and so many intervals coasted in it.
+    fn rivals(
+        context: &Context<'_>,
+        [from_m, to_m]: [f64; 2],
+        wrong: Option<[f64; 2]>,
+        coasts: usize,
+        measured: bool,
+    ) -> Vec<EffectKind> {
+        let rows = vec![Row::coasting(Direction::Up, 0.5 * (from_m + to_m), 30.0); coasts];
+        let kinematics = Kinematics::default();
+        let naming = Naming {
+            context,
+            runs: &[],
+            rows: &rows,
+            measured,
+            kinematics: &kinematics,
+            run_wind: None,
+            wind_gain: 0.0,
+            limits: &[],
+        };
+        let limit = PowerLimitSection { from_m, to_m, factor: 0.6 };
+        let mut all = vec![Named::plain(limit.into(), Vec::new(), 40.0, 1e-3)];
+        let of_gradient = |[from_m, to_m]: [f64; 2]| GradientError { from_m, to_m, delta_permille: 4.0 };
+        all.extend(wrong.map(|wrong| Named::plain(of_gradient(wrong).into(), Vec::new(), 30.0, 1e-3)));
+        confounded(&mut all, false, &naming);
+        all[0].ambiguous_with.clone()
+    }
+
+    #[test]
+    fn a_limit_may_be_a_climb_where_the_gradients_are_wrong_near_by_or_not_known() {
+        const SHARED: [EffectKind; 1] = [EffectKind::GradientError];
+        let section = [10_000.0, 14_000.0];
+        on_a_hilly_line(20, |context| {
+            for coasts in [0, 12] {
+                assert_eq!(rivals(context, section, None, coasts, false), []);
+                assert_eq!(rivals(context, section, Some([14_300.0, 15_000.0]), coasts, false), SHARED);
+                assert_eq!(rivals(context, section, Some([14_300.0, 15_000.0]), coasts, true), []);
+            }
+            // Wrong elsewhere, or a kilometre that is described as level: only of what hardly anyone coasted in.
+            for (section, wrong) in [(section, Some([20_000.0, 22_000.0])), ([7_100.0, 7_900.0], None)] {
+                assert_eq!(rivals(context, section, wrong, 0, false), SHARED);
+                assert_eq!(rivals(context, section, wrong, 12, false), []);
+            }
+        });
+    }
 }
