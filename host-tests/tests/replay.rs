@@ -5,6 +5,7 @@
 use host_tests::accuracy::{estimator, measurements, resistance};
 use host_tests::prelude::*;
 use host_tests::reference::{self, data, train_and_track};
+use rundown::model::state::SPEED;
 use rundown::tick::paper::Difference;
 use rundown::tick::regime::Regime;
 use std::fmt::Write as _;
@@ -107,4 +108,22 @@ fn replays_give_the_accepted_answers() {
             assert!(moved <= tolerance + 1e-8, "{name}: {column} was {accepted}, is {value}");
         }
     }
+}
+
+/// The filter begins a coast with a speed that it takes from the next reading; what is published is no less sure than the reading.
+#[test]
+fn the_published_speed_is_as_sure_as_a_reading_where_a_coast_begins() {
+    let (train, track) = train_and_track();
+    let estimator = Estimator::try_new(Config::with_mode(Mode::Gated), train, track).unwrap();
+    let vehicle = estimator.new_vehicle();
+    let mut run = estimator.begin_run(&vehicle, Direction::Up);
+    let (mut coasts, mut before) = (0, Regime::Standstill);
+    for measurement in reference::measurements() {
+        let estimate = estimator.step(&mut run, &measurement).unwrap();
+        coasts += u32::from(estimate.regime == Regime::Coast && before != Regime::Coast);
+        before = estimate.regime;
+        let sd_mps = estimate.belief.covariance[(SPEED, SPEED)].sqrt();
+        assert!(sd_mps < 0.3, "{sd_mps} m/s at {} s", estimate.time_s);
+    }
+    assert!(coasts >= 2, "{coasts} coasts");
 }

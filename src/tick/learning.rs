@@ -237,9 +237,9 @@ impl Learner {
         self.learned_s
     }
 
-    /// Location and speed of the running segment with their covariance.
+    /// Location and speed of the running segment with their covariance; none before its first speed reading, without which its speed is known less well than it is read.
     pub fn moving(&self) -> Option<Gaussian<2>> {
-        self.believed().map(|segment| Gaussian {
+        self.believed().filter(|segment| segment.last_speed_s > segment.begin_s).map(|segment| Gaussian {
             mean: segment.belief.mean.fixed_rows::<2>(0).into_owned(),
             covariance: segment.belief.covariance.fixed_view::<2, 2>(0, 0).into_owned(),
         })

@@ -98,7 +98,7 @@ impl Body {
 pub struct Estimate {
     /// Time of the measurement, s, on the sender's clock.
     pub time_s: f64,
-    /// Time since the measurement before, s; 0 at the first one.
+    /// Time since the measurement before, s; 0 at the first one, and after a long gap.
     pub dt_s: f32,
     /// Location of the front, m.
     pub location_m: Value,
@@ -344,12 +344,42 @@ pub const CAUSES: usize = Cause::ALL.len();
 /// Number of [`Refusal`]s.
 pub const REFUSALS: usize = Refusal::ALL.len();
 
+/// A number of 64 bits, in formats for people as hexadecimal digits.
+mod hexadecimal {
+    use core::fmt::Write as _;
+    use heapless::String;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(number: &Option<u64>, serializer: S) -> Result<S::Ok, S::Error> {
+        if !serializer.is_human_readable() {
+            return number.serialize(serializer);
+        }
+        let digits = number.map(|number| {
+            let mut digits = String::<16>::new();
+            // 64 bits are 16 digits: they have room.
+            let _written = write!(digits, "{number:x}");
+            digits
+        });
+        digits.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
+        if !deserializer.is_human_readable() {
+            return Option::deserialize(deserializer);
+        }
+        let digits = Option::<String<16>>::deserialize(deserializer)?;
+        let number = |digits: String<16>| u64::from_str_radix(&digits, 16).map_err(D::Error::custom);
+        digits.map(number).transpose()
+    }
+}
+
 /// What the board has, and what it has counted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Epoch and counter of the authentication with their MAC, each start of the board another one; none while everything secured is refused.
     pub announcement: Option<[u8; 16]>,
-    /// Which train is described.
+    /// Which train is described; where people read, hexadecimal digits: a number of 64 bits loses some in JSON.
+    #[serde(with = "hexadecimal")]
     pub train_id: Option<u64>,
     /// Which track is described.
     pub track_id: Option<u32>,

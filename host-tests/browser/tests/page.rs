@@ -306,12 +306,16 @@ const OUTSIDE: &str = "return [...document.querySelectorAll('header b, header sm
         return r.left < Math.max(place.left, cell.left) - 1 || r.right > Math.min(place.right, cell.right) + 1;
     }).map(e => e.id + ' ' + e.textContent)";
 
+/// Screens on which the page is looked at, px.
+const SCREENS: [(u32, u32); 7] =
+    [(1920, 1080), (1280, 1024), (1280, 900), (1280, 800), (1024, 768), (800, 480), (400, 800)];
+
 #[tokio::test]
 async fn the_page_looks_right_on_every_screen() {
     let mut desk = Desk::new(2).await;
     let browser = &desk.browser;
     let mut empty = BTreeMap::new();
-    for (width, height) in [(1280, 800), (800, 480), (400, 800)] {
+    for (width, height) in SCREENS {
         browser.screen(width, height, Scheme::Light).await;
         let places: BTreeMap<String, String> = browser.ask(PLACES).await;
         empty.insert((width, height), places);
@@ -326,7 +330,7 @@ async fn the_page_looks_right_on_every_screen() {
         estimate.time_s > 0.0 && coasting == 60
     });
     desk.check_values().await;
-    for (width, height) in [(1280, 800), (800, 480), (400, 800)] {
+    for (width, height) in SCREENS {
         for scheme in [Scheme::Light, Scheme::Dark] {
             browser.screen(width, height, scheme).await;
             browser.press("0").await;

@@ -15,7 +15,7 @@ pub const HALF_95: f32 = rundown_check::agreement::HALF_95 as f32;
 
 #[derive(Serialize)]
 struct JsonLine<'a> {
-    /// `next`, `after` a loss, `late`, `repeated`, `anew`.
+    /// `next`, `after` a loss, `late`, `repeated`, `restart`.
     order: &'static str,
     /// Frames missing before this one.
     lost: u16,

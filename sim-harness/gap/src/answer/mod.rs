@@ -1,5 +1,6 @@
 //! The answer, and all that is made of it: `gap.json`, the page, the story on the screen, tables, model and frame.
 
+mod acting;
 pub mod files;
 pub mod json;
 pub mod notes;

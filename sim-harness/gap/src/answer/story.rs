@@ -1,13 +1,12 @@
 //! What a person reads on the screen when `rundown gap` is through.
 
-use crate::answer::rivals::Rival;
+use crate::answer::{acting::acting, rivals::Rival};
 use crate::answer::{json::NO_ENERGY, notes::notes, whole::Answer};
 use crate::candidates;
-use crate::data::believed::Context;
+use crate::data::{believed::Context, runs::Run};
 use crate::holdout::{forward::Touched, journey::Summary, share::Share};
 use crate::named::Named;
 use rundown::model::effects::EffectKind;
-use rundown_pages::numbers::counted;
 
 /// The story.
 pub fn story(answer: &Answer) -> String {
@@ -22,7 +21,7 @@ pub fn story(answer: &Answer) -> String {
     text.push('\n');
     for (i, one) in found.named.iter().enumerate() {
         let nearest = answer.rivals.get(i).and_then(|rivals| rivals.first());
-        text.push_str(&of_effect(one, &answer.context(), nearest));
+        text.push_str(&of_effect(one, &answer.context(), &answer.input.runs, nearest));
     }
     text.push_str(&held_out(answer));
     for note in notes(answer) {
@@ -32,11 +31,9 @@ pub fn story(answer: &Answer) -> String {
 }
 
 /// How sure the name is, and below it what it says.
-fn of_effect(one: &Named, context: &Context<'_>, nearest: Option<&Rival>) -> String {
+fn of_effect(one: &Named, context: &Context<'_>, runs: &[Run], nearest: Option<&Rival>) -> String {
     let mut text = format!("  {}, confidence {:.2}", one.effect.name(), one.confidence);
-    if !one.runs.is_empty() {
-        text.push_str(&format!(", in {}", counted(one.runs.len(), "run", "runs")));
-    }
+    text.push_str(&acting(one, runs));
     if !one.ambiguous_with.is_empty() {
         text.push_str(&format!(", not distinguishable from {}", listed(&one.ambiguous_with)));
         if !one.would_separate.is_empty() {
@@ -127,7 +124,7 @@ mod tests {
     fn each_effect_stands_in_a_sentence_with_units() {
         let text = |effect| {
             let named = Named::plain(effect, Vec::new(), 9.0, 30.0);
-            on_a_level_line(2, |context| of_effect(&named, context, Some(&Rival { name: "warm_up", worse: 4.25 })))
+            on_a_level_line(2, |context| of_effect(&named, context, &[], Some(&Rival { name: "warm_up", worse: 4.25 })))
         };
         let early = text(Effect::LocationLag(LocationLag { lag_s: -2.1 }));
         assert!(early.contains("early") && early.contains("2.10 s"), "{early}");

@@ -1,6 +1,6 @@
 //! The verdict in sentences: what, where, how large, how sure, and what it is not distinguishable from.
 
-use crate::answer::{notes::notes, whole::Answer};
+use crate::answer::{acting::acting, notes::notes, whole::Answer};
 use crate::candidates;
 use crate::named::Named;
 use crate::verdict::Verdict;
@@ -93,9 +93,7 @@ fn held_out(answer: &Answer) -> Option<String> {
 /// One effect in a sentence or two.
 fn of(answer: &Answer, named: &Named) -> String {
     let mut text = candidates::of_effect(&named.effect).sentence(named, &answer.context());
-    if !named.runs.is_empty() {
-        text.push_str(&format!(", in {} of {} runs", named.runs.len(), answer.input.runs.len()));
-    }
+    text.push_str(&acting(named, &answer.input.runs));
     text.push_str(&format!(". Confidence in the name: {}", confidence(named)));
     if !named.ambiguous_with.is_empty() {
         text.push_str(&format!("; not distinguishable from {} by these data", any(&named.ambiguous_with)));
