@@ -147,6 +147,10 @@ macro_rules! unforeseen {
 }
 
 impl<'a> Serializer for &'a mut Fields {
+    fn is_human_readable(&self) -> bool {
+        false
+    }
+
     /// The name of the type.
     type Ok = String;
     type Error = Unforeseen;

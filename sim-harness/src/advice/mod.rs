@@ -18,6 +18,7 @@ pub struct Advice {
     learned: bool,
     without_speed: Named,
     without_effort: Named,
+    with_effort: Named,
     /// By unit.
     vehicles: BTreeMap<String, vehicle::After>,
 }
@@ -30,6 +31,7 @@ impl Advice {
             let rows = || run.measurements.iter();
             self.without_speed.add(run, rows().all(|measurement| measurement.speed_mps.is_none()));
             self.without_effort.add(run, rows().all(|measurement| measurement.effort_n_per_kg.is_none()));
+            self.with_effort.add(run, rows().any(|measurement| measurement.effort_n_per_kg.is_some()));
             self.vehicles.insert(run.unit.clone(), vehicle::After::of(run));
         }
     }
@@ -44,6 +46,8 @@ impl Advice {
         let mut notes: Vec<String> = self.without_speed.note(without_speed).into_iter().collect();
         if config.mode == Mode::Measured {
             notes.extend(self.without_effort.note(without_effort));
+        } else {
+            notes.extend(self.with_effort.note("effort_n_per_kg is not used: --mode measured learns from it"));
         }
         if config.mode == Mode::Paper {
             notes.push(
@@ -105,6 +109,7 @@ impl Named {
 mod tests {
     use super::*;
     use crate::replaying::Request;
+    use rundown::estimator::config::Config;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
     use std::path::{Path, PathBuf};
 
@@ -127,5 +132,24 @@ mod tests {
             let is_said = advice.notes(&estimator, false).iter().any(|note| note.starts_with("nothing was learned"));
             assert_eq!(is_said, !is_used);
         }
+    }
+
+    /// The gated mode takes efforts to be unknown, though the analyst may think that they were used.
+    #[test]
+    fn an_effort_column_that_the_mode_does_not_use_is_said() {
+        let request = Request::new(vec![reference("run01.csv")], reference("train.toml"), reference("track.toml"));
+        let mut replayed = request.open().unwrap().replay(|| ()).unwrap();
+        let (_, train) = TrainFile::read(&reference("train.toml")).unwrap();
+        let (_, track) = TrackFile::read(&reference("track.toml")).unwrap();
+        let mut said = |effort_n_per_kg: Option<f64>, mode: Mode| {
+            replayed.runs[0].measurements.iter_mut().for_each(|one| one.effort_n_per_kg = effort_n_per_kg);
+            let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
+            let mut advice = Advice::default();
+            advice.add(&replayed.runs);
+            let notes = advice.notes(&estimator, false);
+            notes.iter().any(|note| note == "run01: effort_n_per_kg is not used: --mode measured learns from it")
+        };
+        assert!(said(Some(0.1), Mode::Gated) && said(Some(0.1), Mode::Paper));
+        assert!(!said(Some(0.1), Mode::Measured) && !said(None, Mode::Gated));
     }
 }

@@ -4,6 +4,9 @@ use crate::data::runs::Run;
 use crate::named::Named;
 use rundown_files::effect_file::date_of;
 
+/// What a run is known by.
+type Label = fn(&Run) -> &str;
+
 /// `, in 13 of 28 runs, all those of unit 202`; empty where it acts in all runs.
 pub(super) fn acting(named: &Named, runs: &[Run]) -> String {
     if named.runs.is_empty() {
@@ -11,9 +14,9 @@ pub(super) fn acting(named: &Named, runs: &[Run]) -> String {
     }
     let (acts, others): (Vec<&Run>, Vec<&Run>) = runs.iter().partition(|run| named.runs.contains(&run.name));
     let mut text = format!(", in {} of {} runs", named.runs.len(), runs.len());
-    let labels: [(&str, fn(&Run) -> &str); 2] =
-        [("unit", |run| &run.recorded.unit), ("driver", |run| &run.recorded.driver)];
-    for (name, label) in labels {
+    let unit: Label = |run| &run.recorded.unit;
+    let driver: Label = |run| &run.recorded.driver;
+    for (name, label) in [("unit", unit), ("driver", driver)] {
         let of = acts.first().map_or("", |run| label(run));
         let is_whose = !of.is_empty() && acts.iter().all(|run| label(run) == of);
         // Where all runs are of one, nothing is said by it.
