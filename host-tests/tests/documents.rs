@@ -158,46 +158,6 @@ fn words_are_those_of_the_field() {
     report(&findings);
 }
 
-/// Folders whose code still says so. The list may only become shorter.
-const STILL_IN_CODE: &[(&str, &[&str])] = &[
-    (
-        "sim-harness/gap/",
-        &[
-            "anew",
-            "cannot be told",
-            "gauge",
-            "has for itself",
-            "held-out",
-            "is told",
-            "pull",
-            "pulls",
-            "signs of whole runs",
-            "told from",
-            "took no part",
-            "ways between stops",
-        ],
-    ),
-    ("sim-harness/src/", &["anew", "held-out", "pulls"]),
-    ("sim-harness/tests/", &["held-out", "is told", "pull"]),
-    ("sim-harness/files/", &["pulls"]),
-    (
-        "src/",
-        &[
-            "anew",
-            "cannot be told",
-            "flutters",
-            "is told",
-            "pulls",
-            "the way ahead",
-            "told from",
-            "turn of power",
-            "turns of power",
-            "witness",
-        ],
-    ),
-    ("wire/", &["anew", "told from"]),
-];
-
 /// What a line of code says to a reader: its comment and its strings.
 fn prose(line: &str) -> String {
     let (code, comment) = match line.split_once("//") {
@@ -216,13 +176,9 @@ fn words_in_code_are_those_of_the_field() {
         if path.ends_with("tests/documents.rs") {
             continue;
         }
-        let name = shown(&path);
         let lines: Vec<(usize, String)> =
             text.lines().map(prose).enumerate().map(|(at, line)| (at + 1, line)).collect();
-        let known =
-            STILL_IN_CODE.iter().find(|(folder, _)| name.starts_with(folder)).map_or(&[][..], |(_, words)| words);
-        let new = found(&path, &lines).into_iter().filter(|(not, _)| !known.contains(not));
-        findings.extend(new.map(|(_, finding)| finding));
+        findings.extend(found(&path, &lines).into_iter().map(|(_, finding)| finding));
     }
     report(&findings);
 }

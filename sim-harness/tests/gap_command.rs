@@ -37,7 +37,7 @@ fn holding_out_too_many_is_refused_with_the_largest_number() {
     assert!(!folder.path("out").exists());
     let Said { code, out: screen, err: words } = gap(&folder, "set/runs", &["--hold-out", "3"]);
     assert_eq!(code, Some(0), "{words}");
-    assert!(screen.contains("3 held-out runs"), "{screen}");
+    assert!(screen.contains("3 hold-out runs"), "{screen}");
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn where_a_folder_cannot_be_made_nothing_is_written() {
     assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 1);
 }
 
-/// Trains that pull, keep their speed and brake, in logs without an effort column: nothing tells the resistance, nor does the one that coasts, which is held out, tell what noise leaves.
+/// Trains that power, keep their speed and brake, in logs without an effort column: nothing tells the resistance, nor does the one that coasts, which is held out, tell what noise leaves.
 #[test]
 fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
     let folder = simulated(1, "");

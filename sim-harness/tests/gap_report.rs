@@ -40,7 +40,7 @@ fn the_page_tells_the_tunnel_and_what_it_takes_away() {
         let value = json["gap"][name].as_f64().unwrap();
         assert!(page.contains(&format!("<td>{value:.3}</td>")), "{name}");
     }
-    assert!(page.contains("removable gap is gone on 6 held-out runs"));
+    assert!(page.contains("removable gap is gone on 6 hold-out runs"));
     // How sure the share is, what else was tried, and what is left.
     let numbers = |value: &Value| -> Vec<f64> {
         let all = value.as_array().unwrap().iter();

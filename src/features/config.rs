@@ -20,7 +20,7 @@ settings! {
         brake_steps_kmh: [Real; 4] = [130.0, 80.0, 60.0, 40.0];
         /// Interruptions of a phase of at most this many ticks (or as many times `window_s`) are bridged; 0 bridges none.
         bridge_samples: u32 = 2, 0.0 to 10.0;
-        /// An interruption whose effort moves the speed by more than this is real at any length, and so is a turn of power inside one tick of a coast, km/h.
+        /// An interruption whose effort moves the speed by more than this is real at any length, and so is an on/off cycle inside one tick of a coast, km/h.
         /// Rounding to 1 km/h alone can make 1.
         bridge_speed_kmh: Real = 1.6, 0.0 to 50.0;
         /// Below this the train comes to a stop within the interval, km/h.

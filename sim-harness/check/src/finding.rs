@@ -60,6 +60,8 @@ pub enum Kind {
     AboveTraction,
     /// More braking effort is measured than the train is described with.
     AboveBrake,
+    /// The measured effort has nothing to do with the train's acceleration.
+    EffortApart,
     /// The speed reads zero below a threshold.
     DeadZone,
     /// The speed repeats the last value in some rows, and catches up after them.
@@ -136,6 +138,7 @@ impl Kind {
             Self::AboveSpeedLimit => "speeds are above the described limits",
             Self::AboveTraction => "measured efforts are above the described tractive effort",
             Self::AboveBrake => "measured efforts are beyond the described brake",
+            Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
             Self::SameRows => "the log holds the same rows as another one",
         }
     }
@@ -152,6 +155,7 @@ impl Kind {
             Self::AboveTraction | Self::AboveBrake => {
                 Some("look whether train and mass are the described ones, and in which unit the effort is")
             }
+            Self::EffortApart => Some("look at the column: which train's, which sign, which clock"),
             Self::OtherChainage | Self::TurnedChainage => {
                 Some("bring the runs onto one chainage: `rundown import --chainage align`")
             }

@@ -51,6 +51,7 @@ pub mod agreement;
 pub mod chainage;
 pub mod clock;
 pub mod dead_zone;
+pub mod effort;
 pub mod finding;
 pub mod gradients;
 pub mod held;
@@ -218,13 +219,14 @@ impl Check {
             Done::PutRight | Done::LeftOut => true,
             Done::Refused => false,
             Done::Said => {
-                use Kind::{AboveBrake, AboveSpeedLimit, AboveTraction, MissingReadings, OtherChainage};
-                use Kind::{Reset, Skew, SpeedOffset, TurnedChainage};
+                use Kind::{AboveBrake, AboveSpeedLimit, AboveTraction, EffortApart, MissingReadings};
+                use Kind::{OtherChainage, Reset, Skew, SpeedOffset, TurnedChainage};
                 matches!(
                     finding.kind,
                     AboveBrake
                         | AboveSpeedLimit
                         | AboveTraction
+                        | EffortApart
                         | MissingReadings
                         | OtherChainage
                         | Reset

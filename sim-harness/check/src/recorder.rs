@@ -3,7 +3,7 @@
 use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
 use crate::finding::{Done, Finding, Kind};
 use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE};
-use crate::{agreement_of, dead_zone, held, limits, lost_seconds, own, put_right, steps, with_evidence};
+use crate::{agreement_of, dead_zone, effort, held, limits, lost_seconds, own, put_right, steps, with_evidence};
 use nalgebra::Vector2;
 use rundown_files::recording::Recording;
 use std::collections::BTreeMap;
@@ -189,15 +189,19 @@ impl RecorderCheck {
         }
     }
 
-    /// Says what of the descriptions its runs exceed. Call it when the readings are put right.
+    /// Says what of the descriptions its runs exceed, and an effort column that is not theirs. Call it when the readings are put right.
     pub(crate) fn exceeds(&mut self, recordings: &[Recording], runs: &[RunCheck], known: &Known) {
         let is_own = |(_, run): &(&Recording, &RunCheck)| run.unit == self.unit && run.refusal().is_none();
         let own: Vec<&Recording> = recordings.iter().zip(runs).filter(is_own).map(|(recording, _)| recording).collect();
         for limits::Excess { kind, percent: figure, rows: count, evidence } in
-            limits::exceeded(own.into_iter(), &known.limits)
+            limits::exceeded(own.iter().copied(), &known.limits)
         {
             self.findings.push(Finding { kind, figure, unit: "% of the rows", count, line: 0, done: Done::Said });
             self.evidence.insert(kind, evidence);
+        }
+        if let Some(effort::Apart { correlation, evidence, .. }) = effort::apart(own.into_iter()) {
+            self.found(Kind::EffortApart, correlation, "", Done::Said);
+            self.evidence.insert(Kind::EffortApart, evidence);
         }
     }
 

@@ -75,3 +75,40 @@ fn efforts_of_another_unit_are_beyond_train_and_brake() {
         assert!(!found.contains(&Kind::AboveSpeedLimit));
     }
 }
+
+#[test]
+fn an_effort_column_that_is_not_the_trains_is_said() {
+    type Column = fn(usize, f64) -> f64;
+    let zeros: Column = |_, _| 0.0;
+    let turned: Column = |_, effort| -effort;
+    let noise: Column = |i, _| ((i * i) as f64 * 0.7).sin() * 0.3;
+    let columns: [(&str, Column); 3] = [("throughout", zeros), ("against", turned), ("windows", noise)];
+    for (evidence, column) in columns {
+        for seed in 0..5 {
+            let mut recordings = runs(53_000 + seed);
+            let rows = recordings.iter_mut().flat_map(|run| &mut run.rows);
+            rows.enumerate().for_each(|(i, row)| row.effort_n_per_kg = row.effort_n_per_kg.map(|own| column(i, own)));
+            let found = checked(&mut recordings, &[]);
+            assert!(kinds(&found).contains(&Kind::EffortApart), "{evidence} {seed}: {:?}", kinds(&found));
+            let notes = found.notes();
+            assert!(notes.iter().any(|note| note.contains("acceleration") && note.contains(evidence)), "{notes:?}");
+        }
+    }
+}
+
+#[test]
+fn the_trains_own_effort_column_is_not_accused() {
+    for seed in 0..20 {
+        // Late by 3 s, 30 % too high, brakes not in it: still the train's.
+        let mut recordings = runs(54_000 + seed);
+        for run in &mut recordings {
+            let efforts: Vec<Option<f64>> = run.rows.iter().map(|row| row.effort_n_per_kg).collect();
+            for (i, row) in run.rows.iter_mut().enumerate().skip(4) {
+                row.effort_n_per_kg = efforts[i - 3].map(|effort| 1.3 * effort.max(0.0));
+            }
+        }
+        for found in [checked(&mut recordings, &[]), checked(&mut runs(55_000 + seed), &[])] {
+            assert!(!kinds(&found).contains(&Kind::EffortApart), "{seed}: {:?}", found.notes());
+        }
+    }
+}

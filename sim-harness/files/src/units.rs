@@ -18,7 +18,7 @@ pub enum Doubt {
     Effort { median: f64 },
 }
 
-/// No train pulls or brakes harder for half of its time, N/kg.
+/// No train powers or brakes harder for half of its time, N/kg.
 const MOST_EFFORT: f64 = 3.0;
 /// Distances further apart than by this factor are no matter of a wheel.
 const FAR: f64 = 1.25;

@@ -1,4 +1,4 @@
-//! What chance alone would make of a column: signs of whole runs flipped, and for probes that know no law what drivers do alike drawn beside them.
+//! What chance alone would make of a column: sign-flip test over runs, and for probes that know no law what drivers do alike drawn beside them.
 
 use crate::config::GapConfig;
 use crate::data::{believed::Context, rows::Row};

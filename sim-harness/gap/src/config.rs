@@ -125,8 +125,8 @@ settings! {
         effort_delay_sd_s: f64 = 3.0, /// Age of an effort at its time stamp, standard deviation, s. Judgement: buses and loggers; a sample of 10 s is then possible, and a minute is not.
         location_offset_sd_m: f64 = 50.0, /// Shown less true location along the line in all runs, standard deviation, m. Judgement: another zero of the chainage, an antenna at the other end of a train.
         most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.
-        sure: f64 = 3.0, /// What is so many of its own standard deviations off is told. Judgement.
-        least_gain: f64 = 0.01, /// A gain nearer to 1 is not told: a sensor is off by about so much. Judgement.
+        sure: f64 = 3.0, /// What is so many of its own standard deviations off is reported. Judgement.
+        least_gain: f64 = 0.01, /// A gain nearer to 1 is not reported: a sensor is off by about so much. Judgement.
         least_delay_s: f64 = 0.7, /// A shorter delay stays a column of the fit, s. Judgement.
         least_offset_m: f64 = 10.0, /// A smaller offset is left as it is, m. Judgement: receivers.
         gain_sd: f64 = 0.002, /// Standard deviation of a gain at least: efforts between two readings, as a share. Judgement.

@@ -2,8 +2,8 @@
 //!
 //! Probes are functions of location, speed, time since departure, temperature, day, regime and direction that name no cause. Not of the effort: its own error
 //! stands in the residual, so rows that are chosen by their effort have one. Under the null each run's score of a probe is as likely positive as negative, so
-//! flipping the signs of whole runs gives the distribution of the largest of them, whatever the correlation within a run and between probes. (Sign-flip test;
-//! runs are the unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, and driven rows count as much less
+//! the sign-flip test over runs gives the distribution of the largest of them, whatever the correlation within a run and between probes. (Runs
+//! are the unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, and driven rows count as much less
 //! as they scatter more. Nor is what sensors leave in all runs alike: the observed scores are less by what 1e-4 N/kg would make.
 
 use crate::chance::{Ground, Probe, probability};

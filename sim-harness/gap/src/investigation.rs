@@ -124,7 +124,7 @@ pub fn investigate(
             one.per_run = winds(context, &findings, &with, wind.sd_mps, runs);
         }
     }
-    progress("is it chance: signs of whole runs flipped");
+    progress("is it chance: sign-flip test over runs");
     let (evidence, p_value) = evidence(context, &findings.rows, &findings.calibrated);
     let rows = repaired(&context.believed, &named, runs, &findings.rows);
     let (_, p_value_after) = crate::evidence::evidence(context, &rows, &findings.calibrated);

@@ -1,7 +1,7 @@
 //! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it is chance, or a candidate.
 //!
-//! The column of the term (see `trials.rs`), its shape and coefficients as found, is tried beside the other terms as the probes of the evidence are: by signs
-//! of whole runs and habits of drivers. It was looked for, so it must exceed the largest that chance makes of it or of any probe. And it must say the same in
+//! The column of the term (see `trials.rs`), its shape and coefficients as found, is tried beside the other terms as the probes of the evidence are: by a sign-flip
+//! test over runs and habits of drivers. It was looked for, so it must exceed the largest that chance makes of it or of any probe. And it must say the same in
 //! both halves of the runs: by their order, by the date, by direction, by unit.
 
 use crate::config::{CertaintyConfig, GapConfig};
@@ -142,7 +142,7 @@ fn of_few(z: f64, freedom: f64) -> f64 {
 }
 
 impl Trial {
-    /// Of a term that acts in too few runs to be told from chance.
+    /// Of a term that acts in too few runs to be distinguished from chance.
     pub(crate) const IMPOSSIBLE: Self = Self { p_value: Some(1.0), halves: Vec::new() };
 
     /// Of what leaves no mean residual; none where the runs cannot be halved.
@@ -193,7 +193,7 @@ impl Trial {
             };
             return format!("it does not repeat: it is {} and {}", of(0), of(1));
         }
-        "it acts in too few runs, or together with too much else, to be told from chance".to_owned()
+        "it acts in too few runs, or together with too much else, to be distinguished from chance".to_owned()
     }
 }
 

@@ -9,7 +9,7 @@ use crate::trial::{By, Halves, Trial};
 use rundown_check::agreement::Figure;
 
 /// How each term of a model fares. `None`: one that does not show in the fit of its own law, or differs from run to run, is judged elsewhere. One that cannot
-/// be told from chance has not stood its trial.
+/// be distinguished from chance has not stood its trial.
 pub fn trials(
     context: &Context<'_>,
     rows: &[Row],

@@ -52,9 +52,9 @@ impl Gap {
         Table::of(self.answer.residuals())
     }
 
-    /// Steady power while trains gain speed, as in `pulls.csv`.
+    /// Steady power while trains gain speed, as in `powering.csv`.
     #[getter]
-    fn pulls(&self) -> PyResult<Table> {
+    fn powering(&self) -> PyResult<Table> {
         Table::of(self.answer.powering())
     }
 

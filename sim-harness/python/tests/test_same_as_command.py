@@ -100,7 +100,7 @@ def test_gap(tunnel, command, tmp_path):
         other = tmp_path / "python" / path.relative_to(tmp_path / "command")
         assert path.read_bytes() == other.read_bytes(), path.name
     same(found.residuals, tmp_path / "command" / "residuals.csv")
-    same(found.pulls, tmp_path / "command" / "pulls.csv")
+    same(found.powering, tmp_path / "command" / "powering.csv")
     same(found.before_after, tmp_path / "command" / "before_after.csv")
     assert found.to_json() == (tmp_path / "command" / "gap.json").read_text()
 

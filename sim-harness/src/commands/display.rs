@@ -74,7 +74,7 @@ pub struct Arguments {
     /// How many times as fast as the train a recording is played; without it page and terminal play a file at its pace, text and JSON at once, and standard input is taken as it comes
     #[arg(long, value_name = "X", value_parser = speed)]
     speed: Option<f64>,
-    /// The file still grows: wait for it, at its end for more, and when it is written anew
+    /// The file still grows: wait for it, at its end for more, and when it is written again
     #[arg(long, requires = "file")]
     follow: bool,
     /// Another unit, whose learned resistance stands beside this one's: a recording, or an address: tcp:HOST:PORT, can:IF, DEVICE@BAUD; up to seven times

@@ -38,8 +38,8 @@ Files in the output folder:
   model/track.toml      the believed track with the effects of the place
   effect.frame          the effects of all runs for a board; `rundown link --effects` sends them
   residuals.csv         each interval's residual with time, location, speed, effort, temperature, day
-  pulls.csv             steady power while trains gain speed, as a share of the believed limit
-  before_after.csv      simulated against measured speed on the held-out runs";
+  powering.csv             steady power while trains gain speed, as a share of the believed limit
+  before_after.csv      simulated against measured speed on the hold-out runs";
 
 /// Arguments of `rundown gap`.
 #[derive(Debug, clap::Args)]

@@ -260,7 +260,7 @@ fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
     let outcome = blind(&set, folder)?;
     let seconds = begun.elapsed().as_secs_f64();
     if let (Some(folder), Ok(answer)) = (kept, &outcome) {
-        // All but the speeds of held-out runs.
+        // All but the speeds of hold-out runs.
         for (name, bytes) in gap_tables::files(answer).map_err(failed)?.into_iter().take(2) {
             std::fs::write(folder.join(name), bytes).map_err(failed)?;
         }

@@ -71,7 +71,7 @@ pub struct Judged {
     pub shared: bool,
     /// Probability of the residuals without a gap; none where it was refused.
     pub p_value: Option<f64>,
-    /// Share of the gap that is gone on held-out runs; none where there was nothing to remove.
+    /// Share of the gap that is gone on hold-out runs; none where there was nothing to remove.
     pub removed: Option<f64>,
     /// Why it was not investigated.
     pub refused: Option<String>,

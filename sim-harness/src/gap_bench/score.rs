@@ -48,9 +48,9 @@ pub struct Score {
     pub intervals: [usize; 2],
     /// Parameters whose interval does not hold the truth, with both.
     pub outside: Vec<String>,
-    /// Share of the removable gap that is gone on the held-out runs; `None` where there was none.
+    /// Share of the removable gap that is gone on the hold-out runs; `None` where there was none.
     pub removed: Option<f64>,
-    /// The gap on the held-out runs before and after, and its floor, m/s; none where the set was refused.
+    /// The gap on the hold-out runs before and after, and its floor, m/s; none where the set was refused.
     pub gap_mps: Option<[f64; 3]>,
     /// Probability of the residuals without a gap; none where the set was refused.
     pub p_value: Option<f64>,

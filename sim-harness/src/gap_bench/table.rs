@@ -138,7 +138,7 @@ fn sizes(done: &[Done]) -> String {
     let mut text = String::from(
         "### Something hidden\n\n\
         Named: all effects of the set and no other; something outside the catalogue as `unknown`. Shared: the same, or named beside at most two rivals. \
-        Errors and shares are medians. Removed: share of the removable gap on held-out runs.\n\n\
+        Errors and shares are medians. Removed: share of the removable gap on hold-out runs.\n\n\
         | effects | effort column | size | sets | named | named or shared | size error | place (IoU) | removed | intervals that hold | right coordinate of unknowns | refused |\n\
         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );

@@ -2,6 +2,8 @@
 
 use super::account::Account;
 use super::analysis::Group;
+use super::clock::Kind;
+use super::meaning::Meaning;
 use super::rows::Converter;
 use super::source::row::{Event, Field};
 use rundown_files::sample::Sample;
@@ -36,13 +38,16 @@ pub fn words(group: &Group) -> String {
         let meaning = found.map_or_else(
             || "not used".to_owned(),
             |(meaning, column)| {
-                let kind = if *meaning == super::meaning::Meaning::Time {
+                let kind = if *meaning == Meaning::Time {
                     format!(" ({:?})", group.columns.kind).to_lowercase()
                 } else {
                     String::new()
                 };
                 let unit = column.unit.map_or("", |unit| unit.name);
-                format!("{}{kind} {unit}  {}", meaning.key(), column.how.words())
+                // Clock times have no unit that could be unknown.
+                let is_clock = *meaning == Meaning::Time && !matches!(group.columns.kind, Kind::Number | Kind::Unix);
+                let how = if is_clock { String::new() } else { column.how.words() };
+                format!("{}{kind} {unit}  {how}", meaning.key())
             },
         );
         text += &format!("  {:<32} {}\n", header.written, meaning.trim_end());

@@ -161,7 +161,7 @@ fn replay(text: &mut String) {
 fn gap(text: &mut String) {
     table(text, "rundown gap: residuals.csv", "A row for each interval.", &about(tables::residuals()));
     let powering = "A row for each interval of steady power while the train gains speed.";
-    table(text, "rundown gap: pulls.csv", powering, &about(tables::powering()));
+    table(text, "rundown gap: powering.csv", powering, &about(tables::powering()));
     let compared = "A row for each sample of a hold-out run.";
     table(text, "rundown gap: before_after.csv", compared, &about(tables::before_after()));
     json_file(text, "rundown gap: gap.json", ABSENT, owned(gap_json::FIELDS));

@@ -10,7 +10,7 @@ use crate::readings::nuisances::Nuisance;
 use serde_json::{Value, json};
 
 /// Energy cannot be measured without an effort column.
-pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column, or no held-out run that powers";
+pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column, or no hold-out run that powers";
 
 const NOTHING_COMPARED: &str = "nothing was compared";
 const NOT_TOUCHED: &str = "absent: the effects move hardly a speed";
@@ -194,7 +194,7 @@ impl Answer {
         }
         if let Some(found) = &self.innovations {
             json["innovations"] = json!({
-                "what": "root mean square of the speed innovation of the estimator, held-out runs",
+                "what": "root mean square of the speed innovation of the estimator, hold-out runs",
                 "unit": "m/s",
                 "before": found.before_mps,
                 "after": found.after_mps,
@@ -219,7 +219,7 @@ impl Answer {
         });
         let held_out = found.p_value_held_out.map(|[before, after]| json!({ "before": before, "after": after }));
         let mut json = of_share((!found.compared.is_empty()).then_some(&found.gap));
-        json["what"] = json!("simulated against measured speed, held-out runs");
+        json["what"] = json!("simulated against measured speed, hold-out runs");
         json["unit"] = json!("m/s");
         json["touched"] = json!(touched);
         json["worse_than_before"] = json!(found.gap.is_worse(self.holdout()));
@@ -243,12 +243,12 @@ impl Answer {
 
     fn running_time(&self) -> Value {
         let Some(summary) = self.times() else {
-            return json!({ "why_not": "no window of a held-out run could be simulated" });
+            return json!({ "why_not": "no window of a hold-out run could be simulated" });
         };
         let mut json = of_summary(&summary, "s");
         let journeys = &self.found.journeys;
         json["what"] = json!(
-            "time to cover the distance of each window of up to 120 s from its measured first speed, driven by the recorded effort; simulated less measured, summed over each held-out run"
+            "time to cover the distance of each window of up to 120 s from its measured first speed, driven by the recorded effort; simulated less measured, summed over each hold-out run"
         );
         json["windows"] = json!(journeys.iter().map(|j| j.windows).sum::<usize>());
         json["windows_not_covered"] = json!(journeys.iter().map(|j| j.stalled).sum::<usize>());
@@ -261,7 +261,7 @@ impl Answer {
         };
         let mut json = of_summary(&summary, "kWh");
         json["what"] = json!(
-            "energy at the wheel that the model needs on the measured speeds while the train powers, less what the effort column says, for each held-out run"
+            "energy at the wheel that the model needs on the measured speeds while the train powers, less what the effort column says, for each hold-out run"
         );
         json
     }

@@ -34,7 +34,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     notes.extend(found.findings.headwind.as_ref().map(measured_wind));
     if found.gap.is_worse(config) {
         notes.push(format!(
-            "Worse than before: on the held-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. Do not use the repaired model before this is understood.",
+            "Worse than before: on the hold-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. Do not use the repaired model before this is understood.",
             found.gap.after, found.gap.before
         ));
     }
@@ -74,7 +74,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     let described = input.train_file.effect.len() + input.track_file.effect.len();
     if described > 0 {
         notes.push(format!(
-            "The described train and track had effects already ({described}). They took no part: the analysis began without them, and what was found stands in their place."
+            "The described train and track had effects already ({described}). They were set aside: the analysis began without them, and what was found stands in their place."
         ));
     }
     notes
@@ -143,7 +143,7 @@ fn other_names(found: &Investigation) -> Option<String> {
     let (all, training) = (names(&found.named), names(&found.trained));
     (!found.held_out.is_empty() && all != training).then(|| {
         format!(
-            "All runs show {}, those that were not held out {}: before and after on the held-out runs are measured with the second.",
+            "All runs show {}, those that were not held out {}: before and after on the hold-out runs are measured with the second.",
             all, training
         )
     })

@@ -55,11 +55,11 @@ fn listed(kinds: &[EffectKind]) -> String {
 fn held_out(answer: &Answer) -> String {
     let (found, gap) = (&answer.found, &answer.found.gap);
     if found.compared.is_empty() {
-        return "no held-out run could be compared: too few runs, or too little to simulate in them\n".to_owned();
+        return "no hold-out run could be compared: too few runs, or too little to simulate in them\n".to_owned();
     }
     let all = if gap.is_worse(answer.holdout()) { "worse than before".to_owned() } else { gone(gap) };
     let mut text = format!(
-        "simulated against measured speed, {} held-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {all}\n",
+        "simulated against measured speed, {} hold-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {all}\n",
         found.held_out.len(),
         gap.before,
         gap.after,

@@ -34,12 +34,12 @@ pub fn residuals() -> Vec<Column<Row>> {
     ]
 }
 
-/// `pulls.csv`: the intervals of steady power while trains gain speed, beside the believed limit.
+/// `powering.csv`: the intervals of steady power while trains gain speed, beside the believed limit.
 pub fn powering() -> Vec<Column<SteadyPower>> {
     let by_power = "`true` where the power is what limits, `false` where it is the effort";
     vec![
         Column::count("run", RUN, |p: &SteadyPower| p.run + 1),
-        Column::count("pull", "number of the powering phase in its run, from 1", |p: &SteadyPower| p.number + 1),
+        Column::count("phase", "number of the powering phase in its run, from 1", |p: &SteadyPower| p.number + 1),
         Column::number("location_m", "m", "location of the front", |p: &SteadyPower| p.location_m),
         Column::number("speed_kmh", "km/h", "speed", |p: &SteadyPower| 3.6 * p.speed_mps),
         Column::number("ratio", "1", "effort over the believed limit", |p: &SteadyPower| p.ratio),
@@ -55,7 +55,7 @@ pub struct BeforeAfter {
     compared: Compared,
 }
 
-/// `before_after.csv`: measured and simulated speed of the held-out runs.
+/// `before_after.csv`: measured and simulated speed of the hold-out runs.
 pub fn before_after() -> Vec<Column<BeforeAfter>> {
     let simulated =
         |of: fn(&Compared) -> f64| move |row: &BeforeAfter| 3.6 * (row.compared.measured_mps + of(&row.compared));
@@ -80,7 +80,7 @@ impl Answer {
         filled(residuals(), &self.found.findings.rows)
     }
 
-    /// The table of `pulls.csv`.
+    /// The table of `powering.csv`.
     pub fn powering(&self) -> Filled {
         filled(powering(), self.found.findings.powering.iter().flatten())
     }
@@ -99,7 +99,7 @@ pub fn files(answer: &Answer) -> io::Result<[(&'static str, Vec<u8>); 3]> {
     let found = &answer.found.findings;
     Ok([
         ("residuals.csv", csv(&residuals(), &found.rows)?),
-        ("pulls.csv", csv(&powering(), found.powering.iter().flatten())?),
+        ("powering.csv", csv(&powering(), found.powering.iter().flatten())?),
         ("before_after.csv", csv(&before_after(), answer.before_after())?),
     ])
 }

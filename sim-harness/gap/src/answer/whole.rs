@@ -41,7 +41,7 @@ impl Answer {
         &self.config.holdout
     }
 
-    /// Train and track with what was found, in place of effects that they had: these took no part in the analysis.
+    /// Train and track with what was found, in place of effects that they had: the analysis knew nothing of these.
     pub fn model(&self) -> (TrainFile, TrackFile) {
         repaired(&self.found, &self.input)
     }

@@ -1,6 +1,6 @@
 //! The gap itself: recorded runs simulated with a model, against what was measured.
 //!
-//! In: runs that took no part in the analysis, the believed model, the effects that were found. Out: the error of the simulated speed before and after, and
+//! In: hold-out runs, the believed model, the effects that were found. Out: the error of the simulated speed before and after, and
 //! the noise floor: what a perfect model would leave with these sensors.
 //!
 //! Windows of up to 120 s begin at a measured speed; in them the train is driven by the recorded effort (measured, or zero while coasting), or by the limits of the
@@ -118,7 +118,7 @@ pub struct Repaired<'a> {
 pub struct Model {
     /// With the wind of this run, if winds are the effect.
     pub effects: Effects,
-    /// What the run has for itself, which no model of other runs can know.
+    /// Random effects of the run, which no model of other runs can know.
     own: Own,
 }
 

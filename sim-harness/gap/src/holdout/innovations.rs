@@ -1,6 +1,6 @@
 //! What the estimator of the board makes of it: its innovations of the speed with the believed and with the repaired model.
 //!
-//! Each held-out run is replayed on its own, in the `gated` mode, from the described resistance on: so the innovations are those of the model, not of what was learned
+//! Each hold-out run is replayed on its own, in the `gated` mode, from the described resistance on: so the innovations are those of the model, not of what was learned
 //! in other runs.
 
 use crate::refusal::Refusal;

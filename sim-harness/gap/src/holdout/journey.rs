@@ -5,7 +5,7 @@
 //! | running time | each window of up to 120 s begins at the measured speed and place; the train is driven by the recorded effort, place by place. The time until it is where the window ends, less the time that was measured, summed over a run |
 //! | energy | what the traction has to give at the wheel on the speeds that were measured: the effort that each model needs, times the distance, over the intervals in which the train powered, less what the effort column says |
 //!
-//! Both are errors: zero is right. Floor: what the noise of these sensors, and what each run has for itself, leaves of them with a perfect model.
+//! Both are errors: zero is right. Floor: what the noise of these sensors, and per-run random effects, leave of them with a perfect model.
 
 use crate::config::HoldoutConfig;
 use crate::data::{believed::Believed, interval::Point, rows::Row};
@@ -114,7 +114,7 @@ impl Repaired<'_> {
         Ok((journey.windows > 0).then_some(journey))
     }
 
-    /// Variance of the time over a window without what the run has for itself, which is added to `own`. A change of speed at t moves the end of the window by (T - t) times it.
+    /// Variance of the time over a window without the run's random effects, which are added to `own`. A change of speed at t moves the end of the window by (T - t) times it.
     fn time_floor(&self, model: &Model, window: &[Row], own: &mut [f64; 3]) -> f64 {
         let noise = &self.calibrated.noise;
         let Some(last) = window.last() else {

@@ -49,7 +49,7 @@ impl Exchange {
                 directions.entry(label).or_default()[usize::from(is_up(i))] = true;
             });
             if directions.values().all(|both| *both != [true, true]) {
-                format!("each {of} went in one direction only, so a {of} that differs is not told from a direction that does")
+                format!("each {of} went in one direction only, so a {of} that differs is not distinguished from a direction that does")
             } else {
                 format!("too few runs of different {of}s share a day and a direction, or go on days with runs in the same directions")
             }

@@ -445,7 +445,7 @@ mod tests {
         };
         assert_eq!(
             one.sentence(),
-            "Whether one unit has more resistance than the others is not known: each unit went in one direction only, so a unit that differs is not told from a direction that does."
+            "Whether one unit has more resistance than the others is not known: each unit went in one direction only, so a unit that differs is not distinguished from a direction that does."
         );
     }
 

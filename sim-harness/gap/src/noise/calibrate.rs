@@ -1,6 +1,6 @@
 //! The noise of a data set, found from the data.
 //!
-//! Maximum likelihood over reading error, disturbance, share of effort changes, and what each run has for itself, beside a model flexible enough to
+//! Maximum likelihood over reading error, disturbance, share of effort changes, and per-run random effects, beside a model flexible enough to
 //! take up any effect. Outliers are given a wider spread instead of being dropped.
 
 use crate::candidate::{Shape, Term};
@@ -83,7 +83,7 @@ pub fn effort(rows: &[Row]) -> Vec<f64> {
     rows.iter().map(|row| row.effort_n_per_kg).collect()
 }
 
-/// Columns of what each run has for itself: constant, wind, mass.
+/// Columns of the per-run random effects: constant, wind, mass.
 pub fn own_columns(context: &Context<'_>, rows: &[Row]) -> [Vec<f64>; 3] {
     [vec![1.0; rows.len()], columns::wind(context, rows, 0.0), columns::mass(context, rows)]
 }
@@ -96,7 +96,7 @@ pub struct Deviations {
     pub own: Own,
 }
 
-/// The whitening under a noise, by what each run has for itself.
+/// The whitening under a noise, by per-run random effects.
 pub fn whitening(deviations: &Deviations, spread: &[f64], rows: &[Row], columns: &[Vec<f64>; 3]) -> Whitening {
     let intervals: Vec<&Interval> = rows.iter().map(|row| &row.interval).collect();
     let ([constant, wind, mass], own) = (columns, &deviations.own);

@@ -33,7 +33,7 @@ impl Noise {
     }
 }
 
-/// Cholesky factor of the tridiagonal covariance, row by row, and what each run has for itself.
+/// Cholesky factor of the tridiagonal covariance, row by row, and per-run random effects.
 #[derive(Clone, Debug)]
 pub struct Whitening {
     runs: Vec<Range<usize>>,
@@ -76,7 +76,7 @@ impl Whitening {
         Self { own: Vec::new(), common: None, runs, diagonal, below, log_determinant }
     }
 
-    /// Adds what each run has for itself: columns (not whitened) with their standard deviations.
+    /// Adds per-run random effects: columns (not whitened) with their standard deviations.
     pub fn with_own(mut self, columns: &[(&[f64], f64)]) -> Self {
         let whitened: Vec<(Vec<f64>, f64)> =
             columns.iter().filter(|(_, sd)| *sd > 0.0).map(|(column, sd)| (self.factor(column), *sd)).collect();

@@ -25,7 +25,7 @@ pub struct Readings {
     pub offset: Option<Offset>,
 }
 
-/// A nuisance as it is told.
+/// A nuisance as it is reported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nuisance {
     /// As in `gap.json`.

@@ -40,7 +40,7 @@ fn noise(answer: &Answer) -> String {
     if noise.change_share > 0.0 {
         text.push_str(&format!(", {} of a change of the effort", percent(noise.change_share)));
     }
-    text.push_str(". What each run has for itself, which no model of other runs can know: ");
+    text.push_str(". Random effects per run, which no model of other runs can know: ");
     text.push_str(&format!(
         "{} N/kg of resistance, {} m/s of wind, {} of mass or effort.",
         number(own.constant_n_per_kg, 4),

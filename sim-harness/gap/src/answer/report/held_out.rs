@@ -51,13 +51,13 @@ fn errors(answer: &Answer) -> (Drawing, String) {
     };
     let grid = Grid::new(
         "Error of the simulated speed before and after",
-        "Root mean square over location and over speed, held-out runs",
+        "Root mean square over location and over speed, hold-out runs",
         2,
         vec![figure("location, km", &km, vec![sections(answer)]), figure("speed, km/h", &kmh, Vec::new())],
     );
     (
         grid.into(),
-        "Root mean square of simulated less measured speed on the held-out runs: with the believed model, with the effects, and what noise alone would leave.".to_owned(),
+        "Root mean square of simulated less measured speed on the hold-out runs: with the believed model, with the effects, and what noise alone would leave.".to_owned(),
     )
 }
 
@@ -94,7 +94,7 @@ pub(super) fn by_run(answer: &Answer) -> Markup {
     } }
 }
 
-/// The run whose error before is the middle one of all held-out runs: a typical one.
+/// The run whose error before is the middle one of all hold-out runs: a typical one.
 fn typical(compared: &[&Compared]) -> Option<usize> {
     let mut runs: Vec<usize> = compared.iter().map(|c| c.run).collect();
     runs.sort_unstable();
@@ -112,7 +112,7 @@ fn one_run(answer: &Answer) -> Option<(Drawing, String)> {
     let windows: Vec<&Compared> = windows(answer).collect();
     let run = typical(&windows)?;
     let caption = format!(
-        "Held-out run {}, a typical one: half of the held-out runs had a larger error before. Windows of up to {} s begin at the measured speed and are driven by the recorded effort, or by none while coasting.",
+        "Hold-out run {}, a typical one: half of the hold-out runs had a larger error before. Windows of up to {} s begin at the measured speed and are driven by the recorded effort, or by none while coasting.",
         name(answer, run),
         number(answer.holdout().window_s, 0)
     );
@@ -124,13 +124,13 @@ fn windows(answer: &Answer) -> impl Iterator<Item = &Compared> {
     answer.found.compared.iter().filter(|c| c.since_s > 0.0)
 }
 
-/// Of a run by its number among the held-out ones.
+/// Of a run by its number among the hold-out ones.
 fn name(answer: &Answer, run: usize) -> &str {
     let index = answer.found.held_out.get(run);
     index.and_then(|index| answer.input.runs.get(*index)).map_or("", |run| run.name.as_str())
 }
 
-/// Measured and simulated speed of a run, by its number among the held-out ones; none where nothing of it was simulated.
+/// Measured and simulated speed of a run, by its number among the hold-out ones; none where nothing of it was simulated.
 pub(super) fn simulated(answer: &Answer, run: usize) -> Option<Drawing> {
     let of_run: Vec<&Compared> = windows(answer).filter(|c| c.run == run).collect();
     if of_run.is_empty() {
@@ -160,7 +160,7 @@ pub(super) fn simulated(answer: &Answer, run: usize) -> Option<Drawing> {
         line("after", AFTER, &|c| c.after_mps),
     ];
     let figure = Figure::new(
-        format!("Held-out run {}", name(answer, run)),
+        format!("Hold-out run {}", name(answer, run)),
         "Measured and simulated speed over location, and their difference",
         "location, km",
         range_of(of_run.iter().map(|c| km(c))),

@@ -1,4 +1,4 @@
-//! Running time and energy of the held-out runs, before and after.
+//! Running time and energy of the hold-out runs, before and after.
 
 use crate::answer::{json::NO_ENERGY, whole::Answer};
 use crate::candidate::ShowsIn;

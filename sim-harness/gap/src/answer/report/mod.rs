@@ -7,7 +7,7 @@
 //! | `law` | each effect's law through the mean residuals |
 //! | `rivals` | who else was tried, and how much worse it fits |
 //! | `limits` | effort over the believed limit, where a limit was found |
-//! | `held_out` | simulated speed before and after, on runs that took no part |
+//! | `held_out` | simulated speed before and after, on hold-out runs |
 //! | `journeys` | running time and energy before and after, on the same runs |
 //! | `tables` | evidence, effects, gap |
 //! | `runs` | the table of runs, and a page for each |
@@ -99,7 +99,7 @@ pub fn page(answer: &Answer, has_run_pages: bool) -> String {
     let sections = [
         Section::new("disagreement", "Where simulation and measurement disagree", disagreement),
         Section::new("missing", "What is missing in the model", missing),
-        Section::new("before-and-after", "Before and after, on held-out runs", compared),
+        Section::new("before-and-after", "Before and after, on hold-out runs", compared),
         Section::new("runs", "Runs", runs::table(answer, &runs::by_run(answer, &explained), has_run_pages)),
         Section::new("caveats", "What this rests on", rests_on),
     ];

@@ -44,13 +44,13 @@ pub(super) fn evidence(found: &Investigation) -> Markup {
     html! {
         h3 { "Is it chance?" }
         (table(head, rows))
-        p.small { "Found by flipping the signs of whole runs, 999 times: intervals of one run are not independent, so the run is the unit. The least p-value that can come out is 0.001." }
+        p.small { "Found by a sign-flip test over runs, 999 times: intervals of one run are not independent, so the run is the unit. The least p-value that can come out is 0.001." }
         @if !found.named.is_empty() {
             p {
                 "With the effects in the model the same test of what is left gives p = " (number(found.p_value_after, 3))
                 ", on the runs that the effects were found in."
                 @if let Some([before, after]) = found.p_value_held_out {
-                    " On the held-out runs alone, with the effects that the others show: " (number(before, 3)) " before, " (number(after, 3)) " after."
+                    " On the hold-out runs alone, with the effects that the others show: " (number(before, 3)) " before, " (number(after, 3)) " after."
                 }
             }
         }
@@ -131,7 +131,7 @@ pub(super) fn gap(answer: &Answer) -> Markup {
     let gap = &found.gap;
     let compared = found.compared.len();
     if compared == 0 {
-        return html! { p { "No held-out run could be compared: too few runs, or too little to simulate in them." } };
+        return html! { p { "No hold-out run could be compared: too few runs, or too little to simulate in them." } };
     }
     let trained = plain(&listed(found.trained.iter().map(|one| one.effect.name())));
     let rows = html! {
@@ -146,7 +146,7 @@ pub(super) fn gap(answer: &Answer) -> Markup {
     html! {
         p {
             (found.held_out.len()) " of " (answer.input.runs.len()) " runs were held out of a second analysis; from the others alone it found " (trained)
-            ". With that, the held-out runs were simulated:"
+            ". With that, the hold-out runs were simulated:"
         }
         (table([text_column("error of the simulated speed"), column("root mean square", "m/s")], rows))
         @if let Some(touched) = &found.touched {

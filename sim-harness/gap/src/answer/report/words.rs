@@ -59,12 +59,12 @@ pub(super) fn verdict(answer: &Answer) -> Vec<String> {
 fn held_out(answer: &Answer) -> Option<String> {
     let (found, gap) = (&answer.found, &answer.found.gap);
     if found.compared.is_empty() {
-        return Some("No held-out run could be compared.".to_owned());
+        return Some("No hold-out run could be compared.".to_owned());
     }
     if gap.is_worse(answer.holdout()) {
         return None;
     }
-    let runs = counted(found.held_out.len(), "held-out run", "held-out runs");
+    let runs = counted(found.held_out.len(), "hold-out run", "hold-out runs");
     let mps = |value| number(value, 2);
     let Some(removed) = gap.removed else {
         return Some(format!(

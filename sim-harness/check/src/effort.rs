@@ -1,0 +1,83 @@
+//! An effort column that has nothing to do with the train: noise, zeros, another train's, the sign turned.
+//!
+//! In: rows of all runs of a unit, put right. Out: how the measured effort goes with the acceleration, where it does not.
+//!
+//! Resistance and gradients stand between the two, so they never agree in full; over starts and stops they agree by far the most. The measured mode learns from the
+//! column whatever it holds, so one that does not follow the train is said.
+
+use crate::agreement::{Figure, HALF_95};
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+
+/// Means over so long are compared, s: a lag of some seconds does not matter.
+const WINDOW_S: f64 = 30.0;
+/// So many windows of a moving train, and speeds that change by so much, m/s^2 (standard deviation), can show it.
+const LEAST_WINDOWS: usize = 60;
+const LEAST_CHANGE: f64 = 0.03;
+/// A correlation that may be above this is one. Judgement: right columns have 0.7 and more.
+const LEAST_CORRELATION: f64 = 0.3;
+
+/// An effort column that does not go with the acceleration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Apart {
+    /// Correlation of both over windows of 30 s.
+    pub correlation: Figure,
+    /// Windows.
+    pub windows: usize,
+    /// What the column holds instead.
+    pub evidence: String,
+}
+
+/// Of the runs of one unit: nothing where the column follows the train, or too little is there to see it.
+pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apart> {
+    let pairs: Vec<(f64, f64)> = recordings.flat_map(|recording| windows(&recording.rows)).collect();
+    let n = pairs.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / n;
+    let [change, effort] = [mean(|pair| pair.0), mean(|pair| pair.1)];
+    let [mut cc, mut ee, mut ce] = [0.0; 3];
+    for pair in &pairs {
+        let [c, e] = [pair.0 - change, pair.1 - effort];
+        cc += c * c;
+        ee += e * e;
+        ce += c * e;
+    }
+    if pairs.len() < LEAST_WINDOWS || (cc / n).sqrt() < LEAST_CHANGE {
+        return None;
+    }
+    let is_constant = ee <= f64::EPSILON * n * effort.powi(2).max(f64::MIN_POSITIVE);
+    let value = if is_constant { 0.0 } else { ce / (cc * ee).sqrt() };
+    let correlation = Figure { value, sd: (1.0 - value * value) / n.sqrt() };
+    let evidence = if is_constant {
+        format!("the effort is {effort:.3} N/kg throughout")
+    } else if value < -LEAST_CORRELATION {
+        "they go against each other".to_owned()
+    } else {
+        format!("{} windows of {WINDOW_S:.0} s", pairs.len())
+    };
+    let is_apart = value + HALF_95 * correlation.sd < LEAST_CORRELATION;
+    is_apart.then_some(Apart { correlation, windows: pairs.len(), evidence })
+}
+
+/// Acceleration, m/s^2, and mean effort, N/kg, of windows in which the train moves and each row has both.
+fn windows(rows: &[Sample]) -> Vec<(f64, f64)> {
+    let mut found = Vec::new();
+    let mut begin = 0;
+    for end in 1..rows.len() {
+        let complete = rows[end].speed_mps.is_some() && rows[end].effort_n_per_kg.is_some();
+        let long_s = rows[end].time_s - rows[begin].time_s;
+        if !complete || long_s > 2.0 * WINDOW_S {
+            begin = end;
+        } else if long_s >= WINDOW_S {
+            found.extend(window(&rows[begin..=end], long_s));
+            begin = end;
+        }
+    }
+    found
+}
+
+fn window(rows: &[Sample], long_s: f64) -> Option<(f64, f64)> {
+    let [first, last] = [rows.first()?.speed_mps?, rows.last()?.speed_mps?];
+    let efforts: Vec<f64> = rows[1..].iter().filter_map(|row| row.effort_n_per_kg).collect();
+    let is_moving = first.max(last) > 0.0;
+    is_moving.then(|| ((last - first) / long_s, efforts.iter().sum::<f64>() / efforts.len() as f64))
+}
