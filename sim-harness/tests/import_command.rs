@@ -151,6 +151,38 @@ fn the_same_bytes_come_out_again() {
     }
 }
 
+#[test]
+fn each_column_of_a_log_is_read_by_its_own_name() {
+    // A column of the table that the import does not know would be lost without a word.
+    let names: Vec<&str> = rundown_files::sample::COLUMNS.iter().map(|column| column.name).collect();
+    let rows = drive(&STOPS_M, 30.0);
+    let text = table(&names.join(","), &rows, |t, x, v| {
+        let value = |name: &&str| match *name {
+            "time_s" => format!("{t}"),
+            "location_m" => format!("{x:.1}"),
+            "speed_kmh" => format!("{:.1}", 3.6 * v),
+            "latitude_deg" => format!("{:.7}", place(x, 0.0).0),
+            "longitude_deg" => format!("{:.7}", place(x, 0.0).1),
+            // Of each other one a value that its range has.
+            _ => "0.25".to_owned(),
+        };
+        names.iter().map(value).collect::<Vec<_>>().join(",")
+    });
+    let folder = Folder::new().with("all.csv", &text);
+    folder.done(&["import", "all.csv", "--out", "runs"]);
+    let logs = std::fs::read_dir(folder.path("runs")).unwrap().map(|entry| entry.unwrap().path());
+    let mut tables = logs.filter(|path| path.extension().is_some_and(|end| end == "csv"));
+    // The list of the runs is a table, too.
+    let written = tables.find_map(|path| std::fs::read_to_string(path).ok().filter(|text| text.starts_with("time_s")));
+    let written = written.expect("a log");
+    let header: Vec<&str> = written.lines().next().unwrap().split(',').collect();
+    for name in names {
+        let at = header.iter().position(|column| *column == name);
+        let at = at.unwrap_or_else(|| panic!("{name} is not in {header:?}"));
+        assert!(written.lines().skip(1).any(|line| !line.split(',').nth(at).unwrap().is_empty()), "{name} is empty");
+    }
+}
+
 /// A ride of a phone along a line that bends, some metres beside it.
 fn gpx(rows: &[(f64, f64, f64)], begin_s: f64, beside_m: f64, from_m: f64) -> String {
     let mut text = String::from(
