@@ -237,6 +237,26 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
     enum_table(tables, &requests);
 }
 
+#[test]
+fn the_defaults_in_the_document_are_those_of_the_code() {
+    let tables = Tables::read();
+    let mut compared = 0;
+    for setting in Setting::all(&Config::default()) {
+        let walk = Fields::of(&setting);
+        let Some((section, table)) = walk.shapes.iter().find_map(|(name, _)| Some((name, tables.find(name)?))) else {
+            continue;
+        };
+        for [field, found] in table.cells(["field", "default"]) {
+            let of_field = |path: &str| path == field || path.starts_with(&format!("{field}."));
+            let values: Vec<&str> =
+                walk.fields.iter().filter(|it| of_field(&it.path)).map(|it| it.value.as_str()).collect();
+            assert_eq!(found, values.join(", "), "{section}: {field}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, tables.defaults(), "defaults of no setting");
+}
+
 /// A board, and what signs messages for it.
 struct Listening {
     board: Board,

@@ -61,6 +61,12 @@ impl Tables {
         tables.flat_map(|table| table.cells(["range"])).filter(|[cell]| cell.contains(" .. ")).count()
     }
 
+    /// How many defaults there are in the tables of settings.
+    pub fn defaults(&self) -> usize {
+        let tables = self.0.values().filter(|table| table.has("default"));
+        tables.map(|table| table.cells(["default"]).count()).sum()
+    }
+
     /// Fields that are lists, with the most items that they hold.
     pub fn lists(&self) -> impl Iterator<Item = (&str, &str)> {
         let tables = self.0.values().filter(|table| table.has("field"));
