@@ -200,8 +200,8 @@ fn the_tables_of_the_reference_come_out_of_the_command() {
     let [backward, alpha_1] = ["backward.toml", "alpha_1.toml"].map(reference);
     for (options, name) in [
         (["--mode", "paper"], "A_run01_forward.csv"),
-        (["--config", &backward], "A_run01.csv"),
-        (["--config", &alpha_1], "D_run01.csv"),
+        (["--config", backward.as_str()], "A_run01.csv"),
+        (["--config", alpha_1.as_str()], "D_run01.csv"),
     ] {
         let folder = Folder::new().with("run.csv", RUN);
         let output = folder.replay(&[&options[..], &["run.csv"]].concat());
