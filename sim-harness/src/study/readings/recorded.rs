@@ -18,7 +18,7 @@ use rundown_truth::sensors::SpeedReading;
 
 /// The paper's r0, N/kg: for another train its band says nothing.
 const PAPERS_R0: f64 = 7.38e-3;
-/// A skew is told to this, s.
+/// A skew is rounded to this, s.
 const SKEW_STEP_S: f64 = 0.1;
 
 pub struct Recorded {
