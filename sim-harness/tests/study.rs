@@ -400,8 +400,8 @@ fn the_headline_speaks_of_all_sets_and_not_of_the_first() {
     assert!(said.out.contains("Judged on one set of runs alone"), "{}", said.out);
 }
 
-/// `data/golden/paper` has what `rundown study --all --seeds 20 --out paper` wrote: claims/claims.md, with which docs/paper.md is compared, and
-/// study/claims.csv, whose words are those of the first set.
+/// `data/golden/paper` has what `rundown study --all --seeds 20 --out paper` wrote: claims/claims.md and readings/readings.md, with which docs/paper.md
+/// is compared, and study/claims.csv, whose words are those of the first set.
 #[test]
 fn the_first_set_of_runs_says_what_was_measured() {
     let folder = Folder::new();

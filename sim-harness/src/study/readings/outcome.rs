@@ -262,18 +262,20 @@ fn comparison(all: &[Compared]) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::markdown::found;
+    use crate::output::markdown::{found, measured, page};
 
+    /// A row of the document is one that was measured, and what was measured has the combinations that are compared now.
     #[test]
-    fn the_table_of_the_document_has_the_rows_that_are_written() {
-        let document = crate::output::markdown::page("paper.md");
+    fn the_table_of_the_document_has_the_rows_that_were_measured() {
         let all: Vec<Compared> = Combination::all().into_iter().map(Compared::new).collect();
-        let (theirs, ours) = (found(&document, "| effort | speed |"), found(&markdown(&all), "| effort |"));
-        assert_eq!(ours.len(), Combination::all().len() + 1);
-        assert_eq!(theirs.first(), ours.first());
+        let [document, measured, now] = [page("paper.md"), measured("readings.md"), markdown(&all)];
+        let [theirs, then, now] = [&document, &measured, &now].map(|text| found(text, "| effort | speed |"));
+        assert_eq!((&theirs[0], &then[0]), (&now[0], &now[0]));
+        let labels = |rows: &[Vec<String>]| rows.iter().map(|row| row[..3].to_vec()).collect::<Vec<_>>();
+        assert_eq!(labels(&then), labels(&now));
         assert!(theirs.len() > 5, "{}", theirs.len());
         for row in &theirs[1..] {
-            assert!(ours.iter().any(|of_ours| of_ours[..3] == row[..3]), "{:?}", &row[..3]);
+            assert!(then.contains(row), "docs/paper.md: {row:?}");
         }
     }
 }
