@@ -197,9 +197,14 @@ fn a_log_without_any_speed_is_named_and_one_that_cannot_be_read_is_no_reason_for
 /// From the command line to the reference: configuration by file, results from the file that a user reads.
 #[test]
 fn the_tables_of_the_reference_come_out_of_the_command() {
-    for (config, name) in [("backward.toml", "A_run01.csv"), ("alpha_1.toml", "D_run01.csv")] {
+    let [backward, alpha_1] = ["backward.toml", "alpha_1.toml"].map(reference);
+    for (options, name) in [
+        (["--mode", "paper"], "A_run01_forward.csv"),
+        (["--config", backward.as_str()], "A_run01.csv"),
+        (["--config", alpha_1.as_str()], "D_run01.csv"),
+    ] {
         let folder = Folder::new().with("run.csv", RUN);
-        let output = folder.replay(&["--config", &reference(config), "run.csv"]);
+        let output = folder.replay(&[&options[..], &["run.csv"]].concat());
         assert_eq!(output.code, Some(0), "{}", output.err);
         let found = columns(&folder.read("out/run.estimates.csv"));
         let expected = columns(&std::fs::read_to_string(reference(name)).unwrap());

@@ -15,10 +15,12 @@ const SETS: u16 = 5;
 const RUNS: usize = 20;
 
 /// How much is simulated, as the command line says.
-pub(super) struct Extent {
+pub(super) struct Extent<'a> {
     pub(super) sets: Option<u16>,
     pub(super) runs: Option<usize>,
     pub(super) seed: u64,
+    /// In place of the experiment's own.
+    pub(super) values: Option<&'a [f64]>,
 }
 
 /// The names and questions of all experiments.
@@ -32,9 +34,11 @@ pub(super) fn list() -> ExitCode {
 
 /// Every experiment, each in a folder of its own.
 pub(super) fn all(extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
-    if as_json {
-        let message = "--json: expected one experiment, found all".to_owned();
-        return Err(Failure { message, code: WRONG_ARGUMENTS });
+    for (is_given, option) in [(as_json, "--json"), (extent.values.is_some(), "--values")] {
+        if is_given {
+            let message = format!("{option}: expected one experiment, found all");
+            return Err(Failure { message, code: WRONG_ARGUMENTS });
+        }
     }
     for experiment in &catalogue::ALL {
         run(experiment.name, extent, &out.join(experiment.name), false)?;
@@ -50,9 +54,9 @@ pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Res
         bar.inc(1);
     };
     let (sets, runs) = (usize::from(extent.sets.unwrap_or(SETS)), extent.runs.unwrap_or(RUNS));
-    let Experiment { name, question, answer, .. } = *experiment;
+    let Experiment { name, question, .. } = *experiment;
     let plan = Plan { name, question, sets, runs, seed: extent.seed, done: &done };
-    let answer: Answer = answer(&plan)?;
+    let answer: Answer = experiment.answer(&plan, extent.values)?.ok_or_else(|| no_values(name))?;
     bar.finish_and_clear();
     folder::write("study", out, &Provenance::begin(&[]), |folder| -> Result<(), WriteError> {
         write::pictures(folder, &[answer.picture()])
@@ -64,6 +68,11 @@ pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Res
         screen::print(&format!("\nresults: {}\n", out.display()));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn no_values(name: &str) -> Failure {
+    let message = format!("--values: expected an experiment whose variants are values, found {name}: its are kinds");
+    Failure { message, code: WRONG_ARGUMENTS }
 }
 
 fn unknown(name: &str) -> Failure {

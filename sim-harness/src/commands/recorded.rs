@@ -15,12 +15,12 @@ pub struct RecordedRuns {
     /// Description of the train of recorded runs
     #[arg(long, value_name = "T.toml", requires = "runs")]
     train: Option<PathBuf>,
-    /// Take recorded runs as they are: what `rundown check` would put right is left as it is
-    #[arg(long, requires = "runs")]
-    as_recorded: bool,
+    /// Take the runs as they are: what `rundown check` would put right is left as it is
+    #[arg(long)]
+    pub(super) as_recorded: bool,
     /// Count runs with red signals, restrictions or other disturbances, too; without it they are set aside, with a note
     #[arg(long, requires = "runs")]
-    keep_perturbed: bool,
+    pub(super) keep_perturbed: bool,
     #[command(flatten)]
     pub(super) strict: Strict,
     /// Description of the track of recorded runs
@@ -34,6 +34,8 @@ pub(super) struct Opened {
     pub(super) track_file: TrackFile,
     pub(super) track: Track,
     pub(super) source: RunSource,
+    /// What an estimator puts right by itself, and what is known of the line.
+    pub(super) known: Known,
     /// The files that were read, and those that will be.
     pub(super) inputs: Vec<PathBuf>,
     /// The estimator's, as far as the track is doubted.
@@ -44,6 +46,15 @@ impl RecordedRuns {
     /// Reads the descriptions and finds the runs; `None` when none are asked for.
     /// `config`: that of the estimator.
     pub(super) fn open(&self, config: &Config) -> Result<Option<Opened>, Failure> {
+        self.open_as(config, self.as_recorded)
+    }
+
+    /// The same, but that runs are left to be diagnosed by `Opened::known`.
+    pub(super) fn open_undiagnosed(&self, config: &Config) -> Result<Option<Opened>, Failure> {
+        self.open_as(config, true)
+    }
+
+    fn open_as(&self, config: &Config, as_recorded: bool) -> Result<Option<Opened>, Failure> {
         let (Some(train), Some(track)) = (&self.train, &self.track) else {
             return Ok(None);
         };
@@ -58,10 +69,10 @@ impl RecordedRuns {
             limits: Described::of(Some(train), Some(&track_file)),
             moves_locations: true,
         };
-        let known = (!self.as_recorded).then_some(known);
-        let source = RunSource::recorded(&self.runs, line, known, self.keep_perturbed, screen::note)?;
+        let diagnosed = (!as_recorded).then(|| known.clone());
+        let source = RunSource::recorded(&self.runs, line, diagnosed, self.keep_perturbed, screen::note)?;
         let config = track_file.doubted(*config);
         let inputs = [described.to_vec(), source.files()].concat();
-        Ok(Some(Opened { train_file, train, track_file, track, source, inputs, config }))
+        Ok(Some(Opened { train_file, train, track_file, track, source, known, inputs, config }))
     }
 }

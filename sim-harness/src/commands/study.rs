@@ -8,6 +8,8 @@ use crate::study::claims::{Claim, Verdict, summary};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, Rows, gather};
 use crate::study::page::{self, StudyPage, known};
+use crate::study::readings::comparison::Compared;
+use crate::study::readings::recorded::Taken;
 use crate::study::readings::{self, comparison, outcome, reading::Combination};
 use crate::study::run_pages::RunPages;
 use crate::study::slope::{Answer, Plan};
@@ -50,6 +52,7 @@ Examples:
 
   Which reading of the text, with which recorder, gives the paper's figures? (--seeds 20: about four minutes)
     rundown study --readings --out readings
+    rundown study --readings --runs logs/ --train train.toml --track track.toml --out readings
 
   Why did the paper see no tunnel?
     rundown study --tunnel --out tunnel
@@ -57,6 +60,7 @@ Examples:
   What the paper leaves to future work, each question an experiment with a table and a figure
     rundown study --list-experiments
     rundown study --experiment sampling --out sampling
+    rundown study --experiment wind --values 0,3,6 --out wind
 
 Files in the output folder:
   report.html, report/  Table 1 and Figs. 1 to 9, each with the paper's statement, our value and the truth
@@ -93,7 +97,7 @@ pub struct Arguments {
     /// Configuration of the estimator; what it leaves out keeps its default, its mode is not used
     #[arg(long, value_name = "C.toml")]
     config: Option<PathBuf>,
-    /// Name of the run of Figs. 3, 5 and 6; without it the one whose regimes are nearest to those of the paper's run
+    /// Name of the run of Figs. 3, 5 and 6; without it the one that is nearest to the paper's by its largest speed, its brake and its regimes
     #[arg(long, value_name = "RUN")]
     example: Option<String>,
     /// Folder for the results; made when it does not exist
@@ -107,8 +111,8 @@ pub struct Arguments {
     /// Only the self-test of learning: vehicles with 0.7 to 1.3 of the described resistance
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs"])]
     truth_slope: bool,
-    /// Only the comparison of readings of the text and of recorders, on simulated runs
-    #[arg(long, conflicts_with_all = ["runs", "count", "example", "keep_runs", "truth_slope", "config"])]
+    /// Only the comparison of readings of the text: with many recorders on simulated runs, or on recorded ones (--runs)
+    #[arg(long, conflicts_with_all = ["count", "example", "keep_runs", "truth_slope", "config"])]
     readings: bool,
     /// All of it: the case study with both efforts and by two recorders, its claims beside each other, the readings, the self-test of learning and the tunnel, each in a folder of its own
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "tunnel", "config", "json"])]
@@ -119,6 +123,9 @@ pub struct Arguments {
     /// Only one of the experiments that the paper leaves to future work, or all; --seeds sets (5) of --count runs (20)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config", "all", "tunnel"])]
     experiment: Option<String>,
+    /// Values of your own for the experiment, in the unit of its axis, in place of its variants
+    #[arg(long, value_name = "X,Y,...", requires = "experiment", value_delimiter = ',', allow_hyphen_values = true)]
+    values: Vec<f64>,
     /// Print the names and questions of the experiments, and nothing else
     #[arg(long)]
     list_experiments: bool,
@@ -175,7 +182,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     if let Some(name) = &arguments.experiment {
         let seed = arguments.seed.unwrap_or(SEED);
-        let extent = experiment::Extent { sets: arguments.seeds, runs: arguments.count, seed };
+        let values = (!arguments.values.is_empty()).then_some(arguments.values.as_slice());
+        let extent = experiment::Extent { sets: arguments.seeds, runs: arguments.count, seed, values };
         return match name.as_str() {
             ALL => experiment::all(&extent, &arguments.out, arguments.json),
             name => experiment::run(name, &extent, &arguments.out, arguments.json),
@@ -197,7 +205,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Some(path) => Simulation::read(path),
         None => case_study(),
     }?;
-    Ok(case_study_or_runs(arguments, config, simulation, &arguments.out)?.0)
+    let as_recorded = arguments.recorded.as_recorded;
+    Ok(case_study_or_runs(arguments, config, simulation, as_recorded, &arguments.out)?.0)
 }
 
 /// Every figure and table, each part in a folder of its own.
@@ -206,13 +215,14 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     let mut backward = config;
     backward.paper.difference = Difference::Backward;
     let cases = [
-        ("backward", backward, case_study()?),
-        ("study", config, case_study()?),
-        ("skewed", config, skewed_case_study()?),
+        ("backward", backward, case_study()?, false),
+        ("study", config, case_study()?, false),
+        ("skewed", config, skewed_case_study()?, true),
+        ("skewed_put_right", config, skewed_case_study()?, false),
     ];
     let (mut codes, mut compared) = (Vec::new(), Vec::new());
-    for ((folder, config, simulation), name) in cases.into_iter().zip(claims::markdown::READINGS) {
-        let (code, claims) = case_study_or_runs(arguments, config, simulation, &part(folder))?;
+    for ((folder, config, simulation, as_recorded), name) in cases.into_iter().zip(claims::markdown::READINGS) {
+        let (code, claims) = case_study_or_runs(arguments, config, simulation, as_recorded, &part(folder))?;
         codes.push(code);
         compared.push((name, claims));
     }
@@ -225,15 +235,16 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     Ok(codes.into_iter().find(|code| *code != ExitCode::SUCCESS).unwrap_or(ExitCode::SUCCESS))
 }
 
-/// `simulation` is what is studied where no recorded runs are given. Out: what the command ends with, and the claims.
+/// `simulation` is what is studied where no recorded runs are given, `as_recorded` or put right. Out: what the command ends with, and the claims.
 fn case_study_or_runs(
     arguments: &Arguments,
     config: Config,
     simulation: Simulation,
+    as_recorded: bool,
     out: &Path,
 ) -> Result<(ExitCode, Vec<Claim>), Failure> {
     arguments.keep_runs.as_deref().map_or(Ok(()), |file| place_of_runs(file, out))?;
-    let described = described(arguments, &config, simulation)?;
+    let described = described(arguments, &config, simulation, as_recorded)?;
     let inputs: Vec<PathBuf> = described.inputs.iter().chain(&arguments.config).cloned().collect();
     let study = folder::write("study", out, &Provenance::begin(&inputs), |folder| {
         let study = study(
@@ -306,13 +317,19 @@ fn place_of_runs(file: &Path, out: &Path) -> Result<(), Failure> {
     Ok(parent.map_or(Ok(()), files::folder)?)
 }
 
-fn described(arguments: &Arguments, config: &Config, simulation: Simulation) -> Result<Described, Failure> {
+fn described(
+    arguments: &Arguments,
+    config: &Config,
+    simulation: Simulation,
+    as_recorded: bool,
+) -> Result<Described, Failure> {
     let Some(opened) = arguments.recorded.open(config)? else {
         let seed = arguments.seed.unwrap_or(simulation.seed);
         let count = arguments.count.unwrap_or(simulation.runs);
-        return simulated(simulation, seed, count, usize::from(arguments.seeds.unwrap_or(1)));
+        let seeds = usize::from(arguments.seeds.unwrap_or(1));
+        return simulated(simulation, seed, count, seeds, as_recorded);
     };
-    let Opened { train_file, train, track_file, track, source, inputs, config } = opened;
+    let Opened { train_file, train, track_file, track, source, inputs, config, .. } = opened;
     Ok(Described {
         train_name: train_file.name,
         track_name: track_file.name,
@@ -327,9 +344,15 @@ fn described(arguments: &Arguments, config: &Config, simulation: Simulation) -> 
     })
 }
 
-fn simulated(simulation: Simulation, seed: u64, count: usize, seeds: usize) -> Result<Described, Failure> {
+fn simulated(
+    simulation: Simulation,
+    seed: u64,
+    count: usize,
+    seeds: usize,
+    as_recorded: bool,
+) -> Result<Described, Failure> {
     let of_scenario = description::of(&simulation)?;
-    let other = |index| RunSource::simulated(simulation.clone(), comparison::seed_of(seed, index), count);
+    let other = |index| RunSource::simulated(simulation.clone(), comparison::seed_of(seed, index), count, as_recorded);
     let words = match seeds {
         1 => format!("simulated with seed {seed}"),
         _ => format!("simulated with seed {seed}, claims also judged on {} other sets", seeds - 1),
@@ -344,7 +367,7 @@ fn simulated(simulation: Simulation, seed: u64, count: usize, seeds: usize) -> R
         track: of_scenario.track,
         words,
         others: (1..seeds).map(other).collect(),
-        source: RunSource::simulated(simulation, seed, count),
+        source: RunSource::simulated(simulation, seed, count, as_recorded),
     })
 }
 
@@ -352,7 +375,7 @@ fn simulated(simulation: Simulation, seed: u64, count: usize, seeds: usize) -> R
 pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
     let simulation = case_study()?;
     let runs = simulation.runs;
-    let described = simulated(simulation, seed, runs, 1)?;
+    let described = simulated(simulation, seed, runs, 1, false)?;
     folder::write("study", out, &Provenance::begin(&[]), |folder| {
         study(described, Config::default(), seed, None, Kept { runs: None, pages: true }, folder)
     })
@@ -544,6 +567,9 @@ fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<Exit
 }
 
 fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
+    if let Some(opened) = arguments.recorded.open_undiagnosed(&Config::default())? {
+        return readings_of(arguments, opened, out);
+    }
     let provenance = Provenance::begin(&arguments.scenario.iter().cloned().collect::<Vec<_>>());
     let simulation = match &arguments.scenario {
         Some(path) => Simulation::read(path),
@@ -558,21 +584,71 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
     let bar = screen::progress(plan.seeds * Combination::all().len());
     let all = comparison::compare(&plan, || bar.inc(1))?;
     bar.finish_and_clear();
-    let pictures = [readings::picture::picture(&all, plan.seeds)];
+    let words = Words {
+        on: format!("{} sets of {} simulated runs", plan.seeds, plan.runs),
+        of: format!("mean of {} seeds", plan.seeds),
+        notes: Vec::new(),
+        extent: json!({ "runs": plan.runs, "seeds": plan.seeds, "seed": plan.seed }),
+    };
+    write_readings(&all, words, &provenance, arguments.json, out)
+}
+
+/// The readings on recorded runs.
+fn readings_of(arguments: &Arguments, opened: Opened, out: &Path) -> Result<ExitCode, Failure> {
+    let Opened { train, track, mut source, known, inputs, .. } = opened;
+    let recorded = &arguments.recorded;
+    let taken = Taken { known: &known, as_recorded: recorded.as_recorded, keep_perturbed: recorded.keep_perturbed };
+    let found = readings::recorded::recorded(&mut source, taken, &train)?;
+    found.notes.iter().for_each(|text| screen::note(text));
+    recorded.strict.check(found.notes.len())?;
+    if found.runs == 0 {
+        return Err(Failure::no_runs("no run could be used; the notes say why"));
+    }
+    let believed = description::Believed { train, track };
+    let bar = screen::progress(Combination::of(found.by_recorder.iter().map(|(recorder, _)| *recorder)).len());
+    let all = comparison::compare_recorded(&believed, &found.by_recorder, found.left_out, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let runs = counted(found.runs, "recorded run", "recorded runs");
+    let extent = json!({ "runs": found.runs, "seeds": null, "seed": null });
+    let words = Words { on: runs.clone(), of: runs, notes: found.notes, extent };
+    write_readings(&all, words, &Provenance::begin(&inputs), arguments.json, out)
+}
+
+/// What is said beside the readings.
+struct Words {
+    /// What they are compared on.
+    on: String,
+    /// What the values of the picture are of.
+    of: String,
+    notes: Vec<String>,
+    /// The first fields of the JSON.
+    extent: serde_json::Value,
+}
+
+fn write_readings(
+    all: &[Compared],
+    words: Words,
+    provenance: &Provenance,
+    as_json: bool,
+    out: &Path,
+) -> Result<ExitCode, Failure> {
+    let pictures = [readings::picture::picture(all, &words.of)];
     let rows: Vec<_> = column::records(&pictures[0].numbers).iter().map(rundown_files::table::to_json).collect();
-    let json = json!({ "runs": plan.runs, "seeds": plan.seeds, "seed": plan.seed, "combinations": rows });
+    let mut json = words.extent;
+    json["notes"] = json!(words.notes);
+    json["combinations"] = json!(rows);
     let json = format!("{json:#}\n");
-    let page = outcome::page(&plan, &all, &pictures);
-    folder::write("study", out, &provenance, |folder| -> Result<(), WriteError> {
+    let page = outcome::page(&words.on, &words.notes, all, &pictures);
+    folder::write("study", out, provenance, |folder| -> Result<(), WriteError> {
         write::pictures(folder, &pictures)?;
         write::text(&folder.join("readings.json"), &json)?;
-        write::text(&folder.join("readings.md"), &outcome::markdown(&all))?;
+        write::text(&folder.join("readings.md"), &outcome::markdown(all))?;
         write::text(&folder.join("report.html"), &page)
     })?;
-    match arguments.json {
+    match as_json {
         true => screen::print(&json),
         false => {
-            screen::print(&outcome::screen(&all));
+            screen::print(&outcome::screen(all));
             screen::print(&format!("\nresults: {}\n", out.display()));
         }
     }

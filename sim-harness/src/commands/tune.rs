@@ -117,7 +117,7 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenan
         None => {
             let simulation = case_study()?;
             let described = description::of(&simulation)?;
-            let source = RunSource::simulated(simulation, arguments.seed, count);
+            let source = RunSource::simulated(simulation, arguments.seed, count, true);
             (described.train, described.track, source, "simulated", base)
         }
     };

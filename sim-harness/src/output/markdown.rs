@@ -18,7 +18,18 @@ pub fn cells<const N: usize>(words: [&str; N]) -> Vec<String> {
 /// A page of `docs/`. Read when the test runs, so that a document can be corrected without a build.
 #[cfg(test)]
 pub fn page(name: &str) -> String {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name);
+    read(&format!("docs/{name}"))
+}
+
+/// A file of `data/golden/paper`, as `rundown study --all --seeds 20` wrote it.
+#[cfg(test)]
+pub fn measured(name: &str) -> String {
+    read(&format!("data/golden/paper/{name}"))
+}
+
+#[cfg(test)]
+fn read(path: &str) -> String {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 

@@ -80,8 +80,9 @@ pub const EXPERIMENT: &[[&str; 4]] = &[
 /// Of `readings.json`.
 pub const READINGS: &[[&str; 4]] = &[
     ["runs", "", "runs of each set", ""],
-    ["seeds", "", "sets of runs", ""],
-    ["seed", "", "seed of the first set", ""],
+    ["seeds", "", "sets of runs", "the runs are recorded"],
+    ["seed", "", "seed of the first set", "the runs are recorded"],
+    ["notes[]", "", "what was found in recorded runs, and what they say nothing of, each a sentence", ""],
     ["combinations[].*", "", "the columns of `readings.csv`", "the cell of the table is empty"],
 ];
 

@@ -28,6 +28,10 @@ use std::collections::HashMap;
 
 /// Traction, cruise, coast and brake of the run of Figs. 3, 5 and 6, shares of its time (section 4.3).
 pub const PAPERS_RUN: [f64; 4] = [0.164, 0.17, 0.57, 0.093];
+/// Its brake stays below this share of the largest (section 4.2).
+pub const PAPERS_LARGEST_BRAKE: f64 = 0.59;
+/// It runs as fast as the line permits: section 4.2 reads shares of the resistance from it that are those at 140 km/h.
+const PAPERS_TOP_KMH: f64 = 138.0;
 /// Runs that the page lists, and that have pages of their own: more would be slow to open, and `runs.csv` has all.
 pub const LISTED: usize = 2000;
 /// Runs whose points are drawn.
@@ -50,6 +54,8 @@ impl Estimators {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
     pub recording: Recording,
+    /// What the recorder wrote, where it is something else.
+    pub as_recorded: Option<Recording>,
     pub paper: Seen,
     pub gated: Seen,
     pub truth: Option<Seen>,
@@ -60,6 +66,11 @@ impl Drawn {
         &self.recording.name
     }
 
+    /// What the recorder wrote.
+    pub fn read(&self) -> &Recording {
+        self.as_recorded.as_ref().unwrap_or(&self.recording)
+    }
+
     /// Measured location in m and speed in km/h; none where one is missing.
     pub fn profile(&self) -> impl Iterator<Item = Option<(f64, f64)>> {
         self.recording.rows.iter().map(|row| Some((row.location_m?, 3.6 * row.speed_mps?)))
@@ -68,9 +79,28 @@ impl Drawn {
 
 #[derive(Clone, Debug)]
 pub struct Example {
+    /// The paper's loop on what the recorder wrote.
     pub paper: ReplayedRun,
+    /// The same on readings that were put right, where some were: regimes and features are of these.
+    pub put_right: Option<ReplayedRun>,
     pub gated: ReplayedRun,
     pub truth: Option<CaseTruth>,
+}
+
+impl Example {
+    /// `looped`: the paper's loop on what the recorder wrote, where that is something else than the first run was made of.
+    fn of([features, gated]: [ReplayedRun; 2], looped: Option<ReplayedRun>, truth: Option<CaseTruth>) -> Self {
+        let (paper, put_right) = match looped {
+            Some(looped) => (looped, Some(features)),
+            None => (features, None),
+        };
+        Self { paper, put_right, gated, truth }
+    }
+
+    /// The run of the paper's mode from which regimes and features are taken.
+    pub fn features(&self) -> &ReplayedRun {
+        self.put_right.as_ref().unwrap_or(&self.paper)
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -96,7 +126,7 @@ pub struct Gathered {
     pub example: Option<Example>,
     /// What held it up, where it is set aside.
     pub example_aside: Option<String>,
-    /// How far its regimes are from [`PAPERS_RUN`]: root of the sum of squares of the shares.
+    /// How far it is from the paper's run.
     pub example_off: f64,
     /// What the gated mode knows of each unit after its last run, by name.
     pub units: Vec<(String, Gaussian<3>)>,
@@ -143,7 +173,8 @@ pub enum GatherError {
 }
 
 /// Replays all runs of a source. `sink` gets a row for each run, chunk by chunk in order; `done` is called with the runs of each chunk.
-/// `wanted` is the name of the run of Figs. 3, 5 and 6; without one, that whose regimes in the paper's mode are nearest to those of the paper's run.
+/// `wanted` is the name of the run of Figs. 3, 5 and 6; without one, that which is nearest to the paper's in what section 4 says of it: its regimes in the
+/// paper's mode, its largest speed, its largest brake rate.
 ///
 /// # Errors
 /// [`GatherError`] when runs cannot be read or rows cannot be written. A single bad log is no error: it is in `failed`.
@@ -160,6 +191,7 @@ pub fn gather(
     let stride = source.total().div_ceil(DRAWN).max(1);
     let mut index = 0;
     let of_run = columns();
+    let max_brake_mps2 = estimators.paper.train().description().max_brake_mps2;
     while let Some(loaded) = source.next_chunk()? {
         let count = loaded.len();
         let mut cases = Vec::with_capacity(count);
@@ -183,7 +215,7 @@ pub fn gather(
         let records: Vec<Record> = all.iter().map(|one| record(&of_run, one)).collect();
         sink(&Rows { all: &all, used: &chunk, records: &records })?;
         for one in chunk {
-            gathered.add(one, index % stride == 0, wanted);
+            gathered.add(one, index % stride == 0, wanted, max_brake_mps2);
             index += 1;
         }
         gathered.show_aside(aside, wanted);
@@ -201,6 +233,8 @@ pub fn gather(
 pub struct LookedAt {
     case: Case,
     runs: [ReplayedRun; 2],
+    /// The paper's loop on what the recorder wrote, where that is something else.
+    looped: Option<ReplayedRun>,
     seen: [Seen; 2],
     truth: Option<Seen>,
 }
@@ -209,19 +243,29 @@ fn looked_at(estimators: &Estimators, cases: Vec<Case>, vehicles: &mut HashMap<S
     let Estimators { paper, gated } = estimators;
     let train = paper.train();
     let recordings: Vec<&Recording> = cases.iter().map(|case| &case.recording).collect();
-    let (apart, carried) = rayon::join(
-        || replay_apart_by(&|_| paper, &recordings, Tick::EverySample, || ()),
+    let read: Vec<&Recording> = cases.iter().filter_map(|case| case.as_recorded.as_ref()).collect();
+    let apart = |recordings: &[&Recording]| replay_apart_by(&|_| paper, recordings, Tick::EverySample, || ());
+    let ((apart, looped), carried) = rayon::join(
+        || (apart(&recordings), apart(&read)),
         || replay_units_by(&|_| gated, &recordings, Tick::EverySample, vehicles, || ()),
     );
-    let runs: Vec<(Case, [ReplayedRun; 2])> =
-        cases.into_iter().zip(apart.into_iter().zip(carried).map(|(apart, carried)| [apart, carried])).collect();
-    let look = |(case, runs): (Case, [ReplayedRun; 2])| LookedAt {
-        seen: runs.each_ref().map(|run| Seen::of_replay(run, train)),
-        truth: case.truth.as_ref().map(|truth| Seen::of_truth(truth, train)),
-        case,
-        runs,
+    let mut looped = looped.into_iter();
+    let with_loop = |case: Case| {
+        let looped = case.as_recorded.is_some().then(|| looped.next()).flatten();
+        (case, looped)
     };
-    runs.into_par_iter().map(look).collect()
+    let cases: Vec<(Case, Option<ReplayedRun>)> = cases.into_iter().map(with_loop).collect();
+    let look = |((case, looped), runs): ((Case, Option<ReplayedRun>), [ReplayedRun; 2])| {
+        let [features, gated] = runs.each_ref().map(|run| Seen::of_replay(run, train));
+        let paper = match &looped {
+            Some(looped) => features.with_filter(Seen::of_replay(looped, train)),
+            None => features,
+        };
+        let truth = case.truth.as_ref().map(|truth| Seen::of_truth(truth, train));
+        LookedAt { seen: [paper, gated], truth, case, runs, looped }
+    };
+    let runs: Vec<[ReplayedRun; 2]> = apart.into_iter().zip(carried).map(Into::into).collect();
+    cases.into_par_iter().zip(runs).map(look).collect()
 }
 
 impl LookedAt {
@@ -255,7 +299,7 @@ pub fn columns() -> Vec<Column<LookedAt>> {
         Column::text("driver", "who drove", |one: &LookedAt| one.case.recording.driver.clone())
             .empty_when("no index names one"),
         Column::count("rows", "rows of the log", |one: &LookedAt| one.case.recording.rows.len()),
-        Column::number("top_kmh", "km/h", "largest measured speed", |one: &LookedAt| top_kmh(&one.case.recording)),
+        Column::number("top_kmh", "km/h", "largest measured speed", |one: &LookedAt| top_kmh(one.case.read())),
         Column::text("perturbed", "what outside the train held the run up", |one: &LookedAt| {
             one.case.recording.perturbed.clone().unwrap_or_default()
         })
@@ -276,13 +320,14 @@ impl Gathered {
     /// A run that is set aside is shown where it is asked for by its name; of what is said of all runs it is no part.
     fn show_aside(&mut self, aside: Vec<LookedAt>, wanted: Option<&str>) {
         let Some(one) = aside.into_iter().find(|one| Some(one.case.recording.name.as_str()) == wanted) else { return };
-        let LookedAt { case: Case { recording, truth }, runs: [paper, gated], .. } = one;
-        self.example_aside = recording.perturbed;
-        self.example = Some(Example { paper, gated, truth });
+        self.example_aside.clone_from(&one.case.recording.perturbed);
+        let LookedAt { case, runs, looped, .. } = one;
+        self.example = Some(Example::of(runs, looped, case.truth));
     }
 
-    fn add(&mut self, one: LookedAt, is_drawn: bool, wanted: Option<&str>) {
-        let LookedAt { case: Case { recording, truth: case_truth }, runs, seen, truth } = one;
+    fn add(&mut self, one: LookedAt, is_drawn: bool, wanted: Option<&str>, max_brake_mps2: f64) {
+        let top_kmh = top_kmh(one.case.read());
+        let LookedAt { case: Case { recording, as_recorded, truth: case_truth }, runs, looped, seen, truth } = one;
         let [paper, gated] = seen;
         self.paper.add(&paper);
         self.gated.add(&gated);
@@ -290,29 +335,25 @@ impl Gathered {
             self.truth.add(truth);
         }
         if let Some(truth) = &case_truth {
-            self.add_speed_errors(&recording, truth, &runs);
+            let read = as_recorded.as_ref().unwrap_or(&recording);
+            self.add_speed_errors(read, truth, [looped.as_ref().unwrap_or(&runs[0]), &runs[1]]);
         }
         self.add_extent(&recording);
         self.rows += recording.rows.len() as u64;
-        let top_kmh = top_kmh(&recording);
         self.top_kmh.add(top_kmh);
         self.over_limit += u64::from(top_kmh > LIMIT_KMH);
-        let off = paper.outcome.shares.map_or(f64::INFINITY, |shares| {
-            let squares = shares.iter().zip(PAPERS_RUN).map(|(share, papers)| (share - papers).powi(2));
-            squares.sum::<f64>().sqrt()
-        });
+        let off = off_papers_run(&paper.outcome, top_kmh, max_brake_mps2);
         let is_nearer = self.example.is_none() || off < self.example_off;
         if wanted.map_or(is_nearer, |name| recording.name == name) {
             self.example_off = off;
-            let [paper, gated] = runs;
-            self.example = Some(Example { paper, gated, truth: case_truth });
+            self.example = Some(Example::of(runs, looped, case_truth));
         }
         if self.listed.len() < LISTED {
             let (name, unit) = (recording.name.clone(), recording.unit.clone());
             self.listed.push(Listed { name, unit, top_kmh, gated: gated.outcome.clone() });
         }
         if is_drawn {
-            self.drawn.push(Drawn { recording, paper, gated, truth });
+            self.drawn.push(Drawn { recording, as_recorded, paper, gated, truth });
         }
     }
 
@@ -331,7 +372,7 @@ impl Gathered {
     }
 
     /// How far readings and filtered speeds are from the truth, and whether the train was too fast.
-    fn add_speed_errors(&mut self, recording: &Recording, truth: &CaseTruth, [paper, gated]: &[ReplayedRun; 2]) {
+    fn add_speed_errors(&mut self, recording: &Recording, truth: &CaseTruth, [paper, gated]: [&ReplayedRun; 2]) {
         let true_kmh = |index: usize| Some(3.6 * truth.samples.get(index)?.speed_mps);
         let rms = |speeds_mps: &mut dyn Iterator<Item = Option<f64>>| {
             let mut squares = Moments::default();
@@ -357,6 +398,19 @@ impl Gathered {
         let top_kmh = truth.samples.iter().map(|s| 3.6 * s.speed_mps);
         self.truly_over_limit += u64::from(top_kmh.fold(0.0, f64::max) > LIMIT_KMH);
     }
+}
+
+/// How far a run is from that of Figs. 3, 5 and 6: root of the sum of squares of the shares, and 1 more for each thing that section 4.2 says of it and
+/// that is not so.
+fn off_papers_run(paper: &Outcome, top_kmh: f64, max_brake_mps2: f64) -> f64 {
+    let Some(shares) = paper.shares else {
+        return f64::INFINITY;
+    };
+    let squares = shares.iter().zip(PAPERS_RUN).map(|(share, papers)| (share - papers).powi(2));
+    let is_fast = top_kmh >= PAPERS_TOP_KMH;
+    let brakes_gently = paper.largest_brake_mps2.is_some_and(|rate| rate < PAPERS_LARGEST_BRAKE * max_brake_mps2);
+    let unlike = [is_fast, brakes_gently].into_iter().filter(|is_like| !is_like).count();
+    squares.sum::<f64>().sqrt() + unlike as f64
 }
 
 fn top_kmh(recording: &Recording) -> f64 {

@@ -88,7 +88,7 @@ mod tests {
         let simulation = case_study().unwrap();
         let described = description::of(&simulation).unwrap();
         let estimators = Estimators::try_new(Config::default(), described.train, &described.track).unwrap();
-        let mut source = RunSource::simulated(simulation, 4, 4);
+        let mut source = RunSource::simulated(simulation, 4, 4, false);
         let mut pages = RunPages::begin(folder.path().to_owned(), "title".to_owned(), &estimators.gated).unwrap();
         let mut sink = |rows: &crate::study::gather::Rows| {
             let (first, rest) = rows.used.split_at(1);

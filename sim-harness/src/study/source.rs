@@ -43,12 +43,15 @@ enum Files {
     Parquet(ParquetRuns),
 }
 
-#[derive(Clone, Debug)]
+/// Simulated runs. Diagnosed as recorded ones are, but that the paper's loop gets what the recorder wrote.
+#[derive(Debug)]
 pub struct Simulated {
     simulation: Simulation,
     seed: u64,
     runs: usize,
     next: usize,
+    as_recorded: bool,
+    found: Vec<Check>,
 }
 
 #[derive(Clone, Debug)]
@@ -61,9 +64,9 @@ struct Logs {
 }
 
 impl RunSource {
-    /// So many runs; a unit for each as many as the simulation says.
-    pub fn simulated(simulation: Simulation, seed: u64, runs: usize) -> Self {
-        Self::Simulated(Box::new(Simulated { simulation, seed, runs, next: 0 }))
+    /// So many runs; a unit for each as many as the simulation says. `as_recorded`: nothing is diagnosed nor put right.
+    pub fn simulated(simulation: Simulation, seed: u64, runs: usize, as_recorded: bool) -> Self {
+        Self::Simulated(Box::new(Simulated { simulation, seed, runs, next: 0, as_recorded, found: Vec::new() }))
     }
 
     /// Recorded runs, diagnosed but for what is `known` of their recorders; none of it: taken as recorded.
@@ -92,7 +95,7 @@ impl RunSource {
     /// What a person must know of the recorders and of perturbed runs, as far as they have been read.
     pub fn notes(&self) -> Vec<String> {
         let Self::Recorded(recorded) = self else {
-            return Vec::new();
+            return self.found().iter().flat_map(Check::notes).collect();
         };
         let done = if recorded.keep_perturbed { "kept" } else { "set aside; --keep-perturbed keeps them" };
         let of_chunk = |check: &Check| {
@@ -123,7 +126,7 @@ impl RunSource {
     /// What the recorders of the runs did to them, as far as they have been read: a diagnosis for each chunk.
     pub fn found(&self) -> &[Check] {
         match self {
-            Self::Simulated(_) => &[],
+            Self::Simulated(simulated) => &simulated.found,
             Self::Recorded(recorded) => &recorded.found,
         }
     }
@@ -172,7 +175,7 @@ impl Files {
             }
             Self::Parquet(runs) => {
                 let chunk = runs.next_chunk(CHUNK)?.into_iter();
-                Ok(chunk.map(|recording| Ok(Case { recording, truth: None })).collect())
+                Ok(chunk.map(|recording| Ok(Case { recording, as_recorded: None, truth: None })).collect())
             }
         }
     }
@@ -195,8 +198,29 @@ impl Simulated {
                 refusal: None,
             })
         };
-        range.into_par_iter().map(run).collect()
+        let mut chunk: Vec<Result<Case, Failed>> = range.into_par_iter().map(run).collect();
+        if !self.as_recorded {
+            let cases: Vec<&mut Case> = chunk.iter_mut().flatten().collect();
+            if !cases.is_empty() {
+                self.found.push(put_right(cases));
+            }
+        }
+        chunk
     }
+}
+
+/// Diagnoses simulated runs and puts right what is beyond doubt; a run that would be refused stays as it is.
+fn put_right(cases: Vec<&mut Case>) -> Check {
+    let recordings = cases.iter().map(|case| case.recording.clone()).collect();
+    let known = Known { moves_locations: true, ..Known::default() };
+    let (each, found) = logs::diagnosed_each(recordings, &known, &mut Seen::default());
+    for (case, diagnosed) in cases.into_iter().zip(each) {
+        if let Some(diagnosed) = diagnosed.ok().filter(|diagnosed| diagnosed.rows != case.recording.rows) {
+            case.as_recorded = Some(case.recording.clone());
+            case.recording.rows = diagnosed.rows;
+        }
+    }
+    found
 }
 
 impl Recorded {
@@ -208,7 +232,7 @@ impl Recorded {
         let (mut recordings, mut truths, mut chunk) = (Vec::new(), Vec::new(), Vec::new());
         for case in read {
             match case {
-                Ok(Case { recording, truth }) => {
+                Ok(Case { recording, truth, .. }) => {
                     recordings.push(recording);
                     truths.push(truth);
                 }
@@ -217,7 +241,7 @@ impl Recorded {
         }
         let (diagnosed, found) = logs::diagnosed_each(recordings, &self.known, &mut self.seen);
         let with_truth = diagnosed.into_iter().zip(truths);
-        chunk.extend(with_truth.map(|(recording, truth)| Ok(Case { recording: recording?, truth })));
+        chunk.extend(with_truth.map(|(recording, truth)| Ok(Case { recording: recording?, as_recorded: None, truth })));
         self.found.push(found);
         Ok(chunk)
     }
@@ -237,7 +261,7 @@ impl Logs {
             Some(folder) => folder.of(&file.path, &recording.rows).map_err(failed)?,
             None => None,
         };
-        Ok(Case { recording, truth })
+        Ok(Case { recording, as_recorded: None, truth })
     }
 }
 

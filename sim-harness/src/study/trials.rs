@@ -105,7 +105,7 @@ pub struct Sensitivity {
 impl Trials {
     pub fn of(config: &Config, estimators: &Estimators, track: &Track, drawn: &[Drawn]) -> Result<Self, ConfigError> {
         let train = *estimators.paper.train();
-        let few: Vec<Recording> = drawn.iter().take(RUNS).map(|run| run.recording.clone()).collect();
+        let few: Vec<Recording> = drawn.iter().take(RUNS).map(|run| run.read().clone()).collect();
         Ok(Self {
             sensitivity: sensitivity(config, train, track, &few)?,
             noise: noise(config, &train, track, &few),

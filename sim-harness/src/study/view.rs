@@ -10,21 +10,27 @@ use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
 use rundown_truth::regime::Regime as TrueRegime;
 use rundown_truth::sensors::TruthSample;
+use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
 /// Steps of ATB-EG, km/h, from the fastest (section 3.3).
 pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
 pub const ATB_NAMES: [&str; 5] = ["above_130", "130_to_80", "80_to_60", "60_to_40", "below_40"];
 /// Speeds of the red crosses of Fig. 9, km/h.
-pub const CROSS_KMH: std::ops::RangeInclusive<f64> = 50.0..=90.0;
+pub const CROSS_KMH: RangeInclusive<f64> = 50.0..=90.0;
+/// A largest power is the largest of means over this time, s. Over 10 s a reading in whole km/h is off by 4 % of the power, and the largest of several
+/// such is 10 % too large; over three times as long the readings between cancel out.
+pub const LARGEST_OVER_S: f64 = 30.0;
+/// A clock that is a little fast makes no shorter time, s.
+const SAME_TIME_S: f64 = 2.0;
 /// Window of the largest power, km/h (section 3.3): near 140 km/h the driver lets go.
-pub const POWER_KMH: std::ops::RangeInclusive<f64> = 50.0..=130.0;
+pub const POWER_KMH: RangeInclusive<f64> = 50.0..=130.0;
 /// Where the two clouds of Fig. 9 part, km/h.
 pub const CLOUDS_KMH: f64 = 115.0;
 /// A slower loss of speed is no braking, m/s² (section 3.2): a hold at 40 km/h between two brakes is not counted as one.
 const LEAST_BRAKE_MPS2: f64 = 0.06;
 /// Speeds at which the decelerations of coasting trains are compared, km/h.
-pub const COASTING_KMH: std::ops::RangeInclusive<f64> = 100.0..=120.0;
+pub const COASTING_KMH: RangeInclusive<f64> = 100.0..=120.0;
 /// The first acceleration is over after so many samples without traction above [`OVER_KMH`]; one may be misjudged.
 const OVER_SAMPLES: usize = 2;
 /// Slower, the train may hold the speed of the departure zone, km/h.
@@ -38,13 +44,15 @@ pub struct Outcome {
     pub plain_cruise_kmh: Option<f64>,
     /// Mean brake rate of each ATB-EG step, the statistic of section 3.3, m/s².
     pub brake_steps_mps2: [Option<f64>; 5],
+    /// Largest brake rate between two samples, m/s².
+    pub largest_brake_mps2: Option<f64>,
     pub coast_s: Option<f64>,
     pub brake_s: Option<f64>,
     /// Share of the running time in traction, cruise, coast and brake; standing time is no running time.
     pub shares: Option<[f64; 4]>,
     /// Mean tractive power, 50 to 130 km/h, kW.
     pub power_kw: Option<f64>,
-    /// Largest tractive power of the first acceleration, 50 to 90 km/h, kW.
+    /// Largest tractive power of the first acceleration, 50 to 90 km/h, kW: as found, of means over [`LARGEST_OVER_S`]; as it was, at any time.
     pub max_power_kw: Option<f64>,
     /// Mean deceleration while coasting at [`COASTING_KMH`], m/s².
     pub coast_mps2: Option<f64>,
@@ -74,6 +82,9 @@ pub struct PowerPoint {
     /// kW, at the wheel.
     pub power_kw: f64,
     pub location_m: f64,
+    pub dt_s: f64,
+    /// The interval before it is a point, too.
+    pub follows: bool,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,6 +95,7 @@ pub struct Seen {
 
 /// What is drawn of the time between two samples, whoever looks.
 struct Interval {
+    dt_s: f64,
     /// Mean, m/s.
     speed_mps: f64,
     /// Loss of speed, m/s²; none where it is not known.
@@ -102,8 +114,9 @@ impl Points {
         let mut points = Self { davis, ..Self::default() };
         let mut first = FirstAcceleration::default();
         let mut coasting = Moments::default();
+        let mut follows = false;
         for interval in intervals {
-            let Interval { speed_mps, location_m, .. } = interval;
+            let Interval { dt_s, speed_mps, location_m, .. } = interval;
             let speed_kmh = 3.6 * speed_mps;
             if interval.regime == Some(Regime::Brake)
                 && let Some(rate_mps2) = interval.rate_mps2
@@ -117,13 +130,13 @@ impl Points {
             {
                 coasting.add(rate_mps2);
             }
-            if first.goes_on(interval.is_traction, speed_kmh)
-                && interval.regime == Some(Regime::Traction)
-                && let Some(effort_n_per_kg) = interval.effort_n_per_kg
-            {
+            let is_first = first.goes_on(interval.is_traction, speed_kmh);
+            let effort = interval.effort_n_per_kg.filter(|_| is_first && interval.regime == Some(Regime::Traction));
+            if let Some(effort_n_per_kg) = effort {
                 let power_kw = kw * effort_n_per_kg * speed_mps;
-                points.power.push(PowerPoint { speed_kmh, power_kw, location_m });
+                points.power.push(PowerPoint { speed_kmh, power_kw, location_m, dt_s, follows });
             }
+            follows = effort.is_some();
         }
         (points, coasting.mean())
     }
@@ -138,6 +151,7 @@ impl Seen {
             let (before, now) = (&pair[0], &pair[1]);
             let regime = run.regimes.get(index + 1).copied().unwrap_or(now.regime);
             Interval {
+                dt_s: now.dt_s,
                 speed_mps: 0.5 * (speed_mps(now) + speed_mps(before)),
                 rate_mps2: now.acceleration_mps2.map(|acceleration_mps2| -acceleration_mps2),
                 regime: Some(regime),
@@ -160,6 +174,8 @@ impl Seen {
         let regimes = run.estimates.iter().zip(&run.regimes);
         let cruising = regimes.filter(|(_, regime)| **regime == Regime::Cruise).map(|(estimate, _)| estimate);
         let davis = &run.summary.run_davis.mean;
+        let braking = run.estimates.iter().zip(&run.regimes).filter(|(_, regime)| **regime == Regime::Brake);
+        let rates_mps2 = braking.filter_map(|(estimate, _)| estimate.acceleration_mps2).map(|rate_mps2| -rate_mps2);
         let of = |phase: &Option<rundown::features::Phase>| phase.as_ref().map(|p| p.duration_s);
         let duration_s: f64 = run.estimates.iter().map(|estimate| estimate.dt_s).sum();
         let learned_s = run.estimates.iter().filter(|estimate| estimate.learning).map(|estimate| estimate.dt_s);
@@ -167,11 +183,12 @@ impl Seen {
             cruise_kmh: features.cruise_speed_median_mps.map(|v| 3.6 * v),
             plain_cruise_kmh: median(cruising.map(|estimate| 3.6 * speed_mps(estimate)).collect()),
             brake_steps_mps2: features.brake_rate_mps2.each_ref().map(|step| (step.count > 0).then_some(step.mean)),
+            largest_brake_mps2: rates_mps2.reduce(f64::max),
             coast_s: of(&features.final_coast),
             brake_s: of(&features.final_brake),
             shares: shares([Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake].map(moving)),
             power_kw: (features.power_w_per_kg.count > 0).then_some(kw * features.power_w_per_kg.mean),
-            max_power_kw: largest(&points.power),
+            max_power_kw: largest(&points.power, &CROSS_KMH).map(|point| point.power_kw),
             in_both_clouds: in_both_clouds(&points.power, train),
             coast_mps2,
             effort_samples: Some(f64::from(features.max_effort.as_ref().map_or(0, |line| line.effort.count))),
@@ -180,6 +197,14 @@ impl Seen {
             learned_share: (duration_s > 0.0).then(|| learned_s.fold(0.0, |sum, dt_s| sum + dt_s) / duration_s),
         };
         Self { outcome, points }
+    }
+
+    /// With what the filter says, as it is of a replay of other readings of the same run.
+    pub fn with_filter(mut self, filter: Self) -> Self {
+        self.points.davis = filter.points.davis;
+        let Outcome { davis, speed_rms_kmh, learned_share, .. } = filter.outcome;
+        self.outcome = Outcome { davis, speed_rms_kmh, learned_share, ..self.outcome };
+        self
     }
 
     /// What was true, at the times of the samples.
@@ -191,6 +216,7 @@ impl Seen {
             let (before, now) = (&pair[0], &pair[1]);
             let dt_s = now.time_s - before.time_s;
             Interval {
+                dt_s,
                 speed_mps: 0.5 * (before.speed_mps + now.speed_mps),
                 rate_mps2: Some((before.speed_mps - now.speed_mps) / dt_s),
                 // An interval is of one regime where it is that at both ends.
@@ -202,6 +228,8 @@ impl Seen {
         };
         let (points, coast_mps2) =
             Points::of(vec![davis; truth.samples.len()], truth.samples.windows(2).map(interval), kw);
+        let rate_mps2 =
+            |pair: &[TruthSample]| (pair[0].speed_mps - pair[1].speed_mps) / (pair[1].time_s - pair[0].time_s);
         let mut times_s = [0.0; 5];
         for pair in truth.samples.windows(2) {
             times_s[regime(pair[1].regime) as usize] += pair[1].time_s - pair[0].time_s;
@@ -212,6 +240,7 @@ impl Seen {
             cruise_kmh: Some(3.6 * facts.cruise_mps),
             plain_cruise_kmh: Some(3.6 * facts.cruise_mps),
             brake_steps_mps2: step_means(&points.brake),
+            largest_brake_mps2: truth.samples.windows(2).map(rate_mps2).reduce(f64::max),
             coast_s: coast.map(|coast| facts.final_brake.time_s - coast.time_s),
             brake_s: Some(facts.stop.time_s - facts.final_brake.time_s),
             shares: shares([Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake].map(moving)),
@@ -265,9 +294,32 @@ fn shares(times_s: [f64; 4]) -> Option<[f64; 4]> {
     (all_s > 0.0).then(|| times_s.map(|time_s| time_s / all_s))
 }
 
-fn largest(points: &[PowerPoint]) -> Option<f64> {
-    let within = points.iter().filter(|p| CROSS_KMH.contains(&p.speed_kmh));
-    within.map(|point| point.power_kw).reduce(f64::max)
+/// The largest mean power over [`LARGEST_OVER_S`] of points that follow each other within these speeds, as one point; where none are so long, that
+/// of the longest.
+pub fn largest(points: &[PowerPoint], within_kmh: &RangeInclusive<f64>) -> Option<PowerPoint> {
+    let of = |begin: usize| mean_from(&points[begin..], within_kmh);
+    let key = |point: &PowerPoint| (point.dt_s.min(LARGEST_OVER_S), point.power_kw);
+    (0..points.len()).filter_map(of).max_by(|a, b| {
+        let (a, b) = (key(a), key(b));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    })
+}
+
+/// The first points as one, up to [`LARGEST_OVER_S`].
+fn mean_from(points: &[PowerPoint], within_kmh: &RangeInclusive<f64>) -> Option<PowerPoint> {
+    let first = *points.first().filter(|point| within_kmh.contains(&point.speed_kmh))?;
+    let mut sum = first;
+    (sum.speed_kmh, sum.power_kw) = (first.speed_kmh * first.dt_s, first.power_kw * first.dt_s);
+    for point in &points[1..] {
+        if sum.dt_s >= LARGEST_OVER_S - SAME_TIME_S || !point.follows || !within_kmh.contains(&point.speed_kmh) {
+            break;
+        }
+        sum.speed_kmh += point.speed_kmh * point.dt_s;
+        sum.power_kw += point.power_kw * point.dt_s;
+        sum.location_m = point.location_m;
+        sum.dt_s += point.dt_s;
+    }
+    Some(PowerPoint { speed_kmh: sum.speed_kmh / sum.dt_s, power_kw: sum.power_kw / sum.dt_s, ..sum })
 }
 
 /// `None` where one of the two ranges of speed has no point.
@@ -312,13 +364,19 @@ impl Outcome {
             column("share_coast", "1", "share of the running time in coast", |o| o.shares.map(|s| s[2])),
             column("share_brake", "1", "share of the running time in brake", |o| o.shares.map(|s| s[3])),
             column("power_kw", "kW", "mean tractive power from 50 to 130 km/h", |o| o.power_kw),
-            column("max_power_50_90_kw", "kW", "largest tractive power of the first acceleration", |o| o.max_power_kw),
+            column(
+                "max_power_50_90_kw",
+                "kW",
+                "largest tractive power of the first acceleration; a mode's is a mean over 30 s",
+                |o| o.max_power_kw,
+            ),
             column("coasting_mps2", "m/s²", "mean deceleration of coasts from 100 to 120 km/h", |o| o.coast_mps2),
             brake_step(0),
             brake_step(1),
             brake_step(2),
             brake_step(3),
             brake_step(4),
+            column("largest_brake_mps2", "m/s²", "largest brake rate between two samples", |o| o.largest_brake_mps2),
             column("r0", "N/kg", "Davis coefficient of the run's train", |o| Some(o.davis[0])),
             column("r1", "N/kg per m/s", "Davis coefficient of the run's train", |o| Some(o.davis[1])),
             column("r2", "N/kg per (m/s)²", "Davis coefficient of the run's train", |o| Some(o.davis[2])),
@@ -342,6 +400,25 @@ mod tests {
     #[test]
     fn an_edge_belongs_to_the_slower_step() {
         assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
+    }
+
+    #[test]
+    fn a_largest_power_is_no_single_reading() {
+        let point = |speed_kmh: f64, power_kw: f64| PowerPoint {
+            speed_kmh,
+            power_kw,
+            location_m: 0.0,
+            dt_s: 10.0,
+            follows: true,
+        };
+        let mut points = vec![point(45.0, 9000.0), point(55.0, 1900.0), point(65.0, 2300.0), point(75.0, 1800.0)];
+        points.extend([point(85.0, 1900.0), point(95.0, 9000.0)]);
+        let of = |points: &[PowerPoint]| largest(points, &CROSS_KMH).map(|point| (point.speed_kmh, point.power_kw));
+        // The mean of the first and of the last three within 50 to 90 km/h: both 2000 kW.
+        assert_eq!(of(&points).map(|found| found.1), Some(2000.0));
+        points[3].follows = false;
+        assert_eq!(of(&points), Some((60.0, 2100.0)), "two and two are the longest");
+        assert_eq!(of(&points[..1]), None);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Claims on how trains are driven: sections 4.1, 4.3, 4.4.
 
 use super::{Claim, Verdict, alone, claim, from_to, mean, near, percent, points, three};
-use crate::study::gather::{Gathered, PAPERS_RUN};
+use crate::study::gather::{Example, Gathered, PAPERS_RUN};
 use crate::study::view::{CLOUDS_KMH, Seen};
 use crate::{study::moments::Moments, study::tallies::Tallies, study::visible};
 use rundown::model::train::Train;
@@ -90,7 +90,7 @@ pub(super) fn profiles(gathered: &Gathered) -> [Claim; 2] {
 pub(super) fn regimes(gathered: &Gathered, train: &Train) -> [Claim; 2] {
     let example = gathered.example.as_ref();
     let of_mode = |run: Option<&ReplayedRun>| Seen::of_replay(run?, train).outcome.shares;
-    let [paper, gated] = [example.map(|e| &e.paper), example.map(|e| &e.gated)].map(of_mode);
+    let [paper, gated] = [example.map(Example::features), example.map(|e| &e.gated)].map(of_mode);
     let truth = example.and_then(|e| Seen::of_truth(e.truth.as_ref()?, train).outcome.shares);
     let words = |shares: [f64; 4]| shares.map(|share| number(100.0 * share, 1)).join(" / ") + "\u{a0}%";
     let columns = || [paper, gated, truth].map(|shares| shares.map(words));
@@ -100,7 +100,7 @@ pub(super) fn regimes(gathered: &Gathered, train: &Train) -> [Claim; 2] {
         claim("6", "one run: traction 16.4 %, cruise 17 %, coast 57 %, brake 9.3 % of the time")
             .columns(columns())
             .holds(paper.map(|found| largest(found, PAPERS_RUN) <= 0.05))
-            .by("the run that is nearest to the paper's; each share within 5 points of it")
+            .by("the run that is nearest to the paper's by its largest speed, its brake and its regimes; each share within 5 points of it")
             .recovered(error, error.map(|_| 0.0), 0.05, points),
         claim("6", "coasting is the longest phase")
             .columns(columns())

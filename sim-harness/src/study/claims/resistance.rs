@@ -1,45 +1,51 @@
 //! Claims on the filter and the resistance: section 4.2.
 
 use super::{Claim, Columns, Verdict, alone, claim, from_to, mean, near, percent, points, three};
-use crate::study::gather::{Example, Gathered};
+use crate::study::gather::{Example, Gathered, PAPERS_LARGEST_BRAKE};
 use crate::study::tallies::{R0_BAND, Tallies};
 use crate::{
-    study::case::CaseTruth, study::moments::Moments, study::moments::correlation, study::trials::Sensitivity,
-    study::view::CLOUDS_KMH, study::visible,
+    study::case::CaseTruth,
+    study::moments::Moments,
+    study::moments::correlation,
+    study::trials::Sensitivity,
+    study::view::{self, CLOUDS_KMH, LARGEST_OVER_S, Seen},
+    study::visible,
 };
-use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
+use rundown::{model::state, model::train::Train, tick::estimate::Estimate};
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::number;
-use rundown_truth::sensors::TruthSample;
 
 /// Why no verdict on the resistance speaks of the truth.
 const BLIND: &str =
     "In this mode the estimate does not follow the true resistance: slope.csv, and the first picture of the report";
 
-/// What both modes say of the run of Figs. 3, 5 and 6, and what was true.
+/// The run of the paper's mode that shows the coefficients.
+const LOOP: fn(&Example) -> &ReplayedRun = |example| &example.paper;
+
+/// What both modes say of the run of Figs. 3, 5 and 6, and what was true. `paper`: which of the runs of the paper's mode says it.
 fn of_example(
     example: Option<&Example>,
+    paper: fn(&Example) -> &ReplayedRun,
     words: impl Fn(Option<f64>) -> Option<String>,
     of: impl Fn(&ReplayedRun) -> Option<f64>,
     truth: impl FnOnce(&CaseTruth) -> Option<f64>,
 ) -> Columns {
     let mode = |run: fn(&Example) -> &ReplayedRun| words(example.and_then(|example| of(run(example))));
     let truth = example.and_then(|example| truth(example.truth.as_ref()?));
-    [mode(|example| &example.paper), mode(|example| &example.gated), words(truth)]
+    [mode(paper), mode(|example| &example.gated), words(truth)]
 }
 
 pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let claim = |statement| claim("3", statement);
     let example = gathered.example.as_ref();
     let paper = example.map(|example| &example.paper);
+    let features = example.map(Example::features);
     let max_brake_mps2 = train.description().max_brake_mps2;
-    let brake = |run: &ReplayedRun| Some(largest_brake_mps2(run)? / max_brake_mps2);
-    let true_brake = |truth: &CaseTruth| Some(true_brake_mps2(truth)? / max_brake_mps2);
-    let exceeds = |run: &ReplayedRun| largest_share(run, train);
-    let truly_exceeds = |truth: &CaseTruth| {
-        let fast = truth.samples.iter().filter(|s| 3.6 * s.speed_mps > CLOUDS_KMH);
-        fast.map(|s| s.effort_n_per_kg / train.max_effort_n_per_kg(s.speed_mps)).reduce(f64::max)
-    };
+    let brake_of = |seen: Seen| Some(seen.outcome.largest_brake_mps2? / max_brake_mps2);
+    let brake = |run: &ReplayedRun| brake_of(Seen::of_replay(run, train));
+    let true_brake = |truth: &CaseTruth| brake_of(Seen::of_truth(truth, train));
+    let exceeds = |run: &ReplayedRun| largest_share(&Seen::of_replay(run, train), train);
+    let truly_exceeds = |truth: &CaseTruth| largest_share(&Seen::of_truth(truth, train), train);
     let of_truth = |of: &dyn Fn(&CaseTruth) -> Option<f64>| example.and_then(|example| of(example.truth.as_ref()?));
     let constant = || Some("constant within a run".to_owned());
     let path = paper.map(path);
@@ -57,15 +63,15 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
             .holds(gathered.paper.speed_rms_kmh.mean().map(|rms| rms < 1.0))
             .by("root mean square of filtered less measured speed, mean over runs, and of filtered less true speed; the first below the 1 km/h of the reading. That the speed is tracked says nothing of the resistance"),
         claim("the deceleration of the final brake stays below 59 % of the largest")
-            .columns(of_example(example, percent, brake, true_brake))
-            .holds(paper.and_then(brake).map(|share| share < 0.59))
-            .by("largest brake rate of this run; below 59 %")
-            .recovered(paper.and_then(brake), of_truth(&true_brake), 0.05, points),
+            .columns(of_example(example, Example::features, percent, brake, true_brake))
+            .holds(features.and_then(brake).map(|share| share < PAPERS_LARGEST_BRAKE))
+            .by("largest brake rate of this run; below 59 %. The run is chosen by it, too")
+            .recovered(features.and_then(brake), of_truth(&true_brake), 0.05, points),
         claim("the effort exceeds the manufacturer's boundary at the end of the acceleration")
-            .columns(of_example(example, percent, exceeds, truly_exceeds))
-            .seen(paper.and_then(exceeds).map(|share| visible::SHARE.judge(share - 1.0)), visible::SHARE)
-            .by(format!("largest effort of this run above {CLOUDS_KMH} km/h, of the manufacturer's at that speed; above 100 %"))
-            .recovered(paper.and_then(exceeds), of_truth(&truly_exceeds), 0.15, points),
+            .columns(of_example(example, Example::features, percent, exceeds, truly_exceeds))
+            .seen(features.and_then(exceeds).map(|share| visible::SHARE.judge(share - 1.0)), visible::SHARE)
+            .by(format!("largest effort of this run above {CLOUDS_KMH} km/h, mean over {LARGEST_OVER_S} s, of the manufacturer's at that speed; above 100 %"))
+            .recovered(features.and_then(exceeds), of_truth(&truly_exceeds), 0.15, points),
         claim("the coefficients decrease at the beginning of the run")
             .columns([falls.map(|fall| format!("r0 {} after the acceleration", r0_words(-fall))), None, constant()])
             .seen(falls.map(|fall| visible::R0.judge(fall)), visible::R0)
@@ -81,26 +87,10 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     ]
 }
 
-fn largest_brake_mps2(run: &ReplayedRun) -> Option<f64> {
-    let rates = run.estimates.iter().zip(&run.regimes).filter(|(_, regime)| **regime == Regime::Brake);
-    rates.filter_map(|(estimate, _)| estimate.acceleration_mps2).map(|a| -a).reduce(f64::max)
-}
-
-fn true_brake_mps2(truth: &CaseTruth) -> Option<f64> {
-    let rate = |pair: &[TruthSample]| (pair[0].speed_mps - pair[1].speed_mps) / (pair[1].time_s - pair[0].time_s);
-    truth.samples.windows(2).map(rate).reduce(f64::max)
-}
-
-/// Largest effort above [`CLOUDS_KMH`], as a share of the manufacturer's at that speed.
-fn largest_share(run: &ReplayedRun, train: &Train) -> Option<f64> {
-    let traction = run.estimates.iter().zip(&run.regimes).filter(|(_, regime)| **regime == Regime::Traction);
-    let shares = traction.filter_map(|(estimate, _)| {
-        let speed_mps = estimate.belief.mean[state::SPEED];
-        let limit_n_per_kg = train.max_effort_n_per_kg(speed_mps.max(0.0));
-        let is_fast = 3.6 * speed_mps > CLOUDS_KMH;
-        Some(estimate.effort_n_per_kg? / limit_n_per_kg).filter(|_| is_fast)
-    });
-    shares.reduce(f64::max)
+/// Largest power of an acceleration above [`CLOUDS_KMH`], as a share of the manufacturer's: where power is the limit, that of the effort.
+fn largest_share(seen: &Seen, train: &Train) -> Option<f64> {
+    let largest = view::largest(&seen.points.power, &(CLOUDS_KMH..=f64::INFINITY))?;
+    Some(1000.0 * largest.power_kw / train.description().max_power_w)
 }
 
 /// Dynamics that nobody can see are not similar, however well they correlate.
@@ -231,7 +221,7 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> [Claim; 4] {
     let up_to = |statement, term: usize, wanted: f64| {
         let of = |terms| share(terms, term);
         claim(statement)
-            .columns(of_example(example, percent, |run| of_run(run).map(of), |truth| of_truth(truth).map(of)))
+            .columns(of_example(example, LOOP, percent, |run| of_run(run).map(of), |truth| of_truth(truth).map(of)))
             .holds(near(paper.and_then(of_run).map(of), wanted, 0.015))
             .by(format!(
                 "share of the running resistance at the largest speed of the run, within 1.5 points; the manufacturer's coefficients give {} at 140 km/h",
@@ -241,11 +231,11 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> [Claim; 4] {
     };
     let above = |terms| 100.0 * (share(terms, 0) - share(terms, 1));
     let of_points = |value: Option<f64>| value.map(|v| format!("{} points", number(v, 1)));
-    let [moves_paper, moves_gated, _] = of_example(example, fine_percent, constant_moves, |_| None);
+    let [moves_paper, moves_gated, _] = of_example(example, LOOP, fine_percent, constant_moves, |_| None);
     [
         up_to("the linear term accounts for up to 11 %", 1, 0.11),
         claim("the linear term is only 2 points below the constant one")
-            .columns(of_example(example, of_points, |run| of_run(run).map(above), |truth| of_truth(truth).map(above)))
+            .columns(of_example(example, LOOP, of_points, |run| of_run(run).map(above), |truth| of_truth(truth).map(above)))
             .holds(near(paper.and_then(of_run).map(above), 2.0, 1.0))
             .by(format!(
                 "difference of their shares at the largest speed of the run, within 1 point; the manufacturer's coefficients give {} at 140 km/h",

@@ -34,6 +34,7 @@ mod units;
 use super::Refused;
 use answer::Answer;
 use plan::Plan;
+use sweep::Sweep;
 
 /// One question that the paper leaves open, and what answers it.
 #[derive(Clone, Copy, Debug)]
@@ -43,5 +44,28 @@ pub struct Experiment {
     /// Where the paper raises it.
     pub place: &'static str,
     pub question: &'static str,
-    pub answer: fn(&Plan<'_>) -> Result<Answer, Refused>,
+    pub by: By,
+}
+
+/// How an experiment is answered.
+#[derive(Clone, Copy, Debug)]
+pub enum By {
+    /// Variants in several modes.
+    Sweep(fn() -> Result<Sweep, Refused>),
+    /// In a way of its own.
+    Own(fn(&Plan<'_>) -> Result<Answer, Refused>),
+}
+
+impl Experiment {
+    /// With its own variants, or at these values; none where it has no values.
+    pub fn answer(&self, plan: &Plan<'_>, values: Option<&[f64]>) -> Result<Option<Answer>, Refused> {
+        match (self.by, values) {
+            (By::Sweep(sweep), Some(values)) => {
+                sweep()?.with_values(values)?.map(|sweep| sweep.answer(plan)).transpose()
+            }
+            (By::Sweep(sweep), None) => sweep()?.answer(plan).map(Some),
+            (By::Own(answer), None) => answer(plan).map(Some),
+            (By::Own(_), Some(_)) => Ok(None),
+        }
+    }
 }

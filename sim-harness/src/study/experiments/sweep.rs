@@ -34,16 +34,35 @@ impl Estimated {
     };
 }
 
+/// Variants with values of one's own.
+#[derive(Clone, Copy)]
+pub struct Own {
+    /// Name of the axis on which the values stand, with their unit.
+    pub axis: &'static str,
+    pub variant: fn(f64) -> Result<Variant, Refused>,
+}
+
 pub struct Sweep {
     pub variants: Vec<Variant>,
     /// Name of the axis on which the variants stand.
     pub axis: &'static str,
+    /// None where the variants are kinds.
+    pub own: Option<Own>,
     pub arms: &'static [Estimated],
     /// A panel of the picture for each.
     pub metrics: Vec<Metric>,
 }
 
 impl Sweep {
+    /// The same at these values; none where the variants are kinds.
+    pub fn with_values(self, values: &[f64]) -> Result<Option<Self>, Refused> {
+        let Some(Own { axis, variant }) = self.own else {
+            return Ok(None);
+        };
+        let variants = values.iter().map(|value| variant(*value)).collect::<Result<_, _>>()?;
+        Ok(Some(Self { variants, axis, ..self }))
+    }
+
     pub fn answer(&self, plan: &Plan<'_>) -> Result<Answer, Refused> {
         let metrics = &self.metrics;
         let rows = over_sets(plan, &self.variants, |variant, driven| {
@@ -90,7 +109,7 @@ mod tests {
         let variants = fields.into_iter().zip([0.0, 1.0]);
         let variants = variants.map(|(fields, x)| Variant::parse(fields, x, fields).unwrap()).collect();
         let metrics = vec![metrics::RESISTANCE, metrics::REGIMES, metrics::LARGEST_POWER];
-        let sweep = Sweep { variants, axis: "x", arms: &[Estimated::PAPER, Estimated::GATED], metrics };
+        let sweep = Sweep { variants, axis: "x", own: None, arms: &[Estimated::PAPER, Estimated::GATED], metrics };
         let plan = Plan { name: "a", question: "?", sets: 2, runs: 4, seed: 11, done: &|_| () };
         sweep.answer(&plan).unwrap()
     }

@@ -1,8 +1,8 @@
-//! Fig. 9: tractive power of the first acceleration over speed, with each run's largest and the manufacturer's value; and its part below 40 km/h
-//! apart, where the largest effort counts and section 4.4 leaves out what lies below 10 and above 30 km/h.
+//! Fig. 9: tractive power of the first acceleration over speed, with each run's largest mean over 30 s and the manufacturer's value; and its part below
+//! 40 km/h apart, where the largest effort counts and section 4.4 leaves out what lies below 10 and above 30 km/h.
 
 use super::{Drawn, Eyes, Picture};
-use crate::study::view::{CROSS_KMH, PowerPoint};
+use crate::study::view::{CROSS_KMH, PowerPoint, largest};
 use rundown::model::train::Train;
 use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
@@ -14,18 +14,17 @@ const LOW_END_KMH: f64 = 40.0;
 /// Where the largest effort is read (section 3.3), km/h.
 const EFFORT_KMH: std::ops::Range<f64> = 10.0..30.0;
 
-/// An interval of the first acceleration.
+/// An interval of the first acceleration, or several as one.
 #[derive(Debug)]
 pub struct Row {
     kind: &'static str,
     run: String,
     point: PowerPoint,
-    is_largest: Option<bool>,
 }
 
-fn points() -> Vec<Column<Row>> {
+fn points(kinds: &str) -> Vec<Column<Row>> {
     vec![
-        Column::text("kind", "`observed` or `true`", |row: &Row| row.kind),
+        Column::text("kind", kinds, |row: &Row| row.kind),
         Column::number("speed_kmh", "km/h", "speed", |row: &Row| row.point.speed_kmh),
         Column::number("power_kw", "kW", "tractive power at the wheel", |row: &Row| row.point.power_kw),
     ]
@@ -33,20 +32,16 @@ fn points() -> Vec<Column<Row>> {
 
 /// The columns of `fig9_power_*.csv`.
 pub fn columns() -> Vec<Column<Row>> {
-    let word = |row: &Row| row.is_largest.map(|is_largest| if is_largest { "yes" } else { "no" });
-    let mut columns = points();
+    let kinds = "`observed`, `true`, or `largest_50_90`: the run's largest from 50 to 90 km/h, of means over 30 s";
+    let mut columns = points(kinds);
     columns.insert(1, Column::text("run", "name of the run", |row: &Row| row.run.clone()));
-    columns.extend([
-        Column::number("location_m", "m", "location", |row: &Row| row.point.location_m),
-        Column::text("largest_50_90", "`yes` where it is the run's largest from 50 to 90 km/h, or `no`", word)
-            .empty_when("it is `true`"),
-    ]);
+    columns.push(Column::number("location_m", "m", "location at its end", |row: &Row| row.point.location_m));
     columns
 }
 
 /// The columns of `fig9_below_40_*.csv`.
 pub fn low_columns() -> Vec<Column<Row>> {
-    points()
+    points("`observed` or `true`")
 }
 
 pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
@@ -54,21 +49,15 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let place = |p: &PowerPoint| (p.speed_kmh, p.power_kw);
     let points = |run: &Drawn| eyes.of(run).points.power.clone();
     let dots = drawn.iter().flat_map(points).map(|p| place(&p)).collect();
-    let largest = |run: &Drawn| {
-        let points = eyes.of(run).points.power.iter();
-        let within = points.filter(|p| CROSS_KMH.contains(&p.speed_kmh));
-        within.max_by(|a, b| a.power_kw.total_cmp(&b.power_kw)).copied()
-    };
+    let largest = |run: &Drawn| largest(&eyes.of(run).points.power, &CROSS_KMH);
     let crosses: Vec<(f64, f64)> = drawn.iter().filter_map(largest).map(|p| place(&p)).collect();
     let mut rows = Vec::new();
     for run in drawn {
-        let row =
-            |kind, point: &PowerPoint, is_largest| Row { kind, run: run.name().to_owned(), point: *point, is_largest };
-        let largest = largest(run);
+        let row = |kind, point: &PowerPoint| Row { kind, run: run.name().to_owned(), point: *point };
         let truth = run.truth.iter().flat_map(|truth| &truth.points.power);
-        rows.extend(truth.map(|point| row("true", point, None)));
-        let observed = eyes.of(run).points.power.iter();
-        rows.extend(observed.map(|point| row("observed", point, Some(largest == Some(*point)))));
+        rows.extend(truth.map(|point| row("true", point)));
+        rows.extend(eyes.of(run).points.power.iter().map(|point| row("observed", point)));
+        rows.extend(largest(run).iter().map(|point| row("largest_50_90", point)));
     }
     let true_points = drawn.iter().flat_map(|run| &run.truth);
     let true_points = true_points.flat_map(|truth| truth.points.power.iter().map(place));
@@ -80,7 +69,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     layers.extend([
         Layer::dots("observed", colours::MEASURED, 0.55, dots),
         Layer::level("manufacturer", colours::LIMIT, Stroke::Dashed, &(0.0..END_KMH), stated_kw),
-        Layer::marks("largest of each run, 50 to 90 km/h", colours::ESTIMATED, crosses),
+        Layer::marks("largest of each run over 30 s, 50 to 90 km/h", colours::ESTIMATED, crosses),
     ]);
     let figure = Figure::new(
         "Fig. 9: tractive power",
@@ -107,7 +96,7 @@ pub fn low_speeds(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let limit = |kmh: f64| (kmh, kw_per_n_kg * train.max_effort_n_per_kg(kmh / 3.6) * kmh / 3.6);
     let of = |run: &Drawn, kind: &'static str, points: &[PowerPoint]| -> Vec<Row> {
         let low = points.iter().filter(|point| point.speed_kmh <= LOW_END_KMH);
-        low.map(|point| Row { kind, run: run.name().to_owned(), point: *point, is_largest: None }).collect()
+        low.map(|point| Row { kind, run: run.name().to_owned(), point: *point }).collect()
     };
     let seen: Vec<Row> = drawn.iter().flat_map(|run| of(run, "observed", &eyes.of(run).points.power)).collect();
     let with_truth = drawn.iter().filter_map(|run| Some((run, run.truth.as_ref()?)));

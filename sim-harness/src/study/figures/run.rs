@@ -13,15 +13,16 @@ use rundown_truth::{sensors::TruthSample, train::DavisTruth};
 
 pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
     let run = eyes.pick(&example.paper, &example.gated);
+    let with_regimes = eyes.pick(example.features(), &example.gated);
     let truth = example.truth.as_ref().map(truth_view);
-    let view = RunView::of(run, truth.as_ref());
+    let [view, view_of_regimes] = [run, with_regimes].map(|run| RunView::of(run, truth.as_ref()));
     let word = eyes.word();
-    let rows = rows(run, example.truth.as_ref(), train);
-    let picture = |name: &str, caption: String, drawing: Drawing, columns: Vec<Column<Row>>| Picture {
+    let [rows, rows_of_regimes] = [run, with_regimes].map(|run| rows(run, example.truth.as_ref(), train));
+    let picture = |name: &str, caption: String, drawing: Drawing, columns: Vec<Column<Row>>, rows: &[Row]| Picture {
         name: format!("{name}_{word}"),
         caption,
         drawing,
-        numbers: filled(columns, &rows),
+        numbers: filled(columns, rows),
     };
     let of = format!("{}, {word} mode", run.name);
     [
@@ -32,6 +33,7 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
             ),
             figures::motion(&view, train),
             motion_columns(),
+            &rows,
         ),
         picture(
             "fig5_resistance",
@@ -40,8 +42,15 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
             ),
             figures::resistance_terms(&view),
             term_columns(),
+            &rows,
         ),
-        picture("fig6_regimes", format!("Driving regimes of {of}."), figures::regimes(&view), regime_columns()),
+        picture(
+            "fig6_regimes",
+            format!("Driving regimes of {of}."),
+            figures::regimes(&view_of_regimes),
+            regime_columns(),
+            &rows_of_regimes,
+        ),
     ]
 }
 

@@ -1,4 +1,5 @@
-//! Every combination on the runs of many seeds. The train is driven once for each run, and every recorder sees the same run.
+//! Every combination on the runs of many seeds, or on recorded ones. The train is driven once for each simulated run, and every recorder sees the same
+//! run. Recorded runs have one recorder, and where a diagnosis put something right, another that recorded so.
 
 use super::optimum::gain_per_sample;
 use super::pass::{Filter, Pass};
@@ -26,25 +27,41 @@ pub struct Plan {
     pub seed: u64,
 }
 
+/// The runs of a set by each recorder.
+pub type ByRecorder = Vec<(Recorder, Vec<Recording>)>;
+
 /// What a combination gives; an entry for each seed.
 #[derive(Clone, Debug)]
 pub struct Compared {
     pub combination: Combination,
+    /// Remarks that these runs say nothing of.
+    pub left_out: [bool; COUNT],
     pub judged: Vec<Judged>,
     /// What the best initial deviations add to the log-likelihood of a sample, nats.
     pub gain: Vec<f64>,
 }
 
 impl Compared {
-    /// Share of the seeds in which each remark holds.
-    pub fn shares(&self) -> [f64; COUNT] {
+    /// Of a combination of which nothing is known yet.
+    pub fn new(combination: Combination) -> Self {
+        Self { combination, left_out: [false; COUNT], judged: Vec::new(), gain: Vec::new() }
+    }
+
+    /// Share of the seeds in which each remark holds; none where it is left out.
+    pub fn shares(&self) -> [Option<f64>; COUNT] {
         let all = self.judged.len().max(1) as f64;
-        std::array::from_fn(|index| self.judged.iter().filter(|judged| judged.holds[index]).count() as f64 / all)
+        let share = |index: usize| self.judged.iter().filter(|judged| judged.holds[index]).count() as f64 / all;
+        std::array::from_fn(|index| (!self.left_out[index]).then(|| share(index)))
     }
 
     /// Remarks that hold in a seed, mean over the seeds.
     pub fn remarks(&self) -> f64 {
-        self.shares().iter().sum()
+        self.shares().iter().flatten().sum()
+    }
+
+    /// Remarks that are judged.
+    pub fn of_remarks(&self) -> usize {
+        self.shares().iter().flatten().count()
     }
 
     /// Mean and standard deviation over the seeds.
@@ -68,37 +85,59 @@ pub fn seed_of(first: u64, set: usize) -> u64 {
     first.wrapping_add(SEED_STEP.wrapping_mul(set as u64))
 }
 
-/// Compares all combinations. `done` is called once a seed and combination.
+/// Compares all combinations on simulated runs. `done` is called once a seed and combination.
 pub fn compare(plan: &Plan, done: impl Fn() + Sync) -> Result<Vec<Compared>, Refused> {
     let believed = description::of(&plan.simulation)?;
-    let of = |combination| Compared { combination, judged: Vec::new(), gain: Vec::new() };
-    let mut all: Vec<Compared> = Combination::all().into_iter().map(of).collect();
+    let mut all: Vec<Compared> = Combination::all().into_iter().map(Compared::new).collect();
     for index in 0..plan.seeds {
-        let seed = seed_of(plan.seed, index);
-        let recorded = recorded(plan, seed)?;
-        let one = |compared: &Compared| {
-            let found = of_seed(compared.combination, &believed, &recorded);
-            done();
-            found
-        };
-        let found = all.par_iter().map(one).collect::<Result<Vec<_>, Refused>>()?;
-        for (compared, (judged, gain)) in all.iter_mut().zip(found) {
-            compared.judged.push(judged);
-            compared.gain.push(gain);
-        }
+        let recorded = recorded(plan, seed_of(plan.seed, index))?;
+        add_set(&mut all, &believed, &recorded, &done)?;
     }
     Ok(all)
 }
 
+/// The same on recorded runs.
+pub fn compare_recorded(
+    believed: &Believed,
+    recorded: &ByRecorder,
+    left_out: [bool; COUNT],
+    done: impl Fn() + Sync,
+) -> Result<Vec<Compared>, Refused> {
+    let recorders = recorded.iter().map(|(recorder, _)| *recorder);
+    let of = |combination| Compared { left_out, ..Compared::new(combination) };
+    let mut all: Vec<Compared> = Combination::of(recorders).into_iter().map(of).collect();
+    add_set(&mut all, believed, recorded, &done)?;
+    Ok(all)
+}
+
+fn add_set(
+    all: &mut [Compared],
+    believed: &Believed,
+    recorded: &ByRecorder,
+    done: &(impl Fn() + Sync),
+) -> Result<(), Refused> {
+    let one = |compared: &Compared| {
+        let found = of_seed(compared.combination, believed, recorded);
+        done();
+        found
+    };
+    let found = all.par_iter().map(one).collect::<Result<Vec<_>, Refused>>()?;
+    for (compared, (judged, gain)) in all.iter_mut().zip(found) {
+        compared.judged.push(judged);
+        compared.gain.push(gain);
+    }
+    Ok(())
+}
+
 /// The runs of a seed by each recorder.
-fn recorded(plan: &Plan, seed: u64) -> Result<Vec<(Recorder, Vec<Recording>)>, DriveError> {
+fn recorded(plan: &Plan, seed: u64) -> Result<ByRecorder, DriveError> {
     let scenario = &plan.simulation.scenario;
     let recorders = Recorder::all();
     let sensors: Vec<_> = recorders.iter().map(|recorder| recorder.sensors(&scenario.sensors)).collect();
     let plans = planned(scenario, plan.runs, seed);
     let drive = |run: &_| simulate_recorders(scenario, run, &sensors);
     let runs = plans.par_iter().map(drive).collect::<Result<Vec<_>, _>>()?;
-    let mut by_recorder: Vec<(Recorder, Vec<Recording>)> = recorders.into_iter().map(|r| (r, Vec::new())).collect();
+    let mut by_recorder: ByRecorder = recorders.into_iter().map(|r| (r, Vec::new())).collect();
     for (number, run) in runs.into_iter().enumerate() {
         for ((_, recordings), run) in by_recorder.iter_mut().zip(run) {
             recordings.push(Case::simulated(format!("run{:02}", number + 1), String::new(), run).recording);

@@ -10,7 +10,7 @@
 //! | what does a filter say of a run? | `pass` |
 //! | which remarks of section 4.2 hold? | `remarks` |
 //! | how far is Table 1 from the most likely initial deviations? | `optimum` |
-//! | over seeds | `comparison` |
+//! | over seeds, or on recorded runs | `comparison`, `recorded` |
 //! | where is it reported? | `outcome`, `picture` |
 
 pub(crate) mod comparison;
@@ -19,4 +19,5 @@ pub(crate) mod outcome;
 pub(crate) mod pass;
 pub(crate) mod picture;
 pub(crate) mod reading;
+pub(crate) mod recorded;
 pub(crate) mod remarks;

@@ -1,6 +1,6 @@
 //! The comparison as a table on the screen, as records, and as a page.
 
-use super::comparison::{Compared, Plan};
+use super::comparison::Compared;
 use super::reading::Combination;
 use super::remarks::{Judged, REMARKS, SMALL_MPS2, STRONG_MPS2, TRIED};
 use crate::output::markdown::{cells, table};
@@ -30,12 +30,14 @@ pub fn columns() -> Vec<Column<Compared>> {
         Column::number("remarks_that_hold", "1", "remarks of section 4.2 that hold, mean over the seeds", |one| {
             Compared::remarks(one)
         }),
+        Column::count("remarks_judged", "remarks that are judged", Compared::of_remarks),
     ];
     columns.extend(quantities());
     columns.extend(trials());
     columns.extend(REMARKS.iter().enumerate().map(|(index, (name, statement))| {
         let of = move |one: &Compared| one.shares()[index];
         Column::number(&format!("holds_{}", name.replace(' ', "_")), "1", &format!("{share} {statement}"), of)
+            .empty_when("recorded runs say nothing of it")
     }));
     columns
 }
@@ -130,10 +132,11 @@ pub fn screen(all: &[Compared]) -> String {
         let (reading, recorder) = (one.combination.reading, one.combination.recorder);
         let mean = |moments: Moments, digits| number(moments.mean(), digits);
         let end = |index: usize| number(one.moments(|j| j.r0_ends[index]).mean().map(|r0| 1e3 * r0), 3);
-        let mark = |share: f64| match share {
-            s if s >= 1.0 => '1',
-            s if s > 0.0 => '~',
-            _ => '.',
+        let mark = |share: Option<f64>| match share {
+            None => '-',
+            Some(s) if s >= 1.0 => '1',
+            Some(s) if s > 0.0 => '~',
+            Some(_) => '.',
         };
         text += &format!(
             "{:8} {:5} {:10} {:7} {:9} {:>6}  {:>7} {:>9} {:>10} {:>8} {:>15}  {}\n",
@@ -151,7 +154,7 @@ pub fn screen(all: &[Compared]) -> String {
             one.shares().map(mark).iter().collect::<String>(),
         );
     }
-    text += "\nremarks, in this order (1 in all seeds, ~ in some, . in none):\n";
+    text += "\nremarks, in this order (1 in all seeds, ~ in some, . in none, - not judged):\n";
     for (name, statement) in REMARKS {
         text += &format!("  {name:13} {statement}\n");
     }
@@ -164,7 +167,7 @@ pub fn markdown(all: &[Compared]) -> String {
         "effort",
         "speed",
         "older by, s",
-        &format!("remarks, of {}", REMARKS.len()),
+        &format!("remarks, of {}", all.first().map_or(REMARKS.len(), Compared::of_remarks)),
         "filtered less read, km/h",
         "r0, 1 to 99 % quantile, 10\u{207b}\u{b3} N/kg",
         "negative runs, deviation of r0 \u{d7} 100",
@@ -192,12 +195,16 @@ pub fn markdown(all: &[Compared]) -> String {
     table(&head, &all.iter().map(row).collect::<Vec<_>>())
 }
 
-pub fn page(plan: &Plan, all: &[Compared], pictures: &[Picture]) -> String {
+/// `on`: what they are compared on; `notes`: what a person must know of it.
+pub fn page(on: &str, notes: &[String], all: &[Compared], pictures: &[Picture]) -> String {
+    let judged = all.first().map_or(REMARKS.len(), Compared::of_remarks);
     let lead = html! {
         p.lead {
-            "Readings of section 4.2 of the paper and recorders it does not exclude, compared on " (plan.seeds) " sets of " (plan.runs)
-            " simulated runs: which of its " (REMARKS.len()) " remarks on the filter hold, and how far Table 1 is from the initial deviations that the paper's criterion prefers."
+            "Readings of section 4.2 of the paper and recorders it does not exclude, compared on " (on)
+            ": which of its remarks on the filter hold (" (judged) " of " (REMARKS.len())
+            " are judged), and how far Table 1 is from the initial deviations that the paper's criterion prefers."
         }
+        @for note in notes { p.note { (note) } }
     };
     let remarks = html! {
             p { "A remark that can be read in two ways stands here twice. The last six try other settings on the first " (TRIED) " runs of each set." }
@@ -255,19 +262,20 @@ fn comparison(all: &[Compared]) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::markdown::found;
+    use crate::output::markdown::{found, measured, page};
 
+    /// A row of the document is one that was measured, and what was measured has the combinations that are compared now.
     #[test]
-    fn the_table_of_the_document_has_the_rows_that_are_written() {
-        let document = crate::output::markdown::page("paper.md");
-        let of = |combination| Compared { combination, judged: Vec::new(), gain: Vec::new() };
-        let all: Vec<Compared> = Combination::all().into_iter().map(of).collect();
-        let (theirs, ours) = (found(&document, "| effort | speed |"), found(&markdown(&all), "| effort |"));
-        assert_eq!(ours.len(), Combination::all().len() + 1);
-        assert_eq!(theirs.first(), ours.first());
+    fn the_table_of_the_document_has_the_rows_that_were_measured() {
+        let all: Vec<Compared> = Combination::all().into_iter().map(Compared::new).collect();
+        let [document, measured, now] = [page("paper.md"), measured("readings.md"), markdown(&all)];
+        let [theirs, then, now] = [&document, &measured, &now].map(|text| found(text, "| effort | speed |"));
+        assert_eq!((&theirs[0], &then[0]), (&now[0], &now[0]));
+        let labels = |rows: &[Vec<String>]| rows.iter().map(|row| row[..3].to_vec()).collect::<Vec<_>>();
+        assert_eq!(labels(&then), labels(&now));
         assert!(theirs.len() > 5, "{}", theirs.len());
         for row in &theirs[1..] {
-            assert!(ours.iter().any(|of_ours| of_ours[..3] == row[..3]), "{:?}", &row[..3]);
+            assert!(then.contains(row), "docs/paper.md: {row:?}");
         }
     }
 }

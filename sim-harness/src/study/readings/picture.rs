@@ -2,44 +2,47 @@
 
 use super::comparison::Compared;
 use super::outcome::columns;
-use super::reading::SKEWS_S;
 use super::remarks::COUNT;
 use crate::study::figures::Picture;
 use crate::study::tallies::R0_BAND;
 use rundown::tick::paper::Difference;
 use rundown_files::column::filled;
-use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
+use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use rundown_truth::sensors::SpeedReading;
 
 type Value = dyn Fn(&Compared) -> Option<f64>;
 
-pub fn picture(all: &[Compared], seeds: usize) -> Picture {
+/// `of`: what the values are of.
+pub fn picture(all: &[Compared], of: &str) -> Picture {
     let r0 = |end: usize| move |one: &Compared| one.moments(|j| j.r0_ends[end]).mean().map(|r0| 1e3 * r0);
     let mut ends = lines(all, &r0(0));
     ends.extend(unnamed(lines(all, &r0(1))));
-    let x = x();
+    let x = x(all);
     ends.extend(
         [*R0_BAND.start(), *R0_BAND.end()].map(|r0| Layer::level("", colours::LIMIT, Stroke::Dotted, &x, 1e3 * r0)),
     );
+    let count = all.first().map_or(COUNT, Compared::of_remarks);
     let figures = vec![
         panel(
-            &format!("remarks that hold, of {COUNT}"),
+            &format!("remarks that hold, of {count}"),
+            &x,
             lines(all, &|one| Some(one.remarks())),
-            Some(0.0..COUNT as f64),
+            Some(0.0..count as f64),
         ),
         panel(
             "best initial deviations, nats a sample (log10)",
+            &x,
             lines(all, &|one| Some(one.gains().mean()?.max(1e-3).log10())),
             None,
         ),
-        panel("filtered less read speed, km/h, rms", lines(all, &|one| one.moments(|j| j.rms_kmh).mean()), None),
-        panel("r0, 1 % and 99 % quantile, 10\u{207b}\u{b3} N/kg", ends, None),
+        panel("filtered less read speed, km/h, rms", &x, lines(all, &|one| one.moments(|j| j.rms_kmh).mean()), None),
+        panel("r0, 1 % and 99 % quantile, 10\u{207b}\u{b3} N/kg", &x, ends, None),
     ];
     Picture {
         name: "readings".to_owned(),
         caption: format!(
-            "Readings of the paper over the skew of the recorder, mean of {seeds} seeds: backward and forward effort, rounded speeds solid and truncated ones dashed. A positive skew is a speed older than the location. Dotted: where the paper finds r0."
+            "Readings of the paper over the skew of the recorder, {of}: backward and forward effort, rounded speeds solid and truncated ones dashed. A positive skew is a speed older than the location. Dotted: where the paper finds r0."
         ),
         drawing: Grid::new(
             "Readings of the paper compared",
@@ -52,8 +55,9 @@ pub fn picture(all: &[Compared], seeds: usize) -> Picture {
     }
 }
 
-fn x() -> std::ops::Range<f64> {
-    SKEWS_S[0] - 0.5..SKEWS_S[SKEWS_S.len() - 1] + 0.5
+fn x(all: &[Compared]) -> std::ops::Range<f64> {
+    let ends = range_of(all.iter().map(|one| one.combination.recorder.skew_s));
+    ends.start - 0.5..ends.end + 0.5
 }
 
 fn lines(all: &[Compared], value: &Value) -> Vec<Layer> {
@@ -71,7 +75,11 @@ fn lines(all: &[Compared], value: &Value) -> Vec<Layer> {
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let effort = if difference == Difference::Backward { "backward" } else { "forward" };
             let legend = if speed == SpeedReading::Rounded { effort } else { "" };
-            layers.push(Layer::line(legend, colour, stroke, points.into_iter().map(Some).collect()));
+            layers.push(match points.as_slice() {
+                // One recorder makes no line.
+                [_] => Layer::dots(legend, colour, 1.0, points),
+                _ => Layer::line(legend, colour, stroke, points.into_iter().map(Some).collect()),
+            });
         }
     }
     layers
@@ -86,11 +94,11 @@ fn unnamed(layers: Vec<Layer>) -> Vec<Layer> {
     layers.into_iter().map(without).collect()
 }
 
-fn panel(label: &str, layers: Vec<Layer>, y: Option<std::ops::Range<f64>>) -> Figure {
+fn panel(label: &str, x: &std::ops::Range<f64>, layers: Vec<Layer>, y: Option<std::ops::Range<f64>>) -> Figure {
     let panel = Panel::new(label, 420, layers, "no seed");
     Figure::in_grid(
         "speed older than location by, s",
-        x(),
+        x.clone(),
         match y {
             Some(y) => panel.within(y),
             None => panel,

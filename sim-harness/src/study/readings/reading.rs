@@ -73,6 +73,16 @@ impl Reading {
         Self { difference, gradient: Gradient::UnderTrain, initial: Initial::Deviations, points: Points::Printed }
     }
 
+    /// The same in one thing not as the text says.
+    fn others(self) -> [Self; 4] {
+        [
+            Self { gradient: Gradient::Point, ..self },
+            Self { initial: Initial::Variances, ..self },
+            Self { points: Points::Wide, ..self },
+            Self { points: Points::Plain, ..self },
+        ]
+    }
+
     pub fn config(self) -> PaperConfig {
         let spread = match self.points {
             Points::Printed => Spread::PAPER,
@@ -170,18 +180,20 @@ impl Recorder {
 }
 
 impl Combination {
+    /// Both efforts and every other reading, on what these recorders wrote.
+    pub fn of(recorders: impl Iterator<Item = Recorder> + Clone) -> Vec<Self> {
+        let efforts = [Difference::Backward, Difference::Forward].map(Reading::of);
+        let readings = efforts.into_iter().flat_map(|printed| [[printed].as_slice(), &printed.others()].concat());
+        readings.flat_map(|reading| recorders.clone().map(move |recorder| Self { reading, recorder })).collect()
+    }
+
     /// Both efforts with every recorder; the gradient of a point, Table 1 as variances and other points with truncated speeds, without and with skew.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for difference in [Difference::Backward, Difference::Forward] {
             let printed = Reading::of(difference);
             all.extend(Recorder::all().into_iter().map(|recorder| Self { reading: printed, recorder }));
-            for reading in [
-                Reading { gradient: Gradient::Point, ..printed },
-                Reading { initial: Initial::Variances, ..printed },
-                Reading { points: Points::Wide, ..printed },
-                Reading { points: Points::Plain, ..printed },
-            ] {
+            for reading in printed.others() {
                 let recorders = CONTRASTED_S.map(|skew_s| Recorder { skew_s, speed: SpeedReading::Truncated });
                 all.extend(recorders.map(|recorder| Self { reading, recorder }));
             }

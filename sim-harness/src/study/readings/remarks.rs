@@ -18,8 +18,8 @@ const THIRD: f64 = 3.0;
 pub const SMALL_MPS2: [f64; 3] = [1e-4, 1e-3, 1e-2];
 pub const STRONG_MPS2: [f64; 2] = [0.1, 1.0];
 /// "At lower speeds": below, and "at higher": above, m/s.
-const SLOW_MPS: f64 = 80.0 / 3.6;
-const FAST_MPS: f64 = 100.0 / 3.6;
+pub const SLOW_MPS: f64 = 80.0 / 3.6;
+pub const FAST_MPS: f64 = 100.0 / 3.6;
 
 /// A remark as a short name and as the paper has it.
 pub const REMARKS: [(&str, &str); COUNT] = [

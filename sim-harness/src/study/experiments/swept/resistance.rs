@@ -2,16 +2,15 @@
 
 use super::variants;
 use crate::study::Refused;
-use crate::study::experiments::answer::Answer;
 use crate::study::experiments::metrics::{BIAS, COAST, INSIDE, POWER, RESISTANCE};
-use crate::study::experiments::plan::Plan;
-use crate::study::experiments::sweep::{Estimated, Sweep};
+use crate::study::experiments::sweep::{Estimated, Own, Sweep};
+use crate::study::experiments::variant::Variant;
 
 const ARMS: &[Estimated] = &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED];
 
 /// Section 5: "seasonal parameter variations, like the ones due to different temperature ..., and train wear".
-pub fn seasons(plan: &Plan<'_>) -> Result<Answer, Refused> {
-    let sweep = Sweep {
+pub fn seasons() -> Result<Sweep, Refused> {
+    Ok(Sweep {
         variants: variants(&[
             ("none", 1.0, "[dates]\ndays = 300.0"),
             (
@@ -31,35 +30,51 @@ pub fn seasons(plan: &Plan<'_>) -> Result<Answer, Refused> {
             ),
         ])?,
         axis: "seasonal change",
+        own: Some(Own {
+            axis: "growth of r0 over 300 days, N/kg",
+            variant: |dr0| {
+                let effect = "[dates]\ndays = 300.0\n[[effect]]\nname = \"seasonal_drift\"\ndr0_over_period = ";
+                Variant::parse(format!("r0 {dr0:+} N/kg"), dr0, &format!("{effect}{dr0:?}"))
+            },
+        }),
         arms: ARMS,
         metrics: vec![RESISTANCE, BIAS, INSIDE],
-    };
-    sweep.answer(plan)
+    })
 }
 
 /// Section 2: a described gradient that is wrong "might be up to some extent mitigated by overfitting the running resistance parameters".
-pub fn gradient(plan: &Plan<'_>) -> Result<Answer, Refused> {
+pub fn gradient() -> Result<Sweep, Refused> {
+    const WHERE_IT_COASTS: &str =
+        "[[effect]]\nname = \"gradient_error\"\nfrom_m = 22000.0\nto_m = 28000.0\ndelta_permille = ";
     let cruise = "[[effect]]\nname = \"gradient_error\"\nfrom_m = 8000.0\nto_m = 14000.0\ndelta_permille = ";
-    let coast = "[[effect]]\nname = \"gradient_error\"\nfrom_m = 22000.0\nto_m = 28000.0\ndelta_permille = ";
     let fields = |section: &str, permille: &str| format!("{section}{permille}");
-    let sweep = Sweep {
+    Ok(Sweep {
         variants: variants(&[
             ("as described", 1.0, ""),
             ("cruise, 0.5 \u{2030} off", 2.0, &fields(cruise, "0.5")),
             ("cruise, 2 \u{2030} off", 3.0, &fields(cruise, "2.0")),
-            ("coast, 0.5 \u{2030} off", 4.0, &fields(coast, "0.5")),
-            ("coast, 2 \u{2030} off", 5.0, &fields(coast, "2.0")),
+            ("coast, 0.5 \u{2030} off", 4.0, &fields(WHERE_IT_COASTS, "0.5")),
+            ("coast, 2 \u{2030} off", 5.0, &fields(WHERE_IT_COASTS, "2.0")),
         ])?,
         axis: "where 6 km are steeper than described",
+        own: Some(Own {
+            axis: "6 km in which trains coast are steeper by, permille",
+            variant: |permille| {
+                Variant::parse(
+                    format!("coast, {permille} \u{2030} off"),
+                    permille,
+                    &format!("{WHERE_IT_COASTS}{permille:?}"),
+                )
+            },
+        }),
         arms: ARMS,
         metrics: vec![RESISTANCE, BIAS, INSIDE, COAST],
-    };
-    sweep.answer(plan)
+    })
 }
 
 /// Section 2: the values "are significantly influenced by external factors like wind".
-pub fn wind(plan: &Plan<'_>) -> Result<Answer, Refused> {
-    let sweep = Sweep {
+pub fn wind() -> Result<Sweep, Refused> {
+    Ok(Sweep {
         variants: variants(&[
             ("still air", 0.0, ""),
             ("sd 1 m/s between runs", 1.0, "[wind]\nsd_mps = 1.0"),
@@ -68,15 +83,20 @@ pub fn wind(plan: &Plan<'_>) -> Result<Answer, Refused> {
             ("headwind of 4 m/s in all", 5.0, "[[effect]]\nname = \"steady_wind\"\nwind_mps = 4.0"),
         ])?,
         axis: "wind along the line",
+        own: Some(Own {
+            axis: "wind along the line, sd between runs, m/s",
+            variant: |mps| {
+                Variant::parse(format!("sd {mps} m/s between runs"), mps, &format!("[wind]\nsd_mps = {mps:?}"))
+            },
+        }),
         arms: ARMS,
         metrics: vec![RESISTANCE, BIAS, INSIDE],
-    };
-    sweep.answer(plan)
+    })
 }
 
 /// Section 2: load varies at stations, and the fuel mass of a diesel decreases.
-pub fn load(plan: &Plan<'_>) -> Result<Answer, Refused> {
-    let sweep = Sweep {
+pub fn load() -> Result<Sweep, Refused> {
+    Ok(Sweep {
         variants: variants(&[
             ("as described", 0.0, ""),
             ("load, sd 2 %", 1.0, "[load]\nsd = 0.02"),
@@ -86,8 +106,11 @@ pub fn load(plan: &Plan<'_>) -> Result<Answer, Refused> {
             ("10 % heavier than described", 5.0, "[[effect]]\nname = \"mass_error\"\nrelative = 0.10"),
         ])?,
         axis: "mass",
+        own: Some(Own {
+            axis: "load, sd between runs, of the described mass",
+            variant: |sd| Variant::parse(format!("load, sd {sd}"), sd, &format!("[load]\nsd = {sd:?}")),
+        }),
         arms: ARMS,
         metrics: vec![RESISTANCE, BIAS, INSIDE, POWER],
-    };
-    sweep.answer(plan)
+    })
 }

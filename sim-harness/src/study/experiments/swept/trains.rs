@@ -2,9 +2,7 @@
 
 use crate::accuracy_bench::fleets;
 use crate::study::Refused;
-use crate::study::experiments::answer::Answer;
 use crate::study::experiments::metrics::{INSIDE, POWER, POWER_SPREAD, REGIMES, RESISTANCE};
-use crate::study::experiments::plan::Plan;
 use crate::study::experiments::sweep::{Estimated, Sweep};
 use crate::study::experiments::variant::Variant;
 
@@ -14,7 +12,7 @@ const FLEETS: [&str; 5] = ["tram", "metro", "suburban", "freight", "high-speed"]
 const NOTCHES: u8 = 8;
 
 /// Section 5: "different types of trains: from high speed trains to light rail and metro".
-pub fn other_trains(plan: &Plan<'_>) -> Result<Answer, Refused> {
+pub fn other_trains() -> Result<Sweep, Refused> {
     let all = fleets::all();
     let mut variants = vec![Variant::parse("intercity", 0.0, "")?];
     for (place, name) in FLEETS.into_iter().enumerate() {
@@ -24,11 +22,11 @@ pub fn other_trains(plan: &Plan<'_>) -> Result<Answer, Refused> {
     let diesel = Variant::parse("diesel, 8 notches", 6.0, "")?;
     variants.push(diesel.driven_by(|scenario| scenario.notches = NOTCHES));
     let arms = &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED];
-    Sweep { variants, axis: "train", arms, metrics: vec![RESISTANCE, INSIDE, REGIMES, POWER] }.answer(plan)
+    Ok(Sweep { variants, axis: "train", own: None, arms, metrics: vec![RESISTANCE, INSIDE, REGIMES, POWER] })
 }
 
 /// Section 3.3: with a diesel "the maximum tractive power is not unique, since each engine notch can apply a different" one.
-pub fn diesel(plan: &Plan<'_>) -> Result<Answer, Refused> {
+pub fn diesel() -> Result<Sweep, Refused> {
     let of = |(place, notches): (usize, u8)| {
         let name = if notches == 0 { "without steps".to_owned() } else { format!("{notches} notches") };
         let variant = Variant::parse(name, place as f64, "")?;
@@ -36,5 +34,5 @@ pub fn diesel(plan: &Plan<'_>) -> Result<Answer, Refused> {
     };
     let variants = [0, 16, 8, 4].into_iter().enumerate().map(of).collect::<Result<_, _>>()?;
     let arms = &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED];
-    Sweep { variants, axis: "lever", arms, metrics: vec![POWER, POWER_SPREAD, RESISTANCE, REGIMES] }.answer(plan)
+    Ok(Sweep { variants, axis: "lever", own: None, arms, metrics: vec![POWER, POWER_SPREAD, RESISTANCE, REGIMES] })
 }
