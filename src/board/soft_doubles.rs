@@ -1,4 +1,5 @@
-//! The functions that the compiler calls for sums, products and quotients of doubles, in place of its own, which are twice as slow: the linker takes these first.
+//! The functions that the compiler calls for sums, products and quotients of doubles. The linker takes these before the compiler's, whose sums and products are
+//! twice as slow, and whose quotient is faster and twice as large.
 //!
 //! Names and calls are those of Arm's run-time ABI (RTABI, table 2): the bits of a double in two core registers, also where there are registers for floats.
 //! Sums and products are written for usual numbers, with a first bit and a result that has one; the others go to `rundown::onboard::doubles`, against which all of them are held
