@@ -9,6 +9,7 @@
 //! | `kept_ram` | RAM that survives a reset |
 //! | `painted_stack` | how deep the stack has been |
 //! | `fallen` | panics and faults: write down why, then reset |
+//! | `soft_doubles` | sums and products of doubles, for the compiler |
 //! | `provisioning` | the record that was written at the depot |
 //! | `stopwatch` | time in counts of the system timer |
 
@@ -18,6 +19,7 @@ pub mod painted_stack;
 pub mod provisioning;
 #[cfg(any(feature = "mps2", feature = "emulator"))]
 mod ram_flash;
+mod soft_doubles;
 pub mod stopwatch;
 
 #[cfg(not(feature = "mps2"))]

@@ -54,13 +54,13 @@ impl<'a, F: NorFlash> Application<'a, F> {
         }
     }
 
-    /// A byte came over the line.
+    /// A byte came over the line. What it asks for is begun; the rest is done by [`Application::go_on`], before the next byte.
     pub fn receive(&mut self, byte: u8, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
         match self.decoder.push(byte) {
             Ok(Some(message)) => {
                 self.messages.received = self.messages.received.saturating_add(1);
                 let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
-                self.task.receive(message, &mut line);
+                self.task.accept(message, &mut line);
                 self.log(hardware);
             }
             Ok(None) => {}
@@ -68,17 +68,29 @@ impl<'a, F: NorFlash> Application<'a, F> {
         }
     }
 
-    /// A whole message came over another link, which counts for itself.
+    /// A whole message came over another link, which counts for itself; as a byte of the line.
     pub fn take(&mut self, message: &[u8], hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
-        self.task.receive(message, &mut line);
+        self.task.accept(message, &mut line);
         self.log(hardware);
     }
 
-    /// A tick of the clock.
+    /// A tick of the clock; the rest is done by [`Application::go_on`].
     pub fn tick(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
-        self.task.tick(&mut line);
+        self.task.begin_tick(&mut line);
+        self.log(hardware);
+    }
+
+    /// Something is still to be done.
+    pub fn is_busy(&self) -> bool {
+        self.task.is_busy()
+    }
+
+    /// The next piece of it.
+    pub fn go_on(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
+        let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
+        self.task.go_on(&mut line);
         self.log(hardware);
     }
 

@@ -13,6 +13,7 @@ mod bytes;
 pub mod can;
 pub mod clock;
 pub mod crash_loop;
+pub mod doubles;
 pub mod event;
 pub mod flash;
 pub mod frames;

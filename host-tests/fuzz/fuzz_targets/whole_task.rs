@@ -27,6 +27,9 @@ fuzz_target!(|data: &[u8]| {
         let line = match step {
             Step::Tick => {
                 application.tick(Health::default, &mut send);
+                while application.is_busy() {
+                    application.go_on(Health::default, &mut send);
+                }
                 Vec::new()
             }
             Step::Deaf(now) => {
@@ -44,6 +47,9 @@ fuzz_target!(|data: &[u8]| {
         };
         for byte in line {
             application.receive(byte, Health::default, &mut send);
+            while application.is_busy() {
+                application.go_on(Health::default, &mut send);
+            }
         }
         for byte in said.drain(..) {
             if let Some(message) = decoder.push(byte).expect("the board's line is clean") {

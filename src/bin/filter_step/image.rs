@@ -1,7 +1,8 @@
 //! Steps of the paper's filter and of that of the learning modes, and nothing else. Says over the serial line how long the longest took;
 //! `cargo xtask budget` starts it.
 //!
-//! Out: counts of the system timer for a step of the paper's filter, then for the filter of a tick, 4 bytes each, little endian; 0 where one failed.
+//! Out: counts of the system timer for a step of the paper's filter, then for the filter of a tick, 0 where one failed; then how many sums, products and quotients of doubles are not
+//! those of `rundown::onboard::doubles`. 4 bytes each, little endian.
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
@@ -18,7 +19,11 @@ use rundown::model::motion::{Evaluate, Motion};
 use rundown::model::state::{SIZE, SIZE_WITH_GAIN};
 use rundown::model::track::{Gradient, Track};
 use rundown::model::train::{Train, TrainDescription};
+use rundown::onboard::doubles;
 use rundown::tick::learning::LocationAndSpeed;
+
+#[path = "../../board/soft_doubles.rs"]
+mod soft_doubles;
 
 unsafe extern "C" {
     fn DefaultHandler();
@@ -32,6 +37,8 @@ static __INTERRUPTS: [unsafe extern "C" fn(); 32] = [DefaultHandler; 32];
 
 const STEPS: u32 = 60;
 const DT_S: f64 = 10.0;
+/// Pairs of doubles that are added and multiplied.
+const DOUBLES: u32 = 200_000;
 const OBSERVATION: LocationAndSpeed = LocationAndSpeed { location_variance: 16.0, speed_variance: 1.0 / (3.6 * 3.6) };
 const FILTER: Ukf<SIZE, 2> = Ukf { spread: Spread::PAPER, gate: [None; 2], reuse_points: true };
 
@@ -84,6 +91,7 @@ extern "C" fn measure() -> ! {
     let [step, tick] = longest().unwrap_or([0; 2]);
     say(step);
     say(tick);
+    say(wrong_doubles());
     loop {
         cortex_m::asm::wfi();
     }
@@ -116,6 +124,19 @@ fn longest() -> Option<[u32; 2]> {
         }
     }
     Some(longest)
+}
+
+/// Of pairs of bits, how many the board adds, subtracts, multiplies or divides otherwise than the integers do.
+fn wrong_doubles() -> u32 {
+    let mut wrong = 0;
+    for [a, b] in doubles::pairs(DOUBLES) {
+        let (x, y) = (black_box(f64::from_bits(a)), black_box(f64::from_bits(b)));
+        let found = [x + y, x - y, x * y, x / y].map(f64::to_bits);
+        let expected =
+            [doubles::add(a, b), doubles::add(a, b ^ doubles::SIGN), doubles::multiply(a, b), doubles::divide(a, b)];
+        wrong += found.iter().zip(&expected).filter(|(found, expected)| found != expected).count() as u32;
+    }
+    wrong
 }
 
 /// Counts that it took; none where it failed.

@@ -43,6 +43,9 @@ pub fn run() -> io::Result<()> {
         }
         for byte in bytes {
             application.receive(*byte, Host, &mut send);
+            while application.is_busy() {
+                application.go_on(Host, &mut send);
+            }
         }
         let taken = bytes.len();
         stdin.consume(taken);

@@ -10,7 +10,8 @@
 //! | 0 | `idle` | | sleeps |
 //!
 //! `tick` and `link` have the same priority, so the application needs no lock; `tick` has the lower interrupt number and goes first. Both are woken through the
-//! interrupt controller: a wake-up that comes while the task runs makes it run again, none is lost.
+//! interrupt controller: a wake-up that comes while the task runs makes it run again, none is lost. What the application still has to do after a call is done by `link`,
+//! a piece each time it runs, before it takes the next byte; `tick` may run between two pieces, and waits where they are not through.
 
 /// Period of the application's tick, s.
 pub const PERIOD_S: u32 = 10;
@@ -172,13 +173,16 @@ mod app {
             Metal::provoke(FailurePoint::Tick);
         }
         let periods = PERIODS.load(Ordering::Relaxed);
-        // The difference, because the counter wraps.
-        if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
+        // The difference, because the counter wraps. Where something is still to be done `link` does it, and wakes this task again.
+        if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 && !cx.shared.application.is_busy() {
             *cx.local.next_tick = cx.local.next_tick.wrapping_add(PERIOD_S * TIMER_HZ);
             let (start, mut say) = (*cx.shared.start, say(cx.shared.port, cx.shared.outbox, cx.shared.can));
             let watch = Stopwatch::start();
             cx.shared.application.tick(start, &mut say);
             watch.stop();
+            if cx.shared.application.is_busy() {
+                rtic::pend(Interrupt::TSC);
+            }
         }
         TICK_BEATS.fetch_add(1, Ordering::Relaxed);
     }
@@ -189,6 +193,24 @@ mod app {
             Metal::provoke(FailurePoint::Link);
         }
         Metal::trim_clock();
+        if serve(cx) {
+            rtic::pend(Interrupt::TSC);
+        }
+        LINK_BEATS.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The next piece of what is still to be done or, where there is none, what has come. True: there is more.
+    fn serve(cx: link::Context) -> bool {
+        let application = cx.shared.application;
+        if application.is_busy() {
+            let mut say = say(cx.shared.port, cx.shared.outbox, cx.shared.can);
+            let watch = Stopwatch::start();
+            application.go_on(*cx.shared.start, &mut say);
+            watch.stop();
+            // A tick may have waited.
+            rtic::pend(Interrupt::COMP);
+            return true;
+        }
         let now_us = stopwatch::now_us(&PERIODS);
         let message = cx.shared.can.exchange(now_us);
         cx.shared.start.can = cx.shared.can.counts();
@@ -196,22 +218,22 @@ mod app {
         let mut say = say(cx.shared.port, cx.shared.outbox, cx.shared.can);
         if let Some(message) = message {
             let watch = Stopwatch::start();
-            cx.shared.application.take(&message, start, &mut say);
+            application.take(&message, start, &mut say);
             watch.stop();
         }
         // At most one ring at a time: a line that babbles must not keep the other task waiting.
         for _ in 0..RING {
+            if application.is_busy() {
+                return true;
+            }
             let Some(byte) = cx.local.ring_out.dequeue() else {
-                break;
+                return false;
             };
             let watch = Stopwatch::start();
-            cx.shared.application.receive(byte, start, &mut say);
+            application.receive(byte, start, &mut say);
             watch.stop();
         }
-        if cx.local.ring_out.ready() {
-            rtic::pend(Interrupt::TSC);
-        }
-        LINK_BEATS.fetch_add(1, Ordering::Relaxed);
+        application.is_busy() || cx.local.ring_out.ready()
     }
 
     /// In a frame of its own, so that the stack of the start is given back.

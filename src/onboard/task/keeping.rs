@@ -1,5 +1,6 @@
 //! What survives the power: read when the board starts and when its train is described, written at each end of a run.
 
+use super::pieces::Due;
 use super::snapshots::SnapshotBuffer;
 use super::{Room, SLOT, Task};
 use crate::coast_ahead::Steady;
@@ -52,6 +53,8 @@ impl<'a, F: NorFlash> Task<'a, F> {
             summary: &mut room.summary,
             kept_effects: &mut room.kept_effects,
             running: false,
+            due: Due::Nothing,
+            estimate: None,
             moved: false,
             standing_since_s: None,
             published: Published::default(),

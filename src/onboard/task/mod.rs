@@ -11,12 +11,16 @@
 //! Each request gets one answer: a measurement the frames of its tick (at once in lockstep, at the next tick else), everything else an [`Answer`].
 //! A refused request has changed nothing but its counter.
 //!
+//! No call does everything: a tick and the end of a run are done in pieces, and between them the board does what else there is to do.
+//!
 //! - `requests`: what may be asked, and when
+//! - `pieces`: what a tick and the end of a run do one after another
 //! - `report`: which frames a tick sends
 //! - `snapshots`: the whole state, in pieces, out and in
 //! - `keeping`: what survives the power
 
 mod keeping;
+mod pieces;
 mod report;
 mod requests;
 mod snapshots;
@@ -29,7 +33,6 @@ use crate::model::effects::Effects;
 use crate::model::track::Track;
 use crate::onboard::auth::Verifier;
 use crate::onboard::event::{self, Event};
-use crate::onboard::frames;
 use crate::onboard::store::Store;
 use crate::onboard::store::persisted::Lifetime;
 use crate::tick::digest;
@@ -41,6 +44,7 @@ use crate::tick::published::Published;
 use crate::uplink::{self, Command, Pace, Request, Uplink};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Deque;
+use pieces::Due;
 use rundown_wire::{Answer, Body, Health, Memory, REFUSALS, Refusal};
 use snapshots::SnapshotBuffer;
 
@@ -109,6 +113,9 @@ pub struct Task<'a, F> {
     /// Effects that are read from the store, before they are believed.
     kept_effects: &'a mut Effects,
     running: bool,
+    /// What of the last call is still to be done, and the estimate that it is about.
+    due: Due,
+    estimate: Option<Estimate>,
     /// The train has run since the run began.
     moved: bool,
     standing_since_s: Option<Real>,
@@ -151,8 +158,21 @@ pub struct Task<'a, F> {
 }
 
 impl<F: NorFlash> Task<'_, F> {
-    /// One message from the link.
+    /// One message from the link, and all that it asks for.
     pub fn receive(&mut self, message: &[u8], port: &mut impl Port) {
+        self.accept(message, port);
+        self.finish(port);
+    }
+
+    /// One tick of the board's clock, all of it.
+    pub fn tick(&mut self, port: &mut impl Port) {
+        self.begin_tick(port);
+        self.finish(port);
+    }
+
+    /// The first piece of [`Task::receive`]; the others by [`Task::go_on`].
+    pub fn accept(&mut self, message: &[u8], port: &mut impl Port) {
+        self.finish(port);
         let digest = digest::of_bytes(message);
         if self.last_message.replace(digest) == Some(digest) {
             self.duplicate = self.duplicate.saturating_add(1);
@@ -199,13 +219,17 @@ impl<F: NorFlash> Task<'_, F> {
                 Ok(()) => return,
                 refused => refused,
             },
-            other => self.carry_out(other, port),
+            other => self.carry_out(other, uplink.sequence, port),
         };
-        self.answer(uplink.sequence, result, port);
+        // The end of a run is answered when it has ended.
+        if !self.is_busy() {
+            self.answer(uplink.sequence, result, port);
+        }
     }
 
-    /// One tick of the board's clock.
-    pub fn tick(&mut self, port: &mut impl Port) {
+    /// The first piece of [`Task::tick`]; the others by [`Task::go_on`].
+    pub fn begin_tick(&mut self, port: &mut impl Port) {
+        self.finish(port);
         match self.newest.take() {
             _ if self.heartbeat_only => self.send_status(port),
             Some(measurement) => {
@@ -284,30 +308,24 @@ impl<F: NorFlash> Task<'_, F> {
         self.last_time_s.is_none_or(|last_s| follows(last_s, time_s, FAR_S))
     }
 
-    /// A tick with a measurement.
+    /// A tick with a measurement: the estimate, and its first frames.
     #[inline(never)]
     fn step(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
-        let estimate = self.estimate(measurement)?;
+        self.estimate(measurement)?;
         self.last_time_s = Some(measurement.time_s);
         self.silent_ticks = 0;
         self.tick = self.tick.wrapping_add(1);
-        self.report(&estimate, port);
-        let over = self.is_over(&estimate);
-        if over {
-            self.end(port);
-        }
-        self.send(Body::Estimate(frames::estimate(&estimate)), port);
-        if over {
-            // The next run begins at once: nothing that is to be learned waits for somebody to say so.
-            self.begin(self.run.direction());
-        }
+        self.begin_report(port);
+        self.due = Due::Report;
         Ok(())
     }
 
     // Of its own: what the estimator takes on the stack is given back before the frames are made.
     #[inline(never)]
-    fn estimate(&mut self, measurement: &Measurement) -> Result<Estimate, Refusal> {
-        self.estimator.step(self.run, measurement).map_err(|_| Refusal::TimeNotIncreasing)
+    fn estimate(&mut self, measurement: &Measurement) -> Result<(), Refusal> {
+        let stepped = self.estimator.step(self.run, measurement);
+        self.estimate = Some(stepped.map_err(|_| Refusal::TimeNotIncreasing)?);
+        Ok(())
     }
 
     fn count_missed(&mut self, sequence: u16) {

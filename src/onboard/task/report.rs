@@ -17,12 +17,21 @@ const MINUTE_TICKS: u32 = 6;
 const SNAPSHOT_TICKS: u32 = 12;
 
 impl<F: NorFlash> Task<'_, F> {
-    pub(super) fn report(&mut self, estimate: &Estimate, port: &mut impl Port) {
-        self.send_parameters(estimate, port);
+    /// The first frames of a tick.
+    #[inline(never)]
+    pub(super) fn begin_report(&mut self, port: &mut impl Port) {
+        let Some(estimate) = self.estimate else {
+            return;
+        };
+        self.send_parameters(&estimate, port);
         let mean = &estimate.belief.mean;
         let limits = self.estimator.limits_n_per_kg(mean[LOCATION], mean[SPEED]);
-        let effort = frames::effort(estimate, limits);
+        let effort = frames::effort(&estimate, limits);
         self.send(Body::Effort(effort), port);
+    }
+
+    /// The others, but for the estimate.
+    pub(super) fn report(&mut self, estimate: &Estimate, port: &mut impl Port) {
         self.send_coast_ahead(estimate, port);
         if self.tick.is_multiple_of(MINUTE_TICKS) {
             self.send_features(port);

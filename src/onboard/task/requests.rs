@@ -1,5 +1,6 @@
 //! What may be asked of the board, and when: the description between runs, commands at any time.
 
+use super::pieces::{Due, Then};
 use super::{LONG_STOP_S, MOVING_MPS, Port, Task};
 use crate::coast_ahead::Steady;
 use crate::estimator::config::Mode;
@@ -19,9 +20,9 @@ use rundown_wire::{Body, Effect, Refusal};
 
 impl<F: NorFlash> Task<'_, F> {
     #[inline(never)]
-    pub(super) fn carry_out(&mut self, request: &Request, port: &mut impl Port) -> Result<(), Refusal> {
+    pub(super) fn carry_out(&mut self, request: &Request, to: u16, port: &mut impl Port) -> Result<(), Refusal> {
         match request {
-            Request::Command(command) => self.command(*command, port),
+            Request::Command(command) => self.command(*command, to, port),
             Request::Surroundings(surroundings) if !surroundings.are_plausible() => Err(Refusal::OutOfRange),
             Request::Surroundings(surroundings) => {
                 self.estimator.set_surroundings(self.run, *surroundings);
@@ -44,7 +45,7 @@ impl<F: NorFlash> Task<'_, F> {
         }
     }
 
-    fn command(&mut self, command: Command, port: &mut impl Port) -> Result<(), Refusal> {
+    fn command(&mut self, command: Command, to: u16, port: &mut impl Port) -> Result<(), Refusal> {
         match command {
             Command::Begin { direction, track_id } => {
                 if !self.described() {
@@ -54,11 +55,12 @@ impl<F: NorFlash> Task<'_, F> {
                     return Err(Refusal::OtherTrack);
                 }
                 if self.running {
-                    self.end(port);
+                    self.due = Due::End(Then::Begin(to, direction));
+                } else {
+                    self.begin(direction);
                 }
-                self.begin(direction);
             }
-            Command::End if self.running => self.end(port),
+            Command::End if self.running => self.due = Due::End(Then::Answer(to)),
             Command::End => return Err(Refusal::NotRunning),
             Command::Pace(pace) => {
                 self.pace = pace;
@@ -107,17 +109,6 @@ impl<F: NorFlash> Task<'_, F> {
     #[inline(never)]
     pub(super) fn judge_by_description(&mut self) {
         self.initial_sd = self.estimator.initial_sd();
-    }
-
-    /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
-    #[inline(never)]
-    pub(super) fn end(&mut self, port: &mut impl Port) {
-        self.estimator.end_run_in(self.run, &mut self.vehicle, self.summary);
-        self.running = false;
-        self.newest = None;
-        self.note(Event::learned(self.summary.learned_s, &self.vehicle.davis()));
-        self.keep();
-        self.send_summary(port);
     }
 
     /// A long stop ends the run.

@@ -1,4 +1,4 @@
-//! What one step of the paper's filter costs, and the filter of a tick: instructions in the emulator, stack and code from the image.
+//! What one step of the paper's filter costs, and the filter of a tick: instructions in the emulator, stack and code from the image. And whether the board's doubles are right.
 
 use super::calls::Graph;
 use crate::firmware;
@@ -18,6 +18,8 @@ pub struct Step {
     pub stack_bytes: u64,
     /// With the functions that it calls, those for f64 among them.
     pub code_bytes: u64,
+    /// Sums, products and quotients of doubles that are not those of `rundown::onboard::doubles`.
+    pub wrong_doubles: u64,
 }
 
 /// Builds the image, reads it, and lets it run.
@@ -31,14 +33,17 @@ pub fn measure() -> Result<Step, String> {
     let settings =
         Settings { board: Board::Mps2, image: path, sleep: Sleep::AsHost, flash: None, preloads: Vec::new() };
     let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
-    let mut taken = || {
-        let mut counts = [0; 4];
-        let read = emulator.line().read_exact(&mut counts);
+    let mut said = || {
+        let mut count = [0; 4];
+        let read = emulator.line().read_exact(&mut count);
         read.map_err(|error| format!("the step of the filter does not end: {error}"))?;
-        match u64::from(u32::from_le_bytes(counts)) {
-            0 => Err("a step of the filter failed in the emulator".to_owned()),
-            counts => Ok(counts * NS_PER_COUNT / u64::from(NS_PER_INSTRUCTION)),
-        }
+        Ok::<_, String>(u64::from(u32::from_le_bytes(count)))
     };
-    Ok(Step { instructions: taken()?, tick_instructions: taken()?, stack_bytes: deepest.bytes, code_bytes })
+    let mut taken = || match said()? {
+        0 => Err("a step of the filter failed in the emulator".to_owned()),
+        counts => Ok(counts * NS_PER_COUNT / u64::from(NS_PER_INSTRUCTION)),
+    };
+    let (instructions, tick_instructions) = (taken()?, taken()?);
+    let wrong_doubles = said()?;
+    Ok(Step { instructions, tick_instructions, stack_bytes: deepest.bytes, code_bytes, wrong_doubles })
 }
