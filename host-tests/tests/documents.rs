@@ -232,3 +232,14 @@ fn the_snippet_of_the_library_learns_the_resistance_of_a_coasting_train() {
     let share = learned.resistance_n_per_kg(30.0) / davis.resistance_n_per_kg(30.0);
     assert!((share - 0.9).abs() < 0.02, "{share}");
 }
+
+/// A quiet build hides the minutes of the first one, and that cargo waits for another.
+#[test]
+fn no_command_of_the_workspace_builds_without_a_word() {
+    let config = text(Path::new(".cargo/config.toml"));
+    let aliases = config.lines().skip_while(|line| *line != "[alias]").skip(1).take_while(|line| !line.is_empty());
+    let aliases: Vec<&str> = aliases.filter(|line| !line.starts_with('#')).collect();
+    assert!(aliases.iter().any(|line| line.starts_with("rundown = ")), "{aliases:?}");
+    let quiet: Vec<_> = aliases.iter().filter(|line| line.contains("--quiet") || line.contains(" -q ")).collect();
+    assert!(quiet.is_empty(), "{quiet:?}");
+}

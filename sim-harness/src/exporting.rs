@@ -1,4 +1,4 @@
-//! What was learned of a train, in files for other tools: the results of a replay in, a folder out.
+//! What was learned of a train, in files for other tools: the results of a replay or a board's recording in, a folder out.
 
 use crate::exchange::sfera::{self, Identity};
 use crate::exchange::{self, provenance};
@@ -21,7 +21,7 @@ pub const MAX_SPEED_KMH: RangeInclusive<u16> = 1..=600;
 /// What is to be exported: the arguments of `rundown export`.
 #[derive(Clone, Debug)]
 pub struct Order {
-    /// Folder with the results of a replay.
+    /// Folder with the results of a replay, or the recording of a board.
     pub replay: PathBuf,
     /// Description of the train with which the replay was made.
     pub train: PathBuf,
@@ -80,7 +80,7 @@ impl Order {
     /// # Errors
     /// [`ExportError`]: then the folder is as it was.
     pub fn export(&self, out: &Path) -> Result<Exported, ExportError> {
-        let begun = Provenance::begin(&[self.replay.join("replay.json"), self.train.clone()]);
+        let begun = Provenance::begin(&[learned_train::file_of(&self.replay), self.train.clone()]);
         let learned = learned_train::read(&self.replay, &self.train, self.unit.as_deref())?;
         let train = &learned.train;
         let identity = self.identity(&train.name)?;
@@ -105,7 +105,8 @@ impl Order {
         let place = format!("files: {} in {}", files.join(", "), out.display());
         let said = format!("train: {}, {mass_t:.0} t, rotating mass factor {factor}\n{said}\n{place}\n", train.name);
         let note = "the train has named effects, which only train.toml can hold";
-        let mut notes = if train.effect.is_empty() { Vec::new() } else { vec![note.to_owned()] };
+        let mut notes = learned.notes.clone();
+        notes.extend((!train.effect.is_empty()).then(|| note.to_owned()));
         let gone = before.iter().map(|file| file.display().to_string());
         let gone: Vec<String> = gone.filter(|file| !files.contains(&file.as_str())).collect();
         if !gone.is_empty() {

@@ -1,6 +1,6 @@
 //! The train as its runs have shown it: the description with what was learned in the place of what was stated.
 //!
-//! In: the folder of a replay, the train file it was made with. Out: a [`LearnedTrain`], which is a train file again, and which of its values are learned.
+//! In: the folder of a replay, or the recording of a board, and the train file it was made with. Out: a [`LearnedTrain`], which is a train file again, and which of its values are learned.
 //!
 //! | value | from |
 //! |---|---|
@@ -16,7 +16,7 @@ use rundown_files::refusal::{Place, ReadError};
 use rundown_files::train_file::TrainFile;
 use rundown_wire::Learned;
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Runs that must have shown a limit before it counts as a habit.
 pub const LEAST_RUNS: usize = 3;
@@ -56,6 +56,8 @@ pub struct LearnedTrain {
     pub effort: Limit,
     /// Largest power, W.
     pub power: Limit,
+    /// What a person should know of where it comes from.
+    pub notes: Vec<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -97,13 +99,21 @@ struct Features {
     power_max_w_per_kg: Option<f64>,
 }
 
-/// Reads the results in `folder`; `unit` where the replay has several.
+/// Where the results are: `replay.json` of a folder, or a recording.
+pub fn file_of(results: &Path) -> PathBuf {
+    if results.is_file() { results.to_owned() } else { results.join("replay.json") }
+}
+
+/// Reads the folder of a replay, or a board's recording; `unit` where the replay has several.
 ///
 /// # Errors
 /// [`ReadError`] of the train file, or of the results.
-pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
+pub fn read(results: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
     let (described, _) = TrainFile::read(train)?;
-    let path = folder.join("replay.json");
+    let path = file_of(results);
+    if results.is_file() && !results.ends_with("replay.json") {
+        return of_board(path, described, unit);
+    }
     let text = std::fs::read_to_string(&path).map_err(|source| ReadError::Io { path: path.clone(), source })?;
     log::info!("read {}", path.display());
     let results = serde_json::from_str(&text).map_err(|error| {
@@ -111,6 +121,69 @@ pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTr
         place.refuse("", format!("expected the results of `rundown replay`, found {error}"))
     })?;
     learn(described, results, unit).map_err(|(field, message)| Place::of_file(path).refuse(field, message).into())
+}
+
+#[cfg(not(feature = "link"))]
+fn of_board(path: PathBuf, _: TrainFile, _: Option<&str>) -> Result<LearnedTrain, ReadError> {
+    let expected =
+        "expected the folder of a replay, found a file; recordings of a board are read by the command `rundown export`";
+    Err(Place::of_file(path).refuse("", expected).into())
+}
+
+#[cfg(feature = "link")]
+fn of_board(path: PathBuf, described: TrainFile, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
+    let crate::recorded_board::Recorded { ends, train, missing, .. } = crate::recorded_board::read(&path)?;
+    let mut notes = Vec::new();
+    let is_described = |sent: TrainFile| {
+        TrainFile { name: described.name.clone(), effect: described.effect.clone(), ..sent } == described
+    };
+    match train.map(is_described) {
+        Some(true) => (),
+        Some(false) => {
+            let message = "expected the train that was described to the board, found another one in the train file";
+            return Err(Place::of_file(path).refuse("train", message).into());
+        }
+        None => notes.push(format!(
+            "{}: it does not say which train was described to the board; the train file is believed",
+            path.display()
+        )),
+    }
+    if missing > 0 {
+        notes.push(format!(
+            "{}: {missing} messages are lost, damaged or unknown; the last run that ended counts",
+            path.display()
+        ));
+    }
+    let runs = ends.iter().map(Run::of_board).collect();
+    let results = ReplayJson { train: described.name.clone(), carried: true, runs };
+    let learned = learn(described, results, unit);
+    let learned = learned.map_err(|(field, message)| Place::of_file(path).refuse(field, message))?;
+    Ok(LearnedTrain { notes, ..learned })
+}
+
+#[cfg(feature = "link")]
+impl Run {
+    /// A board has one unit, and uses each of its runs. At which speeds it learned it does not say.
+    fn of_board(end: &crate::recorded_board::RunEnd) -> Self {
+        let [r0, r1, r2] = end.summary.vehicle_davis.map(|value| f64::from(value.value));
+        let [sd_r0, sd_r1, sd_r2] = end.summary.vehicle_davis.map(|value| f64::from(value.sd));
+        let effort = end.features.as_ref().and_then(|features| features.max_effort.as_ref());
+        let power = end.features.as_ref().and_then(|features| features.max_power_w_per_kg);
+        Self {
+            unit: String::new(),
+            used: true,
+            learning_steps: usize::from(end.summary.learned_s > 0.0),
+            learned_kmh: None,
+            vehicle: Vehicle { r0, r1, r2, sd_r0, sd_r1, sd_r2 },
+            foresight: Foresight { published: end.published.as_str().to_owned() },
+            features: Features {
+                max_effort_mean_n_per_kg: effort
+                    .filter(|line| line.effort_n_per_kg.count > 0)
+                    .map(|line| f64::from(line.effort_n_per_kg.mean)),
+                power_max_w_per_kg: power.map(f64::from),
+            },
+        }
+    }
 }
 
 /// A field of the results, and what is wrong with it.
@@ -165,6 +238,7 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
         learned_kmh: speeds_kmh.reduce(|all, one| [all[0].min(one[0]), all[1].max(one[1])]),
         effort,
         power,
+        notes: Vec::new(),
     })
 }
 

@@ -7,7 +7,8 @@
 //! | what did a recorder do to its logs? | [`checking`] |
 //! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read, or of Parquet files (`parquet_runs`) |
 //! | what invalidates a whole replay? where are its results written? | `advice`, [`output`], `report` |
-//! | what does another tool get of what was learned? | [`exporting`]: `learned_train`, `exchange` |
+//! | what does another tool get of what was learned? | [`exporting`]: `learned_train`, of a board `recorded_board`, `exchange` |
+//! | how does a train or track of another tool become ours? | [`converting`] |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
 //! | what would be the paper's best filter? | `tune` |
@@ -29,6 +30,7 @@ mod advice;
 pub mod check_bench;
 pub mod checking;
 pub mod commands;
+pub mod converting;
 #[cfg(feature = "link")]
 pub mod desk;
 #[cfg(feature = "link")]
@@ -45,6 +47,8 @@ pub mod logs;
 pub mod output;
 mod parquet_runs;
 pub mod perturbed_bench;
+#[cfg(feature = "link")]
+mod recorded_board;
 pub mod replaying;
 pub mod report;
 #[cfg(feature = "link")]

@@ -335,3 +335,12 @@ fn an_effect_is_explained_without_any_data() {
     assert!(explained.out.contains("headwind"));
     assert_eq!(explain("no_such_effect").code, Some(2));
 }
+
+#[test]
+fn an_example_is_printed_and_what_it_would_not_use_is_refused() {
+    let folder = Folder::new();
+    let words = ["hidden-effect", "hidden_effect"].map(|which| folder.done(&["simulate", "--example", which]).out);
+    assert!(words[0] == words[1] && words[0].contains("tunnel_drag"), "{}", words[0]);
+    let said = folder.rundown(&["simulate", "--example", "hidden-effect", "--out", "set"]);
+    assert!(said.code == Some(2) && said.err.contains("cannot be used with"), "{}", said.err);
+}

@@ -4,6 +4,10 @@ mod common;
 
 use common::{Folder, RUN, Said, another, reference};
 use quick_xml::events::Event;
+use rundown_wire::link::serial;
+use rundown_wire::{Body, Downlink};
+use sim_harness::display::demo;
+use sim_harness::link::record::{Log, Way};
 use std::collections::HashMap;
 
 const REPLAY: [&str; 6] = ["replay", "--train", "train.toml", "--track", "track.toml", "logs"];
@@ -265,4 +269,52 @@ fn a_running_path_becomes_a_track() {
     assert_eq!(track["gradient"][0]["permille"].as_float(), Some(5.0));
     let said = folder.rundown(&["convert", "path.yaml", "--set", "mass_kg=1000"]);
     assert!(said.code != Some(0) && said.err.contains("--set mass_kg: expected a train, found a running path"));
+}
+
+/// What a board says of three runs, as its display and its desk record it, and as the bytes of its line.
+#[test]
+fn what_a_board_has_learned_goes_out_from_its_recording() {
+    let (train, _) = demo::described().unwrap();
+    let folder = Folder::new().with("train.toml", &toml::to_string(&train).unwrap());
+    let (mut heard, mut bytes) = (Vec::new(), Vec::new());
+    demo::play_runs(3, |message| {
+        bytes.extend_from_slice(&serial::encode(message).unwrap());
+        heard.push(message.to_vec());
+    })
+    .unwrap();
+    let text = |heard: &[Vec<u8>]| {
+        let mut file = Vec::new();
+        let mut log = Log::new(&mut file).unwrap();
+        heard.iter().for_each(|message| log.write(0, Way::Received, message));
+        log.finish().unwrap();
+        String::from_utf8(file).unwrap()
+    };
+    std::fs::write(folder.path("run.frames"), &bytes).unwrap();
+    folder.write("run.csv", &text(&heard));
+    let last = heard.iter().rev().find_map(|message| match Downlink::decode(message).unwrap().body {
+        Body::RunSummary(summary) => Some(summary),
+        _ => None,
+    });
+    let last = last.unwrap();
+
+    let of = |recording: &str, out: &str, train: &str| {
+        folder.rundown(&["export", "--to", "sumo", recording, "--train", train, "--max-speed", "140", "--out", out])
+    };
+    let Said { code, out, err } = of("run.frames", "a", "train.toml");
+    assert_eq!(code, Some(0), "{err}");
+    assert!(out.contains("learned by Rundown from 3 runs"), "{out}");
+    assert!(err.contains("does not say which train was described"), "{err}");
+    assert_eq!(of("run.csv", "b", "train.toml").code, Some(0));
+    let learned: toml::Table = folder.read("a/train.toml").parse().unwrap();
+    let r0 = learned["davis"]["r0"].as_float().unwrap();
+    assert_eq!(r0 as f32, last.vehicle_davis[0].value);
+    assert_ne!(r0, train.davis.r0);
+    assert_eq!(folder.read("a/sumo.add.xml"), folder.read("b/sumo.add.xml"));
+
+    // Torn off before its first run ended, and a file that is none.
+    folder.write("none.csv", &text(&heard[..20]));
+    for (file, found) in [("none.csv", "found none in 20 frames"), ("train.toml", "found none in 0 frames")] {
+        let said = of(file, "c", "train.toml");
+        assert!(said.code == Some(3) && said.err.contains(found) && !folder.path("c").exists(), "{}", said.err);
+    }
 }

@@ -320,6 +320,35 @@ fn json_lines_in_miles_are_converted_and_units_that_agree_alike_are_asked_for() 
     near(last(&csv(&folder, "b/b_01.csv"))[1], 11_900.0, 1.0);
 }
 
+/// An array of objects as programs write it: pretty, in one line, torn off, and lines of which the first has no end.
+#[test]
+fn json_objects_over_several_lines_are_read() {
+    let rows = drive(&STOPS_M[..3], 30.0);
+    let object = |gap: &str, (t, x, v): &(f64, f64, f64)| {
+        format!(
+            "{{{gap}\"gps\": {{\"time_s\": {t}}},{gap}\"location_m\": {x:.1},{gap}\"note\": \"a \\\" }} b\",{gap}\"speed_kmh\": {:.1}{gap}}}",
+            3.6 * v
+        )
+    };
+    let all = |gap: &str| rows.iter().map(|row| object(gap, row)).collect::<Vec<_>>();
+    let pretty = format!("[\n  {}\n]\n", all("\n    ").join(",\n  "));
+    let folder = Folder::new()
+        .with("pretty.json", &pretty)
+        .with("line.json", &format!("[{}]", all("").join(",")))
+        .with("torn.json", &pretty[..pretty.len() - 10])
+        .with("first.jsonl", &format!("{{\"gps\": {{\"ti\n{}\n", all("").join("\n")));
+    for (name, lost, bad) in
+        [("pretty.json", 0, None), ("line.json", 0, None), ("torn.json", 1, Some(1)), ("first.jsonl", 0, Some(1))]
+    {
+        folder.done(&["import", name, "--out", "runs"]);
+        let found = csv(&folder, &format!("runs/{}_01.csv", name.split('.').next().unwrap()));
+        assert_eq!(found.len(), rows.len() - lost, "{name}");
+        near(found[found.len() - 1][1], rows[rows.len() - 1 - lost].1, 0.06);
+        let json = folder.json("runs/import.json");
+        assert_eq!(json["counts"]["lines that cannot be read, left out"].as_u64(), bad, "{name}: {json}");
+    }
+}
+
 #[test]
 fn a_workbook_is_read() {
     let folder = Folder::new();
@@ -587,13 +616,15 @@ fn units_are_found_by_evidence_and_wrong_ones_refused() {
     let wrong = table("time_s,location_m,speed_kmh", &rows, |t, x, v| format!("{t},{x:.0},{v:.2}"));
     let folder = Folder::new().with("bare.csv", &bare).with("wrong.csv", &wrong);
     let said = folder.done(&["import", "bare.csv", "--preview"]);
+    assert!(said.out.contains("--preview=FILE.svg") && !folder.path("preview.svg").exists(), "looking writes nothing");
     assert!(
         said.out.contains("by evidence: distance by location over distance by speed is 1.0")
             && said.out.contains("km/h"),
         "{}",
         said.out
     );
-    assert!(folder.read("preview.svg").starts_with("<?xml") && !folder.path("runs").exists());
+    folder.done(&["import", "bare.csv", "--preview=speeds.svg"]);
+    assert!(folder.read("speeds.svg").starts_with("<?xml") && !folder.path("runs").exists());
     folder.done(&["import", "bare.csv"]);
     near(last(&csv(&folder, "runs/bare_01.csv"))[0], rows.last().unwrap().0, 1e-6);
     let said = folder.rundown(&["import", "wrong.csv", "--out", "w"]);

@@ -48,7 +48,9 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     for number in 1..=4 {
         let file = format!("report/run000{number}.html");
         assert!(report.contains(&format!("href=\"{file}\"")), "{file}");
-        assert_eq!(folder.read(&format!("a/{file}")).contains(">next: "), number < 4, "{file}");
+        let page = folder.read(&format!("a/{file}"));
+        assert_eq!(page.contains(">next: "), number < 4, "{file}");
+        assert!(page.contains("\"legend\":\"true"), "{file}: the truth of a simulated run");
     }
 
     // The surface has its numbers, and the same seed gives the same bytes.

@@ -13,19 +13,23 @@ __version__: str
 
 __all__ = [
     "Check",
+    "Converted",
     "Exported",
     "Figure",
     "Gap",
     "Imported",
+    "Preview",
     "Replay",
     "RundownError",
     "Simulated",
     "Table",
     "__version__",
     "check",
+    "convert",
     "export",
     "gap",
     "import_logs",
+    "preview_logs",
     "replay",
     "simulate",
 ]
@@ -42,6 +46,7 @@ class RundownError(Exception):
 
 @final
 class Table:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def column_names(self) -> list[str]: ...
     @property
@@ -159,6 +164,15 @@ class Imported:
     def __len__(self) -> int: ...
 
 @final
+class Converted:
+    @property
+    def file(self) -> Path: ...
+    @property
+    def kind(self) -> Literal["train", "track"]: ...
+    @property
+    def notes(self) -> list[str]: ...
+
+@final
 class Exported:
     @property
     def folder(self) -> Path: ...
@@ -166,6 +180,14 @@ class Exported:
     def files(self) -> list[Path]: ...
     @property
     def notes(self) -> list[str]: ...
+
+@final
+class Preview:
+    @property
+    def failed(self) -> list[str]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def plot(self) -> Figure: ...
 
 def import_logs(
     files: _Paths | None = None,
@@ -177,6 +199,8 @@ def import_logs(
     track_out: _Path | None = None,
     strict: bool = False,
 ) -> Imported: ...
+def preview_logs(files: _Paths | None = None, *, mapping: _Path | None = None) -> Preview: ...
+def convert(file: _Path, *, out: _Path, set: dict[str, float] | None = None) -> Converted: ...
 def replay(
     runs: _Paths | _ArrowTable,
     *,

@@ -16,7 +16,12 @@ pub struct Figure {
 impl Figure {
     /// Of a picture of a page.
     pub fn of(svg: &str) -> Self {
-        Self { svg: standalone(svg) }
+        Self::whole(standalone(svg))
+    }
+
+    /// Of a file of its own.
+    pub const fn whole(svg: String) -> Self {
+        Self { svg }
     }
 }
 

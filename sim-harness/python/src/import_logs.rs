@@ -1,6 +1,7 @@
-//! `rundown.import_logs`.
+//! `rundown.import_logs`, and the look before it, `rundown.preview_logs`.
 
 use crate::error::{not_imported, unread};
+use crate::figure::Figure;
 use crate::paths::{Paths, chosen};
 use crate::progress::Progress;
 use pyo3::prelude::*;
@@ -92,4 +93,63 @@ pub fn import_logs(
     order.strict = strict;
     let done: Result<_, ImportError> = Progress::new(None, 0).during(py, || order.import())?;
     Ok(Imported { folder: out, done: done.map_err(not_imported)? })
+}
+
+/// What an import would do. `print(preview)` says columns with meaning and unit, and the first rows.
+#[pyclass(frozen, module = "rundown")]
+pub struct Preview {
+    done: sim_harness::import::Preview,
+}
+
+#[pymethods]
+impl Preview {
+    /// Files that cannot be read or need an answer in `import.toml`: the messages, with their place.
+    #[getter]
+    fn failed(&self) -> Vec<String> {
+        self.done.found.errors.iter().map(ToString::to_string).collect()
+    }
+
+    /// What a person may want to know, as the evidence for units and clocks.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.done.found.notes.clone()
+    }
+
+    /// The speeds as they would be imported.
+    fn plot(&self) -> Figure {
+        Figure::whole(self.done.picture())
+    }
+
+    fn __str__(&self) -> String {
+        self.done.found.lines.join("\n")
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<rundown.Preview: {} kinds of files, {} questions>",
+            self.done.found.lines.len(),
+            self.done.found.errors.len()
+        )
+    }
+}
+
+/// Says what `import_logs` would do with files, as `rundown import --preview` does, also where a question is still open. Writes nothing.
+///
+/// `files`, `mapping`: as of `import_logs`.
+///
+/// >>> import pathlib, rundown, tempfile
+/// >>> log = pathlib.Path(tempfile.mkdtemp()) / "export.csv"
+/// >>> rows = [f"{second};{12.0 * second};43.2" for second in range(200)]
+/// >>> _ = log.write_text("\n".join(["time [s];location [m];speed [km/h]", *rows]))
+/// >>> preview = rundown.preview_logs(log)
+/// >>> preview.failed, "km/h" in str(preview)
+/// ([], True)
+#[pyfunction]
+#[pyo3(signature = (files=None, *, mapping=None))]
+pub fn preview_logs(py: Python<'_>, files: Option<Paths>, mapping: Option<PathBuf>) -> PyResult<Preview> {
+    let files = files.map_or_else(Vec::new, Vec::from);
+    // The folder is that of an import, which this is not.
+    let order = Order::new(files, mapping, PathBuf::new()).map_err(unread)?;
+    let done = py.detach(|| order.preview()).map_err(not_imported)?;
+    Ok(Preview { done })
 }

@@ -2,7 +2,7 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | how do the commands look from Python? | `import_logs`, `replay`, `simulate`, `check`, `gap`, `export` |
+//! | how do the commands look from Python? | `import_logs`, `replay`, `simulate`, `check`, `gap`, `export`, `convert` |
 //! | how does a table reach pandas, polars, pyarrow or DuckDB? | `table` |
 //! | how does one of theirs come as runs? | `runs` |
 //! | how are pictures seen? | `figure` |
@@ -15,6 +15,7 @@
 #![warn(missing_docs)]
 
 mod check;
+mod convert;
 mod error;
 mod export;
 mod figure;
@@ -35,6 +36,8 @@ mod _rundown {
     #[pymodule_export]
     use crate::check::{Check, check};
     #[pymodule_export]
+    use crate::convert::{Converted, convert};
+    #[pymodule_export]
     use crate::error::RundownError;
     #[pymodule_export]
     use crate::export::{Exported, export};
@@ -43,7 +46,7 @@ mod _rundown {
     #[pymodule_export]
     use crate::gap::{Gap, gap};
     #[pymodule_export]
-    use crate::import_logs::{Imported, import_logs};
+    use crate::import_logs::{Imported, Preview, import_logs, preview_logs};
     #[pymodule_export]
     use crate::replay::{Replay, replay};
     #[pymodule_export]

@@ -6,6 +6,7 @@ use crate::paths;
 use crate::progress::{Progress, Wanted};
 use crate::said::{read_json, warn};
 use crate::{resistance, runs, table::Table};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rundown::{filter::gaussian::Gaussian, model::state};
 use rundown_files::column::{About, Column, Filled, Kind, filled};
@@ -233,6 +234,12 @@ impl Replay {
     /// What `to_json` has, as Python's dictionaries and lists.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         read_json(py, &self.to_json())
+    }
+
+    /// A replay is what its runs and descriptions made it: its tables travel between processes, and it does not.
+    fn __reduce__(&self) -> PyResult<()> {
+        let message = "cannot pickle a rundown.Replay: hand on its tables, as learned.parameters or learned.estimates(), or write(folder)";
+        Err(PyTypeError::new_err(message))
     }
 
     fn __str__(&self) -> String {

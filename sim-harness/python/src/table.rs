@@ -11,7 +11,7 @@ use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict, PyList};
+use pyo3::types::{PyCapsule, PyDict, PyList, PyType};
 use rundown_files::column::{About, Filled, Kind};
 use rundown_files::table::Cell;
 use std::collections::HashMap;
@@ -21,7 +21,6 @@ use std::sync::Arc;
 /// with `table["r0"]`.
 #[pyclass(frozen, module = "rundown")]
 pub struct Table {
-    about: Vec<About>,
     schema: SchemaRef,
     parts: Vec<RecordBatch>,
 }
@@ -40,15 +39,15 @@ impl Table {
     /// # Errors
     /// As [`Table::of`].
     pub fn of_parts(parts: Vec<Filled>) -> PyResult<Self> {
-        let about: Vec<About> =
-            parts.first().map(|first| first.iter().map(|(about, _)| about.clone()).collect()).unwrap_or_default();
-        let schema = Arc::new(Schema::new(about.iter().map(field).collect::<Vec<Field>>()));
+        let fields: Vec<Field> =
+            parts.first().map(|first| first.iter().map(|(about, _)| field(about)).collect()).unwrap_or_default();
+        let schema = Arc::new(Schema::new(fields));
         let parts: Result<Vec<RecordBatch>, ArrowError> = parts.iter().map(|part| batch(&schema, part)).collect();
-        Ok(Self { about, schema, parts: parts.map_err(refused)? })
+        Ok(Self { schema, parts: parts.map_err(refused)? })
     }
 
     fn index(&self, name: &str) -> PyResult<usize> {
-        self.about.iter().position(|about| about.name == name).ok_or_else(|| {
+        self.schema.index_of(name).map_err(|_| {
             let names = self.column_names().join(", ");
             PyKeyError::new_err(format!("expected a column of this table, found {name:?}; there are {names}"))
         })
@@ -57,30 +56,79 @@ impl Table {
     fn rows(&self) -> usize {
         self.parts.iter().map(RecordBatch::num_rows).sum()
     }
+
+    /// What the columns have under this key, by their names.
+    fn said<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyDict>> {
+        let said = PyDict::new(py);
+        let of = |field: &Field| said.set_item(field.name(), field.metadata().get(key));
+        self.schema.fields().iter().try_for_each(|field| of(field))?;
+        Ok(said)
+    }
 }
+
+/// A column as it is pickled: name, kind, what is said of it, values.
+type Pickled<'py> = (String, &'static str, HashMap<String, String>, Bound<'py, PyList>);
+
+/// The same as it comes back.
+type Unpickled<'py> = (String, String, HashMap<String, String>, Bound<'py, PyAny>);
+
+const TEXT: &str = "text";
+const COUNT: &str = "count";
+const NUMBER: &str = "number";
 
 #[pymethods]
 impl Table {
+    /// Of the columns that `__reduce__` gives: for `pickle` alone.
+    #[new]
+    fn new(columns: Vec<Unpickled<'_>>) -> PyResult<Self> {
+        let (mut fields, mut arrays) = (Vec::new(), Vec::new());
+        for (name, kind, said, values) in columns {
+            let array: ArrayRef = match kind.as_str() {
+                TEXT => Arc::new(StringArray::from(values.extract::<Vec<Option<String>>>()?)),
+                COUNT => Arc::new(Int64Array::from(values.extract::<Vec<Option<i64>>>()?)),
+                NUMBER => Arc::new(Float64Array::from(values.extract::<Vec<Option<f64>>>()?)),
+                other => return Err(refused(format!("kind: expected {TEXT}, {COUNT} or {NUMBER}, found {other:?}"))),
+            };
+            fields.push(Field::new(name, array.data_type().clone(), true).with_metadata(said));
+            arrays.push(array);
+        }
+        let schema = Arc::new(Schema::new(fields));
+        let part = RecordBatch::try_new(Arc::clone(&schema), arrays).map_err(refused)?;
+        Ok(Self { schema, parts: vec![part] })
+    }
+
+    /// For `pickle`: a table goes to another process with its units and meanings.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyType>, (Vec<Pickled<'py>>,))> {
+        let table = slf.get();
+        let column = |field: &Arc<Field>| -> PyResult<Pickled<'py>> {
+            let kind = match field.data_type() {
+                DataType::Utf8 => TEXT,
+                DataType::Int64 => COUNT,
+                _ => NUMBER,
+            };
+            let values = table.__getitem__(slf.py(), field.name())?;
+            Ok((field.name().clone(), kind, field.metadata().clone().into(), values))
+        };
+        let columns = table.schema.fields().iter().map(column).collect::<PyResult<_>>()?;
+        Ok((slf.get_type(), (columns,)))
+    }
+
     /// Names of the columns.
     #[getter]
     fn column_names(&self) -> Vec<&str> {
-        self.about.iter().map(|about| about.name.as_str()).collect()
+        self.schema.fields().iter().map(|field| field.name().as_str()).collect()
     }
 
     /// Units by the names of their columns; an empty text where there is none.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let units = PyDict::new(py);
-        self.about.iter().try_for_each(|about| units.set_item(&about.name, about.unit))?;
-        Ok(units)
+        self.said(py, UNIT)
     }
 
     /// What the columns say, by their names.
     #[getter]
     fn meanings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let meanings = PyDict::new(py);
-        self.about.iter().try_for_each(|about| meanings.set_item(&about.name, &about.meaning))?;
-        Ok(meanings)
+        self.said(py, MEANING)
     }
 
     /// A column as a list; None where a cell is empty.
@@ -95,7 +143,7 @@ impl Table {
     /// All columns as lists, by their names.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let columns = PyDict::new(py);
-        self.about.iter().try_for_each(|about| columns.set_item(&about.name, self.__getitem__(py, &about.name)?))?;
+        self.column_names().into_iter().try_for_each(|name| columns.set_item(name, self.__getitem__(py, name)?))?;
         Ok(columns)
     }
 
@@ -112,7 +160,7 @@ impl Table {
         format!(
             "<rundown.Table: {} rows, {} columns: {}>",
             self.rows(),
-            self.about.len(),
+            self.schema.fields().len(),
             self.column_names().join(", ")
         )
     }
@@ -138,13 +186,16 @@ impl Table {
     }
 }
 
+const UNIT: &str = "unit";
+const MEANING: &str = "meaning";
+
 fn field(about: &About) -> Field {
     let kind = match about.kind {
         Kind::Text => DataType::Utf8,
         Kind::Count => DataType::Int64,
         Kind::Number => DataType::Float64,
     };
-    let metadata = [("unit", about.unit), ("meaning", &about.meaning), ("empty_when", about.empty)];
+    let metadata = [(UNIT, about.unit), (MEANING, &about.meaning), ("empty_when", about.empty)];
     let metadata: HashMap<String, String> = metadata.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
     Field::new(&about.name, kind, true).with_metadata(metadata)
 }

@@ -14,7 +14,7 @@ from rundown import _rundown
 PUBLIC = [name for name in rundown.__all__ if not name.startswith("_")]
 
 
-@pytest.mark.parametrize("name", ["import_logs", "replay", "simulate", "check", "gap", "export"])
+@pytest.mark.parametrize("name", ["import_logs", "preview_logs", "replay", "simulate", "check", "gap", "export", "convert"])
 def test_the_examples_run(name):
     function = getattr(rundown, name)
     [test] = doctest.DocTestFinder(recurse=False).find(function, name, module=False, globs={})

@@ -169,3 +169,33 @@ def test_export(made, command, tmp_path):
     rundown.replay(made.runs, train=exported.files[-1], track=made.track)
     one = rundown.export(learned, to="sumo", train=made.train, max_speed=140, out=tmp_path / "one")
     assert [path.name for path in one.files] == ["sumo.add.xml", "train.toml"]
+
+
+def test_preview(recorded, command, tmp_path):
+    text = command("import", f"--preview={tmp_path / 'speeds.svg'}", *recorded)
+    preview = rundown.preview_logs(recorded)
+    assert text.startswith(f"{preview}\n") and preview.failed == []
+    assert preview.plot().svg == (tmp_path / "speeds.svg").read_text()
+    assert rundown.import_logs(recorded, out=tmp_path / "runs").notes[: len(preview.notes)] == preview.notes
+
+
+def test_convert(made, command, tmp_path):
+    rundown.replay(made.runs, train=made.train, track=made.track).write(tmp_path / "learned")
+    out = tmp_path / "out"
+    rundown.export(tmp_path / "learned", train=made.train, to="altrios", max_speed=140, out=out)
+    given = {"max_tractive_effort_n": 2e5, "max_power_w": 2e6}
+    set = [word for name, value in given.items() for word in ("--set", f"{name}={value}")]
+    command("convert", out / "altrios.yaml", *set, "--out", tmp_path / "command.toml")
+    converted = rundown.convert(out / "altrios.yaml", out=tmp_path / "python.toml", set=given)
+    assert (converted.kind, converted.file) == ("train", tmp_path / "python.toml")
+    assert converted.file.read_bytes() == (tmp_path / "command.toml").read_bytes() and converted.notes
+    wrong = [
+        ({"out": converted.file, "set": given}, "out: expected a new file"),
+        ({"out": tmp_path / "new.toml"}, "max_tractive_effort_n: expected a value, found none"),
+        ({"out": tmp_path / "new.toml", "set": {"mass": 1.0}}, "set: expected a field of mass_kg"),
+        ({"out": tmp_path / "new.toml", "set": {"mass_kg": float("nan")}}, "set: mass_kg: expected a finite number"),
+    ]
+    for options, expected in wrong:
+        with pytest.raises(rundown.RundownError, match=expected):
+            rundown.convert(out / "altrios.yaml", **options)
+    assert not (tmp_path / "new.toml").exists()

@@ -1,6 +1,7 @@
 """A table hands itself to pandas, polars, pyarrow and DuckDB; its numbers stay where they are."""
 
 import math
+import pickle
 
 import pytest
 
@@ -67,3 +68,15 @@ def test_resistance_has_its_band(reference):
     before = learned.resistance(speeds, of="before")
     assert before["sd_n_per_kg"][2] > found["sd_n_per_kg"][2], "a run narrows the band"
     assert len(learned.resistance(20.0)) == 1
+
+
+def test_a_table_is_pickled_with_its_units(reference):
+    pyarrow = pytest.importorskip("pyarrow")
+    learned = rundown.replay(**reference)
+    for table in (learned.parameters, learned.estimates(), learned.switching_points):
+        again = pickle.loads(pickle.dumps(table))
+        assert pyarrow.table(again).schema.equals(pyarrow.table(table).schema, check_metadata=True)
+        # Bit for bit: a number that is none is not equal to itself.
+        assert repr(again.to_dict()) == repr(table.to_dict()) and again.units == table.units
+    with pytest.raises(TypeError, match="hand on its tables"):
+        pickle.dumps(learned)

@@ -57,7 +57,9 @@ fn of_part(rows: &[Row], skew_s: f64) -> Vec<Compared> {
 
 /// Each window a dot, their means with 95 % intervals, and what was fitted.
 pub(super) fn speed_against_location(recorder: &RecorderCheck, windows: &[Compared]) -> Drawing {
-    let x = 0.0..range_of(windows.iter().map(|w| w.0)).end.max(20.0);
+    // Up to the end of a class: the fastest windows do not lie on the frame.
+    let fastest_kmh = range_of(windows.iter().map(|w| w.0)).end.max(CLASS_KMH);
+    let x = 0.0..CLASS_KMH * (1.0 + (fastest_kmh / CLASS_KMH).floor());
     let every = windows.len().div_ceil(MOST_DOTS).max(1);
     let dots = windows.iter().step_by(every).copied().collect();
     let (means, bars) = classes(windows);

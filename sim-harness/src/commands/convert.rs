@@ -1,10 +1,8 @@
 //! `rundown convert`: a train or track of another tool in; the train or track file out.
 
 use super::{Failure, screen};
-use crate::exchange::{self, Found, draft};
-use crate::output::files;
-use rundown_files::refusal::ReadError;
-use rundown_files::track_file::TrackFile;
+use crate::converting;
+use crate::exchange::draft;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -39,38 +37,22 @@ pub struct Arguments {
 fn setting(text: &str) -> Result<(&'static str, f64), String> {
     let expected = || format!("expected FIELD=VALUE with a field of {}", draft::FIELDS.join(", "));
     let (name, value) = text.split_once('=').ok_or_else(expected)?;
-    let field = draft::FIELDS.into_iter().find(|field| *field == name).ok_or_else(expected)?;
+    let field = converting::field(name).map_err(|_| expected())?;
     let value = value.parse::<f64>().ok().filter(|value| value.is_finite());
     value.map(|value| (field, value)).ok_or_else(|| format!("expected a number after {field}="))
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let path = &arguments.file;
-    let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.clone(), source })?;
-    log::info!("read {}", path.display());
     let set: BTreeMap<&'static str, f64> = arguments.set.iter().copied().collect();
-    let (content, notes) = match exchange::read(path, &text)? {
-        Found::Train(draft) => {
-            let train = draft.complete(path, &set)?;
-            (toml::to_string(&train).map_err(Failure::not_written)?, draft.notes)
-        }
-        Found::Track(track, notes) => {
-            if let Some((field, _)) = arguments.set.first() {
-                return Err(Failure::refused(format!("--set {field}: expected a train, found a running path")));
-            }
-            let content = toml::to_string(&track).map_err(Failure::not_written)?;
-            TrackFile::parse(path, &content)?;
-            (content, notes)
-        }
-    };
-    notes.iter().for_each(|note| screen::note(note));
+    let converted = converting::convert(&arguments.file, &set)?;
+    converted.notes.iter().for_each(|note| screen::note(note));
     match &arguments.out {
-        None => screen::print(&content),
+        None => screen::print(&converted.text),
         Some(out) if out.exists() => {
             return Err(Failure::not_written(format!("{}: expected a new file, found one that exists", out.display())));
         }
         Some(out) => {
-            files::whole(out, &content)?;
+            converted.write(out)?;
             screen::print(&format!("written: {}\n", out.display()));
         }
     }

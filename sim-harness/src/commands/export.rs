@@ -1,4 +1,4 @@
-//! `rundown export`: the results of a replay in; the learned train as other tools take it out.
+//! `rundown export`: the results of a replay or a board's recording in; the learned train as other tools take it out.
 
 use super::{Failure, WRONG_ARGUMENTS, screen};
 use crate::exchange::sfera;
@@ -14,6 +14,9 @@ Examples, with what the replay in out/ has learned:
     rundown export --to osrd out --train train.toml --traction 1500V --max-speed 140
   For a DAS that speaks SFERA:
     rundown export --to sfera out --train train.toml --company 0084 --traction 1500V --max-speed 140
+  What a board has learned, from what it said:
+    rundown display --tcp 127.0.0.1:5475 --text --record run.frames
+    rundown export --to sumo run.frames --train train.toml --max-speed 140
 
 Files in the output folder:
   sfera.xml       TrainCharacteristics of the UIC's SFERA schema 3.00 (IRS 90940)
@@ -31,7 +34,7 @@ train.toml; the others have no place for them. docs/formats.md has every field."
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
-    /// Results of `rundown replay`, not made with --no-carry
+    /// Results of `rundown replay`, not made with --no-carry; or a board's recording, of `rundown display --record` or `rundown link --record`
     #[arg(value_name = "REPLAY")]
     replay: PathBuf,
     /// Formats to write, separated by commas

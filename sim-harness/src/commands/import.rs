@@ -7,8 +7,9 @@ use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Examples:
-  Look first: columns, units, first rows, and a picture:
+  Look first: columns, units, first rows, open questions; and a picture of the speeds:
     rundown import --preview export.csv
+    rundown import --preview=speeds.svg export.csv
 
   Make run logs of it, and a track of what the runs say about one:
     rundown import export.csv --out runs --track-out track.toml
@@ -43,9 +44,9 @@ pub struct Arguments {
     track_out: Option<PathBuf>,
     #[command(flatten)]
     strict: Strict,
-    /// Show columns, units and first rows, draw the speeds into this file, and write nothing else
-    #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true, default_missing_value = "preview.svg")]
-    preview: Option<PathBuf>,
+    /// Show columns, units and first rows, and write nothing but a picture of the speeds where a file for it is named
+    #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true)]
+    preview: Option<Option<PathBuf>>,
 }
 
 impl From<ImportError> for Failure {
@@ -65,9 +66,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     order.track_out.clone_from(&arguments.track_out);
     order.strict = arguments.strict.strict;
     let done = if let Some(path) = &arguments.preview {
-        let (done, picture) = order.preview()?;
-        crate::output::files::whole(path, &picture)?;
-        done
+        let looked = order.preview()?;
+        if let Some(path) = path {
+            crate::output::files::whole(path, &looked.picture())?;
+        }
+        looked.found
     } else {
         let waiting = screen::waiting();
         waiting.set_message("reading");
@@ -82,7 +85,8 @@ fn said(done: &Imported, arguments: &Arguments) -> ExitCode {
     done.errors.iter().for_each(|error| screen::error(&error.to_string()));
     done.notes.iter().for_each(|note| screen::note(note));
     screen::print(&match &arguments.preview {
-        Some(path) => format!("{}\npicture: {}\n", done.lines.join("\n"), path.display()),
+        Some(Some(path)) => format!("{}\npicture: {}\n", done.lines.join("\n"), path.display()),
+        Some(None) => format!("{}\n--preview=FILE.svg draws the speeds\n", done.lines.join("\n")),
         None => done.words(&arguments.out),
     });
     if done.errors.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) }

@@ -57,14 +57,17 @@ pub struct Arguments {
     force: bool,
     /// Print a commented scenario file, and do nothing else
     #[arg(long, value_name = "WHICH", value_enum, num_args = 0..=1, default_missing_value = "case-study")]
+    #[arg(conflicts_with_all = ["scenario", "out", "seed", "runs", "recorder", "force"])]
     example: Option<ExampleScenario>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum ExampleScenario {
     /// The case study with the loads and winds of everyday; every field there is
+    #[value(alias = "case_study")]
     CaseStudy,
     /// Runs on a line with an undescribed tunnel, for `rundown gap`
+    #[value(alias = "hidden_effect")]
     HiddenEffect,
 }
 

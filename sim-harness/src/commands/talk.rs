@@ -15,10 +15,10 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct Talk {
     /// Say results and errors only: no notes, warnings, progress
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    #[arg(short, long, global = true, display_order = 100, conflicts_with = "verbose")]
     quiet: bool,
     /// Say what is read and written, and when
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = 100)]
     verbose: bool,
 }
 

@@ -2,7 +2,9 @@
 
 use super::recorded::RecordedRuns;
 use super::{Failure, screen};
-use crate::study::case::{calm, case_study};
+use crate::report::TruthView;
+use crate::study::case::{Case, calm, case_study};
+use crate::study::figures::run::truth_view;
 use crate::study::slope::{Answer, Plan};
 use crate::study::{description, slope, write};
 use crate::tune::page::{Tuning, page, short};
@@ -14,6 +16,7 @@ use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::PaperConfig;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::recording::Recording;
+use rundown_pages::numbers::number;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -62,7 +65,7 @@ pub struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let base = super::config(arguments.config.as_deref())?;
-    let (bench, source, provenance) = bench(arguments, base)?;
+    let Runs { bench, truths, source, provenance } = runs_of(arguments, base)?;
     let table1 = place(&PaperConfig::default());
     let bar = screen::progress(arguments.evaluations as usize + EVALUATIONS);
     let step = || bar.inc(1);
@@ -81,7 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let tuning = Tuning { source, table1, found, scores, pictures, runs, has_run_pages, sensitivity, slopes };
     folder::write("tune", &arguments.out, &provenance, |folder| {
         if has_run_pages {
-            runs::write_pages(folder, &bench, &tuned)?;
+            runs::write_pages(folder, &bench, &truths, &tuned)?;
         }
         write_results(folder, &tuned, &tuning)
     })?;
@@ -105,8 +108,18 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
     Ok(())
 }
 
-/// The runs, words about them, and the files that were read.
-fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenance), Failure> {
+/// What is tuned on.
+struct Runs {
+    bench: Bench,
+    /// Of each run, where it is known.
+    truths: Vec<Option<TruthView>>,
+    /// In words.
+    source: String,
+    /// The files that were read.
+    provenance: Provenance,
+}
+
+fn runs_of(arguments: &Arguments, base: Config) -> Result<Runs, Failure> {
     let count = usize::from(arguments.count);
     let mut inputs: Vec<PathBuf> = arguments.config.iter().cloned().collect();
     let (train, track, mut source, words, base) = match arguments.recorded.open(&base)? {
@@ -129,7 +142,7 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenan
         for case in chunk {
             match case {
                 Ok(case) if source.sets_aside(&case) => (),
-                Ok(case) => cases.push(case.recording),
+                Ok(case) => cases.push(case),
                 Err(failed) => {
                     refused += 1;
                     screen::error(&failed.error);
@@ -144,16 +157,17 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenan
     if cases.is_empty() {
         return Err(Failure::no_runs("no run could be used; nothing was written"));
     }
-    let runs = moving(cases)?;
-    let words = format!("{} {words} runs", runs.len());
-    let bench = Bench { base, train, track, runs };
-    Ok((bench, words, provenance))
+    let moving = moving(cases)?.into_iter();
+    let (runs, truths): (Vec<Recording>, Vec<_>) =
+        moving.map(|case| (case.recording, case.truth.as_ref().map(truth_view))).unzip();
+    let source = format!("{} {words} runs", runs.len());
+    Ok(Runs { bench: Bench { base, train, track, runs }, truths, source, provenance })
 }
 
 /// The runs that say something of a filter; a refusal where none does.
-fn moving(cases: Vec<Recording>) -> Result<Vec<Recording>, Failure> {
+fn moving(cases: Vec<Case>) -> Result<Vec<Case>, Failure> {
     let (all, least) = (cases.len(), runs::LEAST_MOVING_ROWS);
-    let (moving, standing): (Vec<Recording>, Vec<Recording>) = cases.into_iter().partition(runs::moves);
+    let (moving, standing): (Vec<Case>, Vec<Case>) = cases.into_iter().partition(|case| runs::moves(&case.recording));
     if moving.is_empty() {
         let message = format!(
             "expected a run with {least} rows of a moving train, found none of {all}: no filter is tuned on these; nothing was written"
@@ -190,7 +204,7 @@ fn words(tuning: &Tuning, out: &Path) -> String {
     }
     let [before, after] = scores.map(|score| score.per_sample());
     text += &format!("{:22} {before:>12.3} {after:>12.3}\n\n", "log-likelihood/sample");
-    let [before, after] = slopes.each_ref().map(|answer| answer.slope.map(|v| format!("{v:.2}")).join(" / "));
+    let [before, after] = slopes.each_ref().map(|answer| answer.slope.map(|v| number(v, 2)).join(" / "));
     text += &format!(
         "slope of estimated on true deviation, 60/100/140 km/h: {before} and {after}: a likely filter is no true one\n"
     );

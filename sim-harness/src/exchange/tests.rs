@@ -10,7 +10,15 @@ use std::collections::BTreeMap;
 fn learned(train: TrainFile) -> LearnedTrain {
     let limit = |described| Limit { described, used: None };
     let (effort, power) = (limit(train.max_tractive_effort_n), limit(train.max_power_w));
-    LearnedTrain { train, davis_sd: [1e-4, 1e-6, 1e-7], runs: 7, learned_kmh: Some([60.0, 130.0]), effort, power }
+    LearnedTrain {
+        train,
+        davis_sd: [1e-4, 1e-6, 1e-7],
+        runs: 7,
+        learned_kmh: Some([60.0, 130.0]),
+        effort,
+        power,
+        notes: Vec::new(),
+    }
 }
 
 fn identity() -> Identity {

@@ -105,6 +105,21 @@ impl Imported {
     }
 }
 
+/// What an import would do.
+#[derive(Debug)]
+pub struct Preview {
+    /// In words.
+    pub found: Imported,
+    groups: Vec<Group>,
+}
+
+impl Preview {
+    /// The speeds as they would be imported, as SVG.
+    pub fn picture(&self) -> String {
+        preview::picture(&self.groups)
+    }
+}
+
 /// Files to import, and how.
 #[derive(Debug)]
 pub struct Order {
@@ -149,15 +164,15 @@ impl Order {
         if groups.is_empty() { Err(ImportError::nothing(errors, [])) } else { Ok((groups, errors)) }
     }
 
-    /// What would be done: words, and a picture; also where a question is still open. Writes nothing.
+    /// What would be done, also where a question is still open. Writes nothing.
     ///
     /// # Errors
     /// No file can be read.
-    pub fn preview(&self) -> Result<(Imported, String), ImportError> {
+    pub fn preview(&self) -> Result<Preview, ImportError> {
         let (groups, errors) = self.groups()?;
         let lines = groups.iter().map(preview::words).collect();
         let notes = groups.iter().flat_map(|group| group.notes.clone()).collect();
-        Ok((Imported { lines, notes, errors, ..Imported::default() }, preview::picture(&groups)))
+        Ok(Preview { found: Imported { lines, notes, errors, ..Imported::default() }, groups })
     }
 
     /// Imports, and writes the folder.

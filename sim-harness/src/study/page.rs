@@ -192,29 +192,30 @@ fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, place: Option<&str>
     let table = if place.is_some() { sortable } else { table };
     let words = text_column;
     let head = [
-        words("the paper says"),
+        words("the paper says; by which criterion"),
         choice_column("kind"),
         words("paper's mode"),
         words("gated mode"),
         words("truth"),
         words("error"),
         choice_column("verdict"),
-        words("by which criterion"),
     ];
     let rows = html! { @for claim in claims { tr {
         @if place.is_some() { td.word { (claim.place) } }
-        td.text { (claim.statement) }
+        td.text.claim {
+            (claim.statement)
+            div.small {
+                @if claim.sets.all > 1 { (claim.sets.words()) " sets. " }
+                (claim.why)
+                @if let Some(least) = claim.least { ". Visible: " (least.reason) }
+            }
+        }
         td.word { (claim.kind.as_str()) }
         td.text { (claim.paper) }
         td.text { (claim.gated) }
         td.text { (claim.truth) }
         td.text { (claim.error) }
         td.word { (verdict(claim.verdict)) }
-        td.text.small {
-            @if claim.sets.all > 1 { (claim.sets.words()) " sets. " }
-            (claim.why)
-            @if let Some(least) = claim.least { ". Visible: " (least.reason) }
-        }
     } } };
     table(place.map(choice_column).into_iter().chain(head).collect::<Vec<_>>(), rows)
 }

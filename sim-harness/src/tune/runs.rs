@@ -3,7 +3,7 @@
 use super::parameters::Place;
 use super::score::{Bench, FilterScore};
 use crate::output::json::mode_word;
-use crate::report::{Report, RunView, begin_run_pages, write_run_pages};
+use crate::report::{Report, RunView, TruthView, begin_run_pages, write_run_pages};
 use crate::study::Refused;
 use maud::{Markup, html};
 use rundown::estimator::{Estimator, config::Config};
@@ -67,8 +67,8 @@ pub fn table(runs: &[ScoredRun], has_run_pages: bool) -> Markup {
     }
 }
 
-/// Writes a page for each run.
-pub fn write_pages(folder: &Path, bench: &Bench, tuned: &Config) -> Result<(), Refused> {
+/// Writes a page for each run, with the truth of those that have one.
+pub fn write_pages(folder: &Path, bench: &Bench, truths: &[Option<TruthView>], tuned: &Config) -> Result<(), Refused> {
     let estimator = Estimator::try_new(*tuned, bench.train, bench.track.clone())?;
     begin_run_pages(folder)?;
     let name = |at: usize| bench.runs.get(at).map(|run| run.name.clone());
@@ -78,7 +78,7 @@ pub fn write_pages(folder: &Path, bench: &Bench, tuned: &Config) -> Result<(), R
         let report = Report {
             title: TITLE.to_owned(),
             train: &bench.train,
-            runs: replayed.iter().map(|run| RunView::of(run, None)).collect(),
+            runs: replayed.iter().zip(&truths[first..]).map(|(run, truth)| RunView::of(run, truth.as_ref())).collect(),
             first,
             before: first.checked_sub(1).and_then(name),
             after: name(first + chunk.len()),
