@@ -312,7 +312,8 @@ fn described(arguments: &Arguments, config: &Config, simulation: Simulation) -> 
         let count = arguments.count.unwrap_or(simulation.runs);
         return simulated(simulation, seed, count, usize::from(arguments.seeds.unwrap_or(1)));
     };
-    let Opened { train_file, train, track_file, track, source, inputs, config } = opened;
+    let Opened { train_file, train, track_file, track, source, inputs, mut config, doubt } = opened;
+    doubt.into_iter().for_each(|doubt| doubt.raise(&mut config.track_doubt));
     Ok(Described {
         train_name: train_file.name,
         track_name: track_file.name,
