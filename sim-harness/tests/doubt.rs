@@ -73,6 +73,34 @@ fn a_line_that_is_said_to_be_flat_and_is_not_is_recognised() {
 }
 
 #[test]
+fn a_study_and_a_tuning_ask_whether_the_gradients_are_right() {
+    let folder = simulated(12);
+    let turned =
+        folder.read("set/track.toml").replace("permille = ", "permille = -").replace("permille = --", "permille = ");
+    folder.write("turned.toml", &turned);
+    let said = |command: &[&str], track: &str| {
+        let described = ["--runs", "set/runs", "--train", "set/train.toml", "--track", track, "--out", "out"];
+        folder.done(&[command, &described].concat()).err
+    };
+    let tune = ["tune", "--count", "4", "--evaluations", "50", "--no-run-pages"];
+    for command in [&["study", "--no-run-pages"][..], &tune] {
+        let text = said(command, "turned.toml");
+        assert!(text.contains("gradients look wrong: with the sign turned"), "{text}");
+        assert!(!said(command, "set/track.toml").contains("gradients look wrong"));
+    }
+}
+
+#[test]
+fn what_is_not_published_is_marked_on_the_screen() {
+    let folder = simulated(6);
+    let said = |track: &str| {
+        folder.done(&["replay", "--train", "set/train.toml", "--track", track, "--out", "out", "set/runs"]).out
+    };
+    assert_eq!(said("bare.toml").matches(", not published yet").count(), 6);
+    assert!(said("set/track.toml").matches(", not published yet").count() < 6);
+}
+
+#[test]
 fn a_gap_on_unknown_gradients_is_refused() {
     let folder = simulated(6);
     let said = folder.rundown(&[

@@ -246,6 +246,133 @@ fn rides_of_a_phone_come_onto_one_line_with_stations_and_gradients() {
     assert!(folder.read("more/runs.csv").contains(directions[1]));
 }
 
+#[test]
+fn clocks_are_read_as_people_write_them() {
+    let rows = drive(&STOPS_M, 30.0);
+    let begin_s = 10.0 * 3600.0 + 34.0 * 60.0;
+    let digits = |t: f64| clock(begin_s - 3600.0 + t).replace(':', "").trim_start_matches('0').to_owned();
+    let days = |t: f64| format!("{:.9}", 45_688.0 + (begin_s + t) / 86_400.0);
+    type Written<'a> = &'a dyn Fn(f64) -> String;
+    let clocks: [(Written, Option<&str>, &str); 5] = [
+        (&|t| format!("\"Fri, 31 January 2025 {}\"", clock(begin_s + t)), Some("2025-01-31T10:34:00Z"), ""),
+        (&|t| format!("31.01.2025 {} +0100", clock(begin_s + t)), Some("2025-01-31T09:34:00Z"), ""),
+        (&|t| format!("20250131{}", clock(begin_s + t).replace(':', "")), Some("2025-01-31T10:34:00Z"), ""),
+        (&digits, None, "without colons: 093400 is hhmmss"),
+        (&days, Some("2025-01-31T10:34:00Z"), "days since 1899-12-30"),
+    ];
+    for (written, departure, note) in clocks {
+        let text = table("time,location_m,speed_kmh", &rows, |t, x, v| format!("{},{x:.1},{:.1}", written(t), 3.6 * v));
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv"]);
+        let found = csv(&folder, "runs/a_01.csv");
+        assert_eq!(found.len(), rows.len(), "{note}: {}", said.err);
+        near(last(&found)[0] - found[0][0], rows.last().unwrap().0, 0.002);
+        let index = folder.read("runs/runs.csv");
+        assert!(departure.is_none_or(|departure| index.contains(departure)), "{index}");
+        assert!(said.err.contains(note), "{note} in {}", said.err);
+        folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+        assert_eq!(folder.read("runs/a_01.csv"), folder.read("again/a_01.csv"));
+    }
+}
+
+#[test]
+fn positions_in_degrees_and_minutes_are_the_same_places() {
+    let rows = drive(&STOPS_M, 25.0);
+    let minutes = |degrees: f64| 100.0 * degrees.floor() + 60.0 * degrees.fract();
+    let words = |degrees: f64| format!("{}° {:.4}'", degrees.floor(), 60.0 * degrees.fract());
+    let written: [&dyn Fn(f64) -> String; 3] =
+        [&|degrees| format!("{degrees:.7}"), &|degrees| format!("{:.5}", minutes(degrees)), &words];
+    let made = written.map(|written| {
+        let text = table("time [s],lat,lon,speed [km/h]", &rows, |t, x, v| {
+            let (latitude, longitude) = place(x, 0.0);
+            format!("{t},{},{},{:.1}", written(latitude), written(longitude), 3.6 * v)
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        folder.done(&["import", "a.csv", "--chainage", "line"]);
+        csv(&folder, "runs/a_01.csv")
+    });
+    for other in &made[1..] {
+        assert_eq!(other.len(), made[0].len());
+        other.iter().zip(&made[0]).for_each(|(a, b)| near(a[1], b[1], 2.0));
+    }
+    near((last(&made[0])[1] - made[0][0][1]).abs(), 11_900.0, 40.0);
+}
+
+/// Rows, time and speed of the table, spoilt as text, and what is said.
+fn spoilt(name: &str, spoil: impl Fn(String) -> String) -> (common::Said, Option<usize>) {
+    let rows = drive(&STOPS_M, 30.0);
+    let text = table("time_s,location_m,speed_kmh,remark", &rows, |t, x, v| format!("{t},{x:.1},{:.1},r", 3.6 * v));
+    let folder = Folder::new().with(name, &spoil(text));
+    let said = folder.rundown(&["import", name]);
+    let found = folder.path("runs/a_01.csv").exists().then(|| csv(&folder, "runs/a_01.csv").len());
+    (said, found.map(|found| rows.len() - found))
+}
+
+#[test]
+fn a_quote_that_is_never_closed_swallows_no_rows_without_a_word() {
+    // An inch in the first lines, and one far behind what is looked at first.
+    let (_, lost) = spoilt("a.csv", |text| text.replacen(",r\n", ",\"pipe\n", 1));
+    assert_eq!(lost, Some(0));
+    let long = "r".repeat(600);
+    let (said, lost) = spoilt("a.csv", |text| {
+        let text = text.replace(",r\n", &format!(",{long}\n"));
+        let at = text.len() - text.len() / 5;
+        let at = at + text[at..].find(&format!(",{long}")).unwrap() + 1;
+        format!("{}\"{}", &text[..at], &text[at..])
+    });
+    let lost = lost.filter(|lost| *lost > 50).unwrap();
+    assert!(said.out.contains(&format!("lines that cannot be read, left out: {lost}")), "{lost}: {}", said.out);
+}
+
+#[test]
+fn lines_that_end_as_on_old_computers_are_lines() {
+    let (said, lost) = spoilt("a.csv", |text| text.replace('\n', "\r"));
+    assert_eq!(lost, Some(0), "{}", said.err);
+}
+
+#[test]
+fn a_refusal_gives_the_true_reason() {
+    let rows = drive(&STOPS_M, 25.0);
+    let points: String = rows
+        .iter()
+        .map(|(_, x, _)| format!("<trkpt lat=\"{}\" lon=\"{}\"></trkpt>", place(*x, 0.0).0, place(*x, 0.0).1))
+        .collect();
+    let folder = Folder::new()
+        .with("no_times.gpx", &format!("<gpx><trk><trkseg>{points}</trkseg></trk></gpx>"))
+        .with("sums.nmea", &"$GPRMC,115640.00,A,5000.61200,N,00800.02400,E,53.02,084.4,140225,,,A*00\n".repeat(50))
+        .with("twice.csv", &table("a,b", &rows, |t, x, _| format!("{t},{x}")))
+        .with(
+            "twice.toml",
+            "[[source]]\ncolumns.time.name = \"a\"\ncolumns.location.name = \"b\"\ncolumns.speed.name = \"b\"\n",
+        );
+    for (arguments, reason) in [
+        (vec!["import", "no_times.gpx"], "time: expected times, found none in any row"),
+        (
+            vec!["import", "sums.nmea"],
+            "expected rows with readings, found none; line 1: expected a sentence with its checksum",
+        ),
+        (
+            vec!["import", "twice.csv", "--mapping", "twice.toml"],
+            "columns.speed: expected a column of its own, found \"b\" again",
+        ),
+    ] {
+        let said = folder.rundown(&arguments);
+        assert!(said.code != Some(0) && said.err.contains(reason), "{reason}: {}", said.err);
+    }
+}
+
+#[test]
+fn places_without_a_fix_decide_no_units() {
+    let rows = drive(&STOPS_M, 25.0);
+    let text = table("time_s,lat,lon,speed_kmh", &rows, |t, x, v| {
+        let (latitude, longitude) = if t % 5.0 == 0.0 { (0.0, 0.0) } else { place(x, 0.0) };
+        format!("{t},{latitude:.7},{longitude:.7},{:.1}", 3.6 * v)
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    let said = folder.done(&["import", "a.csv"]);
+    assert!(said.out.contains("positions that are no place on Earth, taken as missing: "), "{}", said.out);
+}
+
 fn checksum(sentence: &str) -> String {
     let sum = sentence.bytes().fold(0, |sum, byte| sum ^ byte);
     format!("${sentence}*{sum:02X}\r\n")
@@ -574,7 +701,8 @@ fn there_and_back_become_two_runs_and_a_long_standing_is_cut() {
     let mut rows: Vec<_> = there.iter().copied().chain(wait).chain(back).collect();
     let end_s = rows.last().unwrap().0;
     rows.extend((1..1000).map(|t| (end_s + f64::from(t), 0.0, 0.0)));
-    rows.extend(there.iter().map(|(t, x, v)| (end_s + 1000.0 + t, *x, *v)));
+    // Another run, not the first one again.
+    rows.extend(drive(&STOPS_M, 28.0).iter().map(|(t, x, v)| (end_s + 1000.0 + t, *x, *v)));
     let text = table("time_s,location_m,speed_kmh", &rows, |t, x, v| format!("{t},{x:.1},{:.1}", 3.6 * v));
     let folder = Folder::new().with("a.csv", &text);
     let said = folder.done(&["import", "a.csv"]);

@@ -78,7 +78,7 @@ fn no_unusable_log_changes_the_vehicle_and_each_is_named() {
 
 #[test]
 fn strict_fails_where_anything_is_to_be_warned_of_and_leaves_what_is_there() {
-    let back = format!("{RUN}5.0,20,10\n");
+    let back = format!("{}5.0,20,10\n", another(1));
     let folder = Folder::new().with("a.csv", RUN).with("back.csv", &back).with("bad.csv", &defects()[0].1);
     for options in [&[][..], &["--no-estimates"]] {
         let strict = |logs: &[&str]| folder.replay(&[&["--strict"], options, logs].concat());

@@ -272,12 +272,13 @@ impl Agreement {
         self.information.fixed_view::<2, 2>(0, 0) - cross * cross.transpose() / self.information[(2, 2)]
     }
 
-    /// By how much the speed is older than the location, s, when the scale and the offset are known.
-    pub fn skew_s(&self, scale_and_offset: Vector2<f64>) -> Figure {
+    /// By how much the speed is older than the location, s, with 1/s - 1 and o/s of its recorder, and the covariance of these.
+    pub fn skew_s(&self, scale_and_offset: Vector2<f64>, covariance: &Matrix2<f64>) -> Figure {
         let information = self.information[(2, 2)];
-        let cross = Vector2::new(self.information[(0, 2)], self.information[(1, 2)]);
+        let cross = Vector2::new(self.information[(0, 2)], self.information[(1, 2)]) / information;
         let off = scale_and_offset - self.values.xy();
-        Figure { value: self.values[2] - cross.dot(&off) / information, sd: information.sqrt().recip() }
+        let variance = information.recip() + cross.dot(&(covariance * cross));
+        Figure { value: self.values[2] - cross.dot(&off), sd: variance.sqrt() }
     }
 }
 

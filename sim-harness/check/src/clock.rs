@@ -10,6 +10,13 @@ use rundown_files::units::median;
 const DAY_S: f64 = 86_400.0;
 /// A clock that goes back by less is a matter of single rows, which a replay drops and counts, s.
 const LEAST_BACK_S: f64 = 30.0;
+/// ... but where the locations go on it is one that was set, by no less than so many steps.
+const LEAST_BACK_STEPS: f64 = 3.0;
+/// So many rows that come late are no single ones.
+const LEAST_LATE: usize = 4;
+/// Shares of rows that have the time of the row before: a smaller one is a matter of single rows, with a larger one no speed fits its location.
+const LEAST_SHARED: f64 = 0.05;
+const MOST_SHARED: f64 = 0.5;
 /// Seconds of the day fall by nearly a day at midnight: by no less than this.
 const LEAST_MIDNIGHT_S: f64 = 0.8 * DAY_S;
 /// Below it the distance says little about the time, m/s.
@@ -60,6 +67,62 @@ fn middle(rows: &[Sample]) -> Option<Middle> {
     (count > 0.0).then(|| Middle { time_s: mean(time_s), location_m: mean(location_m), speed_mps: mean(speed_mps) })
 }
 
+/// The order in which rows that were written out of it belong; none where they were not, or where not the order but the clock is wrong: the way along the locations
+/// is then the shorter one as they stand. `place_m`: distance of two rows, where both have a place.
+pub fn order(rows: &[Sample], place_m: impl Fn(&Sample, &Sample) -> Option<f64>) -> Option<Vec<usize>> {
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by(|a, b| rows[*a].time_s.total_cmp(&rows[*b].time_s));
+    if order.is_sorted() {
+        return None;
+    }
+    let way_m = |order: &[usize]| {
+        let (mut last, mut all_m): (Option<usize>, f64) = (None, 0.0);
+        for i in order {
+            match last.map(|last| place_m(&rows[last], &rows[*i])) {
+                Some(Some(step_m)) => (last, all_m) = (Some(*i), all_m + step_m.abs()),
+                None => last = Some(*i).filter(|i| place_m(&rows[*i], &rows[*i]).is_some()),
+                Some(None) => {}
+            }
+        }
+        all_m
+    };
+    let written: Vec<usize> = (0..rows.len()).collect();
+    // Newest first is as long a way.
+    let as_written_m = way_m(&written);
+    (as_written_m > 0.0 && way_m(&order) <= as_written_m).then_some(order)
+}
+
+/// Puts rows in order of which whole blocks were written out of it; single late ones are dropped by what follows.
+pub fn sort(rows: &mut Vec<Sample>, findings: &mut Vec<Finding>) {
+    let mut latest_s = f64::NEG_INFINITY;
+    let late = rows.iter().filter(|row| {
+        latest_s = latest_s.max(row.time_s);
+        row.time_s < latest_s
+    });
+    let late = late.count();
+    let goes_back = |pair: &[Sample]| pair[1].time_s - pair[0].time_s < -LEAST_BACK_S;
+    let back: Vec<u64> = rows.windows(2).filter(|pair| goes_back(pair)).map(|pair| pair[1].line).collect();
+    let Some(line) = back.first().copied().filter(|_| late >= LEAST_LATE) else { return };
+    let metres = |a: &Sample, b: &Sample| Some(b.location_m? - a.location_m?);
+    let Some(order) = order(rows, metres) else { return };
+    *rows = order.into_iter().map(|from| rows[from]).collect();
+    let (figure, count) = (Figure { value: late as f64, sd: 0.0 }, back.len());
+    let (kind, done) = (Kind::OutOfOrder, Done::PutRight);
+    findings.push(Finding { kind, figure, unit: "rows", count, line, done });
+}
+
+/// Rows that have the time of the row before, but other readings: the clock has coarser steps than the log.
+pub fn coarse(rows: &[Sample], findings: &mut Vec<Finding>) {
+    let is_other = |a: &Sample, b: &Sample| a.location_m != b.location_m || a.speed_mps != b.speed_mps;
+    let shared = |pair: &&[Sample]| pair[0].time_s == pair[1].time_s && is_other(&pair[0], &pair[1]);
+    let count = rows.windows(2).filter(shared).count();
+    let share = count as f64 / rows.len().max(1) as f64;
+    let Some(first) = rows.windows(2).find(shared).filter(|_| share > LEAST_SHARED) else { return };
+    let figure = Figure { value: 100.0 * share, sd: 0.0 };
+    let done = if share > MOST_SHARED { Done::Refused } else { Done::Said };
+    findings.push(Finding { kind: Kind::CoarseClock, figure, unit: "% of the rows", count, line: first[1].line, done });
+}
+
 /// Puts times right that went back by much, or on by more than the train moved.
 pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let step_s = usual_step_s(rows);
@@ -80,7 +143,7 @@ pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         if dt <= -LEAST_MIDNIGHT_S {
             found(Kind::Midnight, DAY_S);
             shift_s += DAY_S;
-        } else if dt < -LEAST_BACK_S && stays {
+        } else if stays && (dt < -LEAST_BACK_S || dt < -LEAST_BACK_STEPS * step_s && passed_s.is_some()) {
             let passed_s = passed_s.unwrap_or(step_s);
             found(Kind::ClockSetBack, dt - passed_s);
             shift_s += passed_s - dt;

@@ -30,6 +30,8 @@ const SLOW_SHARE: f64 = 0.1;
 const FEW_BELOW: f64 = 3.0;
 /// No train needs longer from the threshold to a stand, s.
 const LONGEST_S: f64 = 40.0;
+/// Between rows that are farther apart a train reaches its speed, and how fast it passed the smallest ones is not known, s.
+const LONGEST_STEP_S: f64 = 20.0;
 /// A train that is read as standing did not move farther, m, beyond what it needs.
 const STANDING_M: f64 = 30.0;
 
@@ -100,7 +102,7 @@ fn pass([zero, first, second]: [&Sample; 3], longest_s: f64) -> Option<Pass> {
     let next_s = (second.time_s - first.time_s).abs();
     let (mps, next_mps) = (first.speed_mps?, second.speed_mps?);
     let is_start = zero.speed_mps? == 0.0 && mps > 0.0 && next_mps > mps;
-    let is_even = step_s > 0.0 && next_s > 0.0 && step_s.max(next_s) <= longest_s;
+    let is_even = step_s > 0.0 && next_s > 0.0 && step_s.max(next_s) <= longest_s.min(LONGEST_STEP_S);
     (is_start && is_even).then(|| Pass { mps, rate_mps2: (next_mps - mps) / next_s, step_s })
 }
 

@@ -17,6 +17,12 @@ const LEAST_CHANGE: f64 = 0.03;
 /// A correlation that may be above this is one. Judgement: right columns have 0.7 and more.
 const LEAST_CORRELATION: f64 = 0.3;
 
+/// A train that slows down faster brakes, m/s²; and an effort that has this share of that, and the other sign, is none of a brake.
+const BRAKES_MPS2: f64 = 0.25;
+const FOLLOWS: f64 = 0.4;
+/// So many windows of braking decide.
+const LEAST_BRAKES: usize = 5;
+
 /// An effort column that does not go with the acceleration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Apart {
@@ -28,7 +34,7 @@ pub struct Apart {
     pub evidence: String,
 }
 
-/// Of the runs of one unit: nothing where the column follows the train, or too little is there to see it.
+/// Of the runs of one unit; nothing where the column follows the train, or too little is there to see it.
 pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apart> {
     let pairs: Vec<(f64, f64)> = recordings.flat_map(|recording| windows(&recording.rows)).collect();
     let n = pairs.len() as f64;
@@ -47,15 +53,21 @@ pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apar
     let is_constant = ee <= f64::EPSILON * n * effort.powi(2).max(f64::MIN_POSITIVE);
     let value = if is_constant { 0.0 } else { ce / (cc * ee).sqrt() };
     let correlation = Figure { value, sd: (1.0 - value * value) / n.sqrt() };
+    let brakes = pairs.iter().filter(|(change, _)| *change < -BRAKES_MPS2);
+    let against = brakes.clone().filter(|(change, effort)| *effort > -FOLLOWS * change).count();
+    let brakes = brakes.count();
+    let is_unsigned = brakes >= LEAST_BRAKES && 2 * against > brakes;
     let evidence = if is_constant {
         format!("the effort is {effort:.3} N/kg throughout")
+    } else if is_unsigned {
+        format!("above zero in {against} of {brakes} windows of a braking train: a brake without its sign?")
     } else if value < -LEAST_CORRELATION {
         "they go against each other".to_owned()
     } else {
         format!("{} windows of {WINDOW_S:.0} s", pairs.len())
     };
     let is_apart = value + HALF_95 * correlation.sd < LEAST_CORRELATION;
-    is_apart.then_some(Apart { correlation, windows: pairs.len(), evidence })
+    (is_apart || is_unsigned).then_some(Apart { correlation, windows: pairs.len(), evidence })
 }
 
 /// Acceleration, m/s^2, and mean effort, N/kg, of windows in which the train moves and each row has both.

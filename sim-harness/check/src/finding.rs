@@ -66,6 +66,12 @@ pub enum Kind {
     DeadZone,
     /// The speed repeats the last value in some rows, and catches up after them.
     HeldSpeeds,
+    /// Rows were written out of their order.
+    OutOfOrder,
+    /// Rows have the time of the row before.
+    CoarseClock,
+    /// Some of the readings are those of another log.
+    SharedRows,
     /// The locations count from another place than those of the other runs.
     OtherChainage,
     /// The locations count from the other end of the line.
@@ -139,6 +145,9 @@ impl Kind {
             Self::AboveTraction => "measured efforts are above the described tractive effort",
             Self::AboveBrake => "measured efforts are beyond the described brake",
             Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
+            Self::OutOfOrder => "rows are out of order",
+            Self::CoarseClock => "rows have the time of the row before, and other readings",
+            Self::SharedRows => "the log shares rows with another one",
             Self::SameRows => "the log holds the same rows as another one",
         }
     }
@@ -149,6 +158,8 @@ impl Kind {
             Self::TwoDirections => Some("cut the log where the train turns"),
             Self::OtherUnit => Some("convert the column to the unit of its name"),
             Self::SpeedScale => Some("compare the wheel diameter of the recorder, or the length of the track"),
+            Self::CoarseClock => Some("write the times as fine as the rows"),
+            Self::SharedRows => Some("cut what is there twice: it teaches twice"),
             Self::StuckSpeed | Self::StuckLocation => Some("look at the sensor"),
             Self::Reset => Some("give the chainage where the log begins again"),
             Self::AboveSpeedLimit => Some("look whether the logs and the speed limits belong to this line"),

@@ -15,7 +15,7 @@
 //! | does the speed read zero below a threshold? | [`dead_zone`] |
 //! | does the speed repeat old values? | [`held`] |
 //! | do trains exceed what is described of them? | [`limits`] |
-//! | is a log another one again? | [`same`] |
+//! | is a log another one again, whole or in part? | [`same`] |
 //! | do all runs count their locations from the same place? | [`chainage`] |
 //! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
 //! | what was found, and what was done? | [`finding`] |
@@ -72,7 +72,7 @@ use perturbed::Perturbation;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::units;
-use same::Seen;
+use same::{Seen, Shared};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -219,17 +219,19 @@ impl Check {
             Done::PutRight | Done::LeftOut => true,
             Done::Refused => false,
             Done::Said => {
-                use Kind::{AboveBrake, AboveSpeedLimit, AboveTraction, EffortApart, MissingReadings};
-                use Kind::{OtherChainage, Reset, Skew, SpeedOffset, TurnedChainage};
+                use Kind::{AboveBrake, AboveSpeedLimit, AboveTraction, CoarseClock, EffortApart, MissingReadings};
+                use Kind::{OtherChainage, Reset, SharedRows, Skew, SpeedOffset, TurnedChainage};
                 matches!(
                     finding.kind,
                     AboveBrake
                         | AboveSpeedLimit
                         | AboveTraction
+                        | CoarseClock
                         | EffortApart
                         | MissingReadings
                         | OtherChainage
                         | Reset
+                        | SharedRows
                         | Skew
                         | SpeedOffset
                         | TurnedChainage
@@ -276,6 +278,14 @@ impl RunCheck {
         self.findings.iter().find(|finding| finding.done == Done::Refused)
     }
 
+    /// Some of its rows are those of another log; where most are, it is not used.
+    fn shares(&mut self, shared: &Shared) {
+        let figure = Figure { value: 100.0 * shared.share, sd: 0.0 };
+        let done = if shared.share > MOST_SHARED { Done::Refused } else { Done::Said };
+        self.findings.push(Finding { kind: Kind::SharedRows, figure, unit: "% of the rows", count: 1, line: 0, done });
+        self.evidence.insert(Kind::SharedRows, format!("those of {}", shared.with));
+    }
+
     /// Its locations are not on the chainage of the others.
     fn is_off(&mut self, off: chainage::Off) {
         let kind = if off.is_turned { Kind::TurnedChainage } else { Kind::OtherChainage };
@@ -305,6 +315,8 @@ fn with_evidence(finding: &Finding, evidence: &BTreeMap<Kind, String>) -> String
 
 /// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off by.
 const LEAST_SCALE: f64 = 0.003;
+/// A log that has more of its rows in common with another one teaches the same again.
+const MOST_SHARED: f64 = 0.8;
 /// So many standard deviations are beyond doubt where something is put right.
 const SURE: f64 = 4.0;
 
@@ -344,7 +356,12 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     for recording in recordings.iter_mut() {
         let (run, agreement) = match seen.earlier(recording) {
             Some(earlier) => (copy_of(recording, earlier), None),
-            None => of_run(recording),
+            None => {
+                let shared = seen.shared(recording);
+                let (mut run, agreement) = of_run(recording);
+                shared.into_iter().for_each(|shared| run.shares(&shared));
+                (run, agreement)
+            }
         };
         runs.push(run);
         agreements.push(agreement);
@@ -366,8 +383,10 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     for (run, off) in runs.iter_mut().zip(chainages) {
         off.into_iter().for_each(|off| run.is_off(off));
     }
-    let is_usable = is_usable(&runs);
-    let compared = perturbed::find(recordings, &is_usable, &known.stops_m);
+    // Of what drove at unknown speeds nobody knows whether it was held up.
+    let has_speeds = |rows: &[Sample]| 2 * rows.iter().filter(|row| row.speed_mps.is_some()).count() > rows.len();
+    let readable = is_usable(&runs).into_iter().zip(recordings.iter()).map(|(is, one)| is && has_speeds(&one.rows));
+    let compared = perturbed::find(recordings, &readable.collect::<Vec<bool>>(), &known.stops_m);
     for ((run, recording), perturbations) in runs.iter_mut().zip(recordings).zip(compared.runs) {
         run.perturbations = perturbations;
         recording.perturbed = run.perturbed();
@@ -385,15 +404,22 @@ fn copy_of(recording: &Recording, earlier: &str) -> RunCheck {
     RunCheck { evidence, ..RunCheck::of(recording, clock::usual_step_s(&recording.rows), vec![finding]) }
 }
 
+fn is_usable(findings: &[Finding]) -> bool {
+    findings.iter().all(|finding| finding.done != Done::Refused)
+}
+
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     let mut findings = Vec::new();
     let rows = &mut recording.rows;
+    clock::sort(rows, &mut findings);
+    clock::coarse(rows, &mut findings);
     clock::put_right(rows, &mut findings);
     // In another unit readings may be beyond what any train has.
-    other_unit(rows, &mut findings);
+    if is_usable(&findings) {
+        other_unit(rows, &mut findings);
+    }
     readings::impossible(rows, &mut findings);
     readings::missing(rows, &mut findings);
-    let is_usable = |findings: &[Finding]| findings.iter().all(|finding| finding.done != Done::Refused);
     if is_usable(&findings) {
         readings::speed_spikes(rows, &mut findings);
         places::stuck_locations(rows, &mut findings);
@@ -444,10 +470,13 @@ pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
     parts
 }
 
-/// Distance by location over distance by speed far from 1: the run is not used.
+/// Distance by location over distance by speed far from 1, in the whole log or from a line on: the run is not used. Wild speeds are no matter of units.
 fn other_unit(rows: &[Sample], findings: &mut Vec<Finding>) {
-    if let Some(value) = units::far_ratio(rows) {
+    let mut calm = rows.to_vec();
+    readings::speed_spikes(&mut calm, &mut Vec::new());
+    let found = units::far_ratio(&calm).map(|value| (value, 0)).or_else(|| units::far_part(&calm));
+    if let Some((value, line)) = found {
         let figure = Figure { value, sd: 0.0 };
-        findings.push(Finding { kind: Kind::OtherUnit, figure, unit: "", count: 1, line: 0, done: Done::Refused });
+        findings.push(Finding { kind: Kind::OtherUnit, figure, unit: "", count: 1, line, done: Done::Refused });
     }
 }

@@ -157,12 +157,11 @@ pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &
     let of = |(i, _): &(usize, f64)| differences(&recordings[*i].rows, runs[*i].step_s);
     // Where speed and location agree, nothing is fitted.
     let asked: Vec<Differences> = longest.iter().take(ASKED).map(of).filter(Differences::are_enough).collect();
-    let excess = excess(&asked);
-    if excess.abs() < LEAST_EXCESS {
+    if excess(&asked).abs() < LEAST_EXCESS {
         return false;
     }
     let mut asked: Vec<Compared> = asked.into_iter().filter_map(Compared::fitted).collect();
-    let Some(period_s) = likely_period_s(&asked, excess) else {
+    let Some(period_s) = likely_period_s(&asked) else {
         return false;
     };
     asked.extend(longest.iter().skip(ASKED).take(CONFIRM).map(of).filter_map(Compared::fitted));
@@ -195,14 +194,14 @@ fn excess(runs: &[Differences]) -> f64 {
     sum(|differences| &differences.y) / sum(|differences| &differences.by_speed).max(1.0)
 }
 
-/// The period that these runs like best; none where no staircase is better than none.
-fn likely_period_s(asked: &[Compared], excess: f64) -> Option<f64> {
-    // Lost seconds alone add no more than is there; beside a wheel that reads high anything is possible.
-    let shortest_s = if excess > 0.0 { (0.7 / excess).clamp(PERIODS_S[0], PERIODS_S[1]) } else { PERIODS_S[0] };
-    let duration_s = asked.iter().map(Compared::duration_s).fold(PERIODS_S[1], f64::max);
+/// The period that these runs like best; none where no staircase is better than none. How much the locations run ahead does not bound it: a wheel that reads high takes
+/// from that what the lost seconds add.
+fn likely_period_s(asked: &[Compared]) -> Option<f64> {
+    let [shortest_s, longest_s] = PERIODS_S;
+    let duration_s = asked.iter().map(Compared::duration_s).fold(longest_s, f64::max);
     let nats = |period_s: f64, phases| asked.iter().map(|run| run.phase(period_s, phases).1).sum::<f64>();
     let spacing_s = |period_s: f64| spacing_s(period_s, duration_s);
-    let next = |period_s: &f64| Some(period_s + spacing_s(*period_s)).filter(|next| *next < PERIODS_S[1]);
+    let next = |period_s: &f64| Some(period_s + spacing_s(*period_s)).filter(|next| *next < longest_s);
     let coarse: Vec<f64> = std::iter::successors(Some(shortest_s), next).collect();
     let best = |periods: &[f64], phases| {
         let tried = periods.iter().map(|period_s| (*period_s, nats(*period_s, phases)));
@@ -212,11 +211,14 @@ fn likely_period_s(asked: &[Compared], excess: f64) -> Option<f64> {
     if gain < LEAST_GAIN {
         return None;
     }
-    // Every second or third step of a staircase is one, too, and half a step in between is better than none.
-    let parts = [1.0 / 3.0, 0.5, 1.0, 2.0, 3.0].map(|part| near_s / part);
-    let within = parts.into_iter().filter(|part_s| (shortest_s..=PERIODS_S[1]).contains(part_s));
-    let near: Vec<f64> = within.flat_map(|part_s| around(part_s, spacing_s(part_s))).collect();
-    best(&near, phases(3.0 * near_s)).map(|(period_s, _)| period_s)
+    // Every second or third step of a staircase is one, too, and half a step in between is better than none; from every second one it is found in another round.
+    let refined = |from_s: f64| {
+        let parts = [1.0 / 3.0, 0.5, 2.0 / 3.0, 1.0, 2.0, 3.0].map(|part| from_s / part);
+        let within = parts.into_iter().filter(|part_s| (shortest_s..=longest_s).contains(part_s));
+        let near: Vec<f64> = within.flat_map(|part_s| around(part_s, spacing_s(part_s))).collect();
+        best(&near, phases(3.0 * from_s)).map(|(period_s, _)| period_s)
+    };
+    refined(near_s).and_then(refined)
 }
 
 /// The runs are clearly better off without the seconds, which are seconds.

@@ -9,7 +9,7 @@
 use crate::agreement::{Agreement, Figure, pooled};
 use crate::finding::{Done, Finding, Kind};
 use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE, places, put_right};
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 use rundown_files::sample::Sample;
 
 /// A run is accused of a skew that its recorder does not have only beyond this, s ...
@@ -27,9 +27,9 @@ pub struct Own {
     skew_s: f64,
 }
 
-/// Scale and skew of a run, its offset known or not; `values`: 1/s - 1 and o/s of its recorder.
-pub(crate) fn judged(run: &mut RunCheck, agreement: &Agreement, values: Vector2<f64>) {
-    run.skew_s = Some(agreement.skew_s(values));
+/// Scale and skew of a run, its offset known or not; `values`: 1/s - 1 and o/s of its recorder, with their covariance.
+pub(crate) fn judged(run: &mut RunCheck, agreement: &Agreement, (values, covariance): &(Vector2<f64>, Matrix2<f64>)) {
+    run.skew_s = Some(agreement.skew_s(*values, covariance));
     run.scale = pooled(&[*agreement]).map(|one| one.scale_at(values[1]));
 }
 

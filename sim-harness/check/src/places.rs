@@ -33,6 +33,8 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let least_m = (SHIFT_OVER_NOISE * noise_m(rows, sign)).clamp(LEAST_SHIFT_M.0, LEAST_SHIFT_M.1);
     let (mut shift_m, mut last_read_m) = (0.0, 0.0);
     let mut last: Option<Sample> = None;
+    // Distance by speed since the location last changed: one that stood still and catches up begins nowhere again.
+    let mut waited_m = 0.0;
     // Locations that go on at a pace of their own beside a speed that stands still begin nowhere again.
     let mut was_off = false;
     for i in 0..rows.len() {
@@ -42,7 +44,9 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         if let Some(before) = last {
             let expected_m = sign * between(&before, &rows[i]);
             let jump_m = read_m + shift_m - before.location_m.unwrap_or(read_m) - expected_m;
-            let is_off = jump_m.abs() > least_m + 0.5 * expected_m.abs();
+            let beyond = |jump_m: f64| jump_m.abs() > least_m + 0.5 * expected_m.abs();
+            let is_off = beyond(jump_m) && beyond(jump_m - waited_m);
+            waited_m = if read_m == last_read_m { waited_m + expected_m } else { 0.0 };
             let goes_on_off = std::mem::replace(&mut was_off, is_off);
             if is_off && !goes_on_off && stays(rows, i, sign) {
                 let allowed_m = NEAR_M + 0.3 * expected_m.abs();
@@ -102,6 +106,34 @@ fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
     steps.len() == 3 && steps.into_iter().all(agree) && agree(all)
 }
 
+/// So many wild readings may stand together.
+const MOST_WILD: usize = 3;
+
+/// Readings, of these rows, that are far from those before and behind: each with how far. `far` takes the last reading that is not wild, the first and the last of
+/// those that may be, and the next one.
+pub(crate) fn wild(read: &[usize], far: impl Fn([usize; 4]) -> Option<f64>) -> Vec<(usize, f64)> {
+    let mut found = Vec::new();
+    let Some(mut before) = read.first().copied() else { return found };
+    let mut at = 1;
+    while at + 1 < read.len() {
+        let together = (1..=MOST_WILD).find_map(|long| {
+            let after = *read.get(at + long)?;
+            Some((long, far([before, read[at], read[at + long - 1], after])?))
+        });
+        match together {
+            Some((long, off)) => {
+                found.extend(read[at..at + long].iter().map(|i| (*i, off)));
+                at += long;
+            }
+            None => {
+                before = read[at];
+                at += 1;
+            }
+        }
+    }
+    found
+}
+
 /// Locations far from both neighbours, which agree with each other: left out.
 pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let sign = heading(rows);
@@ -111,14 +143,11 @@ pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         let step_m = b.location_m.unwrap_or_default() - a.location_m.unwrap_or_default();
         (step_m - sign * between(&a, &b)).abs()
     };
-    let spike = |three: &&[usize]| {
-        let [before, at, after] = [three[0], three[1], three[2]];
+    let found = wild(&located, |[before, first, last, after]| {
         let calm_m = off_m(before, after);
-        let least_m = off_m(before, at).min(off_m(at, after));
-        least_m > 80.0 && least_m > 5.0 * calm_m
-    };
-    let found: Vec<(usize, f64)> =
-        located.windows(3).filter(spike).map(|three| (three[1], off_m(three[0], three[1]))).collect();
+        let least_m = off_m(before, first).min(off_m(last, after));
+        (least_m > 80.0 && least_m > 5.0 * calm_m).then(|| off_m(before, first))
+    });
     if let Some((first, _)) = found.first() {
         let largest_m = found.iter().map(|(_, off)| *off).fold(0.0, f64::max);
         findings.push(finding(Kind::LocationSpikes, largest_m, found.len(), rows[*first].line, Done::LeftOut));
@@ -178,9 +207,15 @@ fn stretches(
     let mut found = Vec::new();
     let mut from = 0;
     while from < rows.len() {
-        let same = rows[from..].iter().take_while(|row| reading(row) == reading(&rows[from])).count();
-        let to = from + same - 1;
-        if same >= LEAST_STUCK && reading(&rows[from]).is_some() {
+        let Some(stays) = reading(&rows[from]) else {
+            from += 1;
+            continue;
+        };
+        // A reading that is lost between two equal ones ends nothing.
+        let alike = rows[from..].iter().map(reading).take_while(|read| read.is_none_or(|read| read == stays));
+        let read: Vec<usize> = alike.enumerate().filter_map(|(i, read)| read.map(|_| from + i)).collect();
+        let (same, to) = (read.len(), read.last().copied().unwrap_or(from));
+        if same >= LEAST_STUCK {
             let located = (from..=to).filter(|i| rows[*i].location_m.is_some());
             let [first, last] = [located.clone().min().unwrap_or(from), located.max().unwrap_or(from)];
             let by_speed: f64 = rows[first..=last].windows(2).map(|pair| between(&pair[0], &pair[1])).sum();

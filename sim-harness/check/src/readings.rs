@@ -3,6 +3,7 @@
 use crate::agreement::Figure;
 use crate::clock::usual_step_s;
 use crate::finding::{Done, Finding, Kind};
+use crate::places;
 use rundown::model::units::KmPerHour;
 use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH, Sample};
 
@@ -10,6 +11,8 @@ use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH, Sample};
 const MOST_MPS2: f64 = 3.0;
 /// A smaller step is rounding or a slip, m/s.
 const LEAST_SPIKE_MPS: f64 = 3.0;
+/// A satellite receiver may show a standing train a little below zero, m/s.
+const LEAST_MPS: f64 = -0.5;
 /// A spike is so many times as far from both neighbours as these are from each other.
 const FARTHER: f64 = 5.0;
 /// A smaller share of the rows is lost in every log.
@@ -19,15 +22,14 @@ fn finding(kind: Kind, value: f64, unit: &'static str, count: usize, line: u64, 
     Finding { kind, figure: Figure { value, sd: 0.0 }, unit, count, line, done }
 }
 
-/// Readings that are no numbers, or beyond the range of their column: left out, so that nothing behind has to think of them. A speed below zero is the
-/// estimator's to judge.
+/// Readings that are no numbers, or beyond the range of their column: left out, so that nothing behind has to think of them.
 pub fn impossible(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
     let (mut count, mut line) = (0, 0);
     for row in rows {
         // NaN is in no range.
         let location = row.location_m.take_if(|m| !(-MOST_LOCATION_M..=MOST_LOCATION_M).contains(m));
-        let speed = row.speed_mps.take_if(|mps| !(-most_mps..=most_mps).contains(mps));
+        let speed = row.speed_mps.take_if(|mps| !(LEAST_MPS..=most_mps).contains(mps));
         let lost = usize::from(location.is_some()) + usize::from(speed.is_some());
         line = if count == 0 && lost > 0 { row.line } else { line };
         count += lost;
@@ -40,17 +42,18 @@ pub fn impossible(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 /// Speeds that no train reaches from one neighbour and leaves to the other: left out.
 pub fn speed_spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let longest_s = 3.5 * usual_step_s(rows);
-    let read: Vec<(usize, f64)> = (0..rows.len()).filter_map(|i| Some((i, rows[i].speed_mps?))).collect();
-    let spike = |three: &&[(usize, f64)]| {
-        let [(a, before), (i, at), (b, after)] = [three[0], three[1], three[2]];
-        let dt = (rows[i].time_s - rows[a].time_s).max(rows[b].time_s - rows[i].time_s);
-        let off_mps = (at - before).abs().min((at - after).abs());
+    let read: Vec<usize> = (0..rows.len()).filter(|i| rows[*i].speed_mps.is_some()).collect();
+    let mps = |i: usize| rows[i].speed_mps.unwrap_or_default();
+    let found = places::wild(&read, |[before, first, last, after]| {
+        let [into_s, out_s] = [[before, first], [last, after]].map(|[a, b]| rows[b].time_s - rows[a].time_s);
+        let dt = into_s.max(out_s);
+        let off_mps = (mps(first) - mps(before)).abs().min((mps(last) - mps(after)).abs());
         let beyond_mps = LEAST_SPIKE_MPS + MOST_MPS2 * dt;
-        dt > 0.0 && dt < longest_s && off_mps > beyond_mps && off_mps > FARTHER * (after - before).abs()
-    };
-    let found: Vec<(usize, f64)> = read.windows(3).filter(spike).map(|three| three[1]).collect();
+        let is_wild = off_mps > beyond_mps && off_mps > FARTHER * (mps(after) - mps(before)).abs();
+        (into_s.min(out_s) > 0.0 && dt < longest_s && is_wild).then_some(off_mps)
+    });
     if let Some((first, _)) = found.first() {
-        let largest_kmh = found.iter().map(|(_, mps)| 3.6 * mps).fold(f64::NEG_INFINITY, f64::max);
+        let largest_kmh = found.iter().map(|(i, _)| 3.6 * mps(*i)).fold(f64::NEG_INFINITY, f64::max);
         let line = rows[*first].line;
         findings.push(finding(Kind::SpeedSpikes, largest_kmh, "km/h", found.len(), line, Done::LeftOut));
         found.iter().for_each(|(i, _)| rows[*i].speed_mps = None);

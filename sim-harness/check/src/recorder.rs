@@ -4,7 +4,7 @@ use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
 use crate::finding::{Done, Finding, Kind};
 use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE};
 use crate::{agreement_of, dead_zone, effort, held, limits, lost_seconds, own, put_right, steps, with_evidence};
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
 use std::collections::BTreeMap;
 
@@ -92,7 +92,7 @@ pub(crate) fn of(
     let values = recorder.decide(&all, known);
     for (i, agreement) in of_unit.iter().zip(&agreements) {
         if let Some(agreement) = agreement {
-            own::judged(&mut runs[*i], agreement, values);
+            own::judged(&mut runs[*i], agreement, &values);
         }
     }
     recorder.skews(runs, known);
@@ -118,8 +118,8 @@ impl RecorderCheck {
         }
     }
 
-    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with.
-    fn decide(&mut self, all: &Pooled, known: &Known) -> Vector2<f64> {
+    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, with their covariance, as the skews are judged with.
+    fn decide(&mut self, all: &Pooled, known: &Known) -> (Vector2<f64>, Matrix2<f64>) {
         let offset_kmh = all.offset_kmh();
         self.offset_kmh = Some(offset_kmh);
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
@@ -156,7 +156,9 @@ impl RecorderCheck {
             offset_mps: if known.truncates { 0.0 } else { offset_mps },
             scale: if self.is_wheel && !known.scale { scale.value } else { 1.0 },
         };
-        Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] })
+        let values = Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] });
+        let of_scale = Matrix2::from_diagonal(&Vector2::new((scale.sd / scale.value.powi(2)).powi(2), 0.0));
+        (values, if decided { of_scale } else { all.covariance })
     }
 
     /// Leaves out readings of zero that are no standstill. Call it while the speeds are as read.

@@ -2,6 +2,9 @@
 //!
 //! Two logs are the same where all their readings are, to the last digit; a clock that was set and the lines of the file do not count. Where few readings
 //! differ from one another, as while a train stands, the times must agree, too.
+//!
+//! A log that was cut, or recorded from another time on, has some of the rows of another one. So pieces of rows that no two runs have alike are remembered by
+//! their digests, of each log a sample: of all logs those whose digests have the same trailing zeros, so that two samples hold the same pieces.
 
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -12,9 +15,32 @@ use std::hash::{Hash, Hasher};
 /// So many changes of the location are no chance, whatever the clock says.
 const LEAST_MOVED: usize = 20;
 
-/// The logs that have been seen, by a digest of their readings: rows need not be kept.
+/// Rows of a piece, and how many different steps of the location make it one of a kind: a held speed leaves an odometer two.
+const PIECE: usize = 16;
+const LEAST_STEPS: usize = 6;
+/// Pieces of a log that are remembered, at most.
+const SAMPLE: usize = 96;
+/// So many that are another log's are no chance.
+const LEAST_ALIKE: usize = 6;
+
+/// The logs that have been seen, by digests of their readings: rows need not be kept.
 #[derive(Clone, Debug, Default)]
-pub struct Seen(HashMap<u64, String>);
+pub struct Seen {
+    whole: HashMap<u64, String>,
+    /// The log, by the digest of a piece.
+    pieces: HashMap<u64, usize>,
+    /// Names of the logs that have pieces, and how many trailing zeros their digests have.
+    logs: Vec<(String, u32)>,
+}
+
+/// Rows that a log has in common with an earlier one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shared {
+    /// Share of its pieces.
+    pub share: f64,
+    /// The earlier log.
+    pub with: String,
+}
 
 impl Seen {
     /// The earlier log with the same readings, by its file; none where this one is new. Call it before anything is put right.
@@ -23,12 +49,61 @@ impl Seen {
             return None;
         }
         let digest = digest(&recording.rows);
-        if self.0.contains_key(&digest) {
-            return self.0.get(&digest).map(String::as_str);
+        if self.whole.contains_key(&digest) {
+            return self.whole.get(&digest).map(String::as_str);
         }
-        self.0.insert(digest, called(recording));
+        self.whole.insert(digest, called(recording));
         None
     }
+
+    /// What a log that is none of the earlier ones has in common with the one that it is most like. Call it before anything is put right.
+    pub fn shared(&mut self, recording: &Recording) -> Option<Shared> {
+        let (pieces, zeros) = pieces(&recording.rows);
+        let mut alike: HashMap<usize, usize> = HashMap::new();
+        for log in pieces.iter().filter_map(|piece| self.pieces.get(piece)) {
+            *alike.entry(*log).or_default() += 1;
+        }
+        let most = alike.into_iter().max_by_key(|(log, count)| (*count, std::cmp::Reverse(*log)));
+        let shared = most.filter(|(_, count)| *count >= LEAST_ALIKE).and_then(|(log, count)| {
+            let (name, its_zeros) = self.logs.get(log)?;
+            let both = pieces.iter().filter(|piece| piece.trailing_zeros() >= *its_zeros).count();
+            Some(Shared { share: count as f64 / both.max(1) as f64, with: name.clone() })
+        });
+        if !pieces.is_empty() {
+            pieces.into_iter().for_each(|piece| _ = self.pieces.entry(piece).or_insert(self.logs.len()));
+            self.logs.push((called(recording), zeros));
+        }
+        shared
+    }
+}
+
+/// Digests of a sample of the pieces of a log, and how many trailing zeros they have.
+fn pieces(rows: &[Sample]) -> (Vec<u64>, u32) {
+    let digests: Vec<u64> = rows.iter().map(|row| digest_of(std::slice::from_ref(row), |_| None)).collect();
+    let steps: Vec<Option<i64>> =
+        rows.windows(2).map(|pair| Some((1e3 * (pair[1].location_m? - pair[0].location_m?)).round() as i64)).collect();
+    let is_own = |at: usize| {
+        let mut own: Vec<i64> = steps[at..at + PIECE - 1].iter().copied().flatten().collect();
+        own.sort_unstable();
+        own.dedup();
+        own.len() >= LEAST_STEPS
+    };
+    let mut pieces: Vec<u64> = (0..(rows.len() + 1).saturating_sub(PIECE))
+        .filter(|at| is_own(*at))
+        .map(|at| {
+            let mut hasher = DefaultHasher::new();
+            digests[at..at + PIECE].hash(&mut hasher);
+            hasher.finish()
+        })
+        .collect();
+    pieces.sort_unstable();
+    pieces.dedup();
+    let mut zeros = 0;
+    while pieces.len() > SAMPLE {
+        zeros += 1;
+        pieces.retain(|piece| piece.trailing_zeros() >= zeros);
+    }
+    (pieces, zeros)
 }
 
 /// The file of a run, or its name where one file has several.
@@ -39,13 +114,16 @@ fn called(recording: &Recording) -> String {
 }
 
 fn digest(rows: &[Sample]) -> u64 {
-    let mut hasher = DefaultHasher::new();
     let moved = rows.windows(2).filter(|pair| pair[0].location_m != pair[1].location_m).count();
+    digest_of(rows, |row| (moved < LEAST_MOVED).then_some(row.time_s))
+}
+
+fn digest_of(rows: &[Sample], clock: impl Fn(&Sample) -> Option<f64>) -> u64 {
+    let mut hasher = DefaultHasher::new();
     rows.len().hash(&mut hasher);
     for row in rows {
-        let with_clock = (moved < LEAST_MOVED).then_some(row.time_s);
         let Sample { location_m, speed_mps, effort_n_per_kg, latitude_deg, longitude_deg, .. } = *row;
-        for value in [with_clock, location_m, speed_mps, effort_n_per_kg, latitude_deg, longitude_deg] {
+        for value in [clock(row), location_m, speed_mps, effort_n_per_kg, latitude_deg, longitude_deg] {
             value.map(f64::to_bits).hash(&mut hasher);
         }
     }

@@ -113,6 +113,45 @@ fn intervals_hold_the_truth() {
     assert!(inside * 100 >= 88 * all, "{inside} of {all}");
 }
 
+/// A wheel that reads high takes from the excess of the locations what the lost seconds add: in the mean little is left. Where nothing is, they are not found.
+#[test]
+fn lost_seconds_are_found_beside_a_wheel_that_hides_them() {
+    for (seed, scale) in [(6200, 1.013), (6201, 1.0125), (6202, 1.011), (6203, 1.009)] {
+        let recorder = Recorder {
+            loses_each_s: 106.0,
+            noise_m: 0.3,
+            odometer_m: 1.0,
+            truncates: true,
+            scale,
+            ..Recorder::default()
+        };
+        let (found, _) = recorder.check(seed, 6, 6);
+        let finding = all(&found).into_iter().find(|finding| finding.kind == Kind::LostSeconds).cloned();
+        let finding = finding.unwrap_or_else(|| panic!("{scale}: not found"));
+        assert!((finding.figure.value - 100.0 / 106.0).abs() < 0.05, "{scale}: {finding}");
+        let off = found.recorders[0].scale.unwrap().value - scale;
+        assert!(off.abs() < 0.0005, "{scale}: {off}");
+    }
+}
+
+#[test]
+fn intervals_of_the_skew_hold_the_truth() {
+    let clean = clean_recorders();
+    let (mut inside, mut all) = ([0; 4], [0; 4]);
+    for (which, recorder) in clean.iter().enumerate() {
+        for seed in 0..30 {
+            let (found, _) = Recorder { skew_s: 2.5, ..*recorder }.check(4500 + seed, 4, 4);
+            for skew in found.runs.iter().filter_map(|run| run.skew_s) {
+                let [low, high] = skew.interval();
+                inside[which] += usize::from((low..high).contains(&2.5));
+                all[which] += 1;
+            }
+        }
+    }
+    let [inside_all, count] = [inside, all].map(|each| each.iter().sum::<usize>());
+    assert!(inside_all * 100 >= 92 * count, "{inside:?} of {all:?}");
+}
+
 #[test]
 fn skew_is_found_run_by_run() {
     let recorder = Recorder { skew_s: 2.5, skew_sd_s: 1.0, noise_m: 1.0, ..Recorder::default() };

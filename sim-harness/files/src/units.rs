@@ -22,8 +22,13 @@ pub enum Doubt {
 const MOST_EFFORT: f64 = 3.0;
 /// Distances further apart than by this factor are no matter of a wheel.
 const FAR: f64 = 1.25;
-/// Fewer pairs or efforts decide nothing.
+/// Fewer pieces or efforts decide nothing.
 const FEW: usize = 20;
+/// Nor do fewer pieces in which the speed changes.
+const FEW_CHANGING: usize = 5;
+/// Where a unit changes within a log, so large a share of the pieces has the usual ratio of its part, within this factor.
+const MOST: f64 = 0.85;
+const ALIKE: f64 = 1.2;
 /// A slower reading is mostly rounding, m/s.
 const SLOW_MPS: f64 = 2.0;
 /// Over less, steps and noise of the location weigh, m.
@@ -51,40 +56,97 @@ pub fn doubt(rows: &[Sample]) -> Option<Doubt> {
 }
 
 /// Distance by location over distance by speed, where it is too far from 1 to be a matter of a wheel; their median over
-/// pieces of the run.
+/// pieces of the run. A speed that stands still is no unit: the pieces in which it changes must say the same, if there are any.
 pub fn far_ratio(rows: &[Sample]) -> Option<f64> {
-    let read = rows.iter().filter_map(|row| Some((row.time_s, row.location_m?, row.speed_mps?)));
-    let read: Vec<(f64, f64, f64)> = read.collect();
-    let pairs = read.windows(2).map(|pair| {
-        let (from, to) = (pair[0], pair[1]);
-        let by_speed_m = 0.5 * (from.2 + to.2) * (to.0 - from.0);
-        let is_moving = from.2.min(to.2) > SLOW_MPS && by_speed_m > 0.0;
-        is_moving.then_some([to.1 - from.1, by_speed_m])
-    });
-    let pairs: Vec<Option<[f64; 2]>> = pairs.collect();
-    let all_m: f64 = pairs.iter().flatten().map(|[_, by_speed_m]| by_speed_m).sum();
-    let ratios = ratios(&pairs, PIECE_M.min(all_m / (2 * FEW) as f64));
-    middle(ratios.into_iter()).filter(|ratio| !(1.0 / FAR..FAR).contains(ratio))
+    let pieces = pieces(rows);
+    let changing: Vec<f64> = pieces.iter().filter(|piece| piece.changes).map(|piece| piece.ratio).collect();
+    let ratio = middle(pieces.iter().map(|piece| piece.ratio)).filter(|ratio| is_far(*ratio))?;
+    let is_agreed = changing.len() >= FEW_CHANGING && (ratio / FAR..ratio * FAR).contains(&median(&changing));
+    is_agreed.then_some(ratio)
 }
 
-/// Distance by location over that by speed, piece by piece; a location that stands still is no matter of units.
-fn ratios(pairs: &[Option<[f64; 2]>], piece_m: f64) -> Vec<f64> {
-    let mut ratios = Vec::new();
-    let mut piece = [0.0; 2];
-    for pair in pairs {
-        let Some([by_location_m, by_speed_m]) = pair else {
-            piece = [0.0; 2];
+/// The same of a log whose unit changes within: the ratio of the part that is off, and the line at which that begins or ends.
+pub fn far_part(rows: &[Sample]) -> Option<(f64, u64)> {
+    let pieces: Vec<Piece> = pieces(rows).into_iter().filter(|piece| piece.changes).collect();
+    let far = pieces.iter().filter(|piece| is_far(piece.ratio)).count();
+    if far < FEW / 2 || pieces.len() - far < FEW / 2 {
+        return None;
+    }
+    let part = |split: usize| {
+        let halves = [&pieces[..split], &pieces[split..]];
+        let [one, two] = halves.map(|part| median(&part.iter().map(|piece| piece.ratio).collect::<Vec<f64>>()));
+        let (far, near) = if is_far(one) { (one, two) } else { (two, one) };
+        let agrees = |piece: &Piece, usual: f64| (usual / ALIKE..usual * ALIKE).contains(&piece.ratio);
+        let agree = halves.iter().zip([one, two]).map(|(part, usual)| part.iter().filter(|p| agrees(p, usual)).count());
+        let share = agree.sum::<usize>() as f64 / pieces.len() as f64;
+        (is_far(far) && !is_far(near) && share > MOST).then_some((share, far, pieces[split].line))
+    };
+    let split = (FEW / 2..=pieces.len() - FEW / 2).filter_map(part).max_by(|a, b| a.0.total_cmp(&b.0));
+    split.map(|(_, ratio, line)| (ratio, line))
+}
+
+fn is_far(ratio: f64) -> bool {
+    !(1.0 / FAR..FAR).contains(&ratio)
+}
+
+/// A part of a run over which a train moves.
+struct Piece {
+    /// Distance by location over that by speed.
+    ratio: f64,
+    /// The speed is not the same in all its rows.
+    changes: bool,
+    /// Where it begins.
+    line: u64,
+}
+
+fn pieces(rows: &[Sample]) -> Vec<Piece> {
+    let read: Vec<&Sample> = rows.iter().filter(|row| row.location_m.is_some() && row.speed_mps.is_some()).collect();
+    let step = |pair: &[&Sample]| {
+        let (from, to) = (pair[0].speed_mps?, pair[1].speed_mps?);
+        let by_speed_m = 0.5 * (from + to) * (pair[1].time_s - pair[0].time_s);
+        let by_location_m = pair[1].location_m? - pair[0].location_m?;
+        let is_moving = from.min(to) > SLOW_MPS && by_speed_m > 0.0;
+        is_moving.then_some(Step { by_location_m, by_speed_m, changes: from != to, line: pair[0].line })
+    };
+    let steps: Vec<Option<Step>> = read.windows(2).map(step).collect();
+    let all_m: f64 = steps.iter().flatten().map(|step| step.by_speed_m).sum();
+    joined(&steps, PIECE_M.min(all_m / (2 * FEW) as f64))
+}
+
+/// From row to row.
+#[derive(Clone, Copy)]
+struct Step {
+    by_location_m: f64,
+    by_speed_m: f64,
+    changes: bool,
+    line: u64,
+}
+
+/// Steps of a moving train as pieces of this length; a location that stands still is no matter of units.
+fn joined(steps: &[Option<Step>], piece_m: f64) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    let mut sum: Option<Step> = None;
+    for step in steps {
+        let Some(step) = step else {
+            sum = None;
             continue;
         };
-        piece = [piece[0] + by_location_m, piece[1] + by_speed_m];
-        if piece[1] >= piece_m && piece[0] != 0.0 {
-            ratios.push(piece[0].abs() / piece[1]);
-            piece = [0.0; 2];
-        } else if piece[1] > STUCK_M {
-            piece = [0.0; 2];
+        let piece = sum.map_or(*step, |sum| Step {
+            by_location_m: sum.by_location_m + step.by_location_m,
+            by_speed_m: sum.by_speed_m + step.by_speed_m,
+            changes: sum.changes || step.changes,
+            line: sum.line,
+        });
+        let Step { by_location_m, by_speed_m, changes, line } = piece;
+        sum = Some(piece);
+        if by_speed_m >= piece_m && by_location_m != 0.0 {
+            pieces.push(Piece { ratio: by_location_m.abs() / by_speed_m, changes, line });
+            sum = None;
+        } else if by_speed_m > STUCK_M {
+            sum = None;
         }
     }
-    ratios
+    pieces
 }
 
 fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {

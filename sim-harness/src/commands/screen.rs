@@ -147,6 +147,7 @@ fn doubt(learned: Learned) -> &'static str {
     match learned {
         Learned::OutOfBounds => ", out of bounds",
         Learned::PredictsWorse => ", not published: predicts worse than the description",
+        Learned::NotYet => ", not published yet",
         _ => "",
     }
 }

@@ -329,7 +329,8 @@ fn described(
         let seeds = usize::from(arguments.seeds.unwrap_or(1));
         return simulated(simulation, seed, count, seeds, as_recorded);
     };
-    let Opened { train_file, train, track_file, track, source, inputs, config, .. } = opened;
+    let Opened { train_file, train, track_file, track, source, inputs, mut config, doubt, .. } = opened;
+    doubt.into_iter().for_each(|doubt| doubt.raise(&mut config.track_doubt));
     Ok(Described {
         train_name: train_file.name,
         track_name: track_file.name,

@@ -77,7 +77,9 @@ impl Group {
         for source in &*sources {
             seen.look(source, columns).map_err(|error| error.to_string())?;
         }
-        seen.clock(columns, mapping)?;
+        seen.are_there()?;
+        notes.extend(seen.clock(columns, mapping)?);
+        notes.extend(seen.positions(columns));
         notes.extend(seen.unit_alone(columns));
         if let Some(first) = sources.first() {
             needed(columns, first).map_err(|missing| format!("{missing}; {}", notes.join("; ")))?;
@@ -162,7 +164,7 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     if !columns.has(Meaning::Location) && !remedy.is_empty() {
         notes.push(format!("no column has a location: it is computed from latitude and longitude{remedy}"));
     }
-    let local = matches!(columns.kind, super::clock::Kind::DateTime | super::clock::Kind::TimeOfDay);
+    let local = !columns.kind.has_unit();
     if local && !columns.has_zone && columns.zone_name.is_none() {
         notes.push("times without a zone are taken for UTC; give zone in [[source]] where they are local".to_owned());
     }

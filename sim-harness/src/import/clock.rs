@@ -1,5 +1,6 @@
 //! Times of recorders as seconds since 1970, or since midnight, or on the recorder's own clock.
 
+use super::meaning::plain;
 use super::number;
 use jiff::civil::{Date, DateTime, Time};
 use jiff::tz::TimeZone;
@@ -17,6 +18,22 @@ pub enum Kind {
     DateTime,
     /// Time of the day; a date may stand in a column of its own.
     TimeOfDay,
+    /// The same as digits without colons: 93456 is 09:34:56.
+    Hhmmss,
+    /// Days since 1899-12-30, local: a date of a sheet without its format.
+    Excel,
+}
+
+impl Kind {
+    /// A date may stand in a column of its own.
+    pub const fn is_of_day(self) -> bool {
+        matches!(self, Self::TimeOfDay | Self::Hhmmss)
+    }
+
+    /// Numbers in a unit of time.
+    pub const fn has_unit(self) -> bool {
+        matches!(self, Self::Number | Self::Unix)
+    }
 }
 
 /// Order of day, month and year.
@@ -45,17 +62,78 @@ pub fn parse(text: &str, order: Order) -> Option<Written> {
     if let Ok(instant) = text.parse::<jiff::Timestamp>() {
         return Some(Written::Instant(instant.as_nanosecond() as f64 / 1e9));
     }
+    if let Some((date, of_day)) = compact(text) {
+        return later(parse_date(date, Order::Ymd)?, of_day).map(Written::Civil);
+    }
     match split(text) {
         (Some(date), Some(time)) => {
-            let of_day = of_day(time)?;
-            let nanoseconds = (of_day.fract() * 1e9).round() as i64;
-            let midnight = parse_date(date, order)?.to_datetime(Time::midnight());
-            let moved = midnight.checked_add(jiff::SignedDuration::new(of_day as i64, nanoseconds as i32)).ok()?;
-            Some(Written::Civil(moved))
+            let (time, east_s) = zoned(time);
+            let civil = later(parse_date(date, order)?, of_day(time)?)?;
+            let east_s = east_s.map(|east_s| in_zone(civil, &TimeZone::UTC, None).map(|utc_s| utc_s - east_s));
+            east_s.map_or(Some(Written::Civil(civil)), |instant_s| instant_s.map(Written::Instant))
         }
         (Some(date), None) => Some(Written::Civil(parse_date(date, order)?.to_datetime(Time::midnight()))),
         (None, Some(time)) => of_day(time).map(Written::OfDay),
         (None, None) => None,
+    }
+}
+
+/// Reads a number: digits of a time of the day, or days of a sheet.
+pub fn of_number(kind: Kind, value: f64) -> Option<Written> {
+    if kind == Kind::Hhmmss {
+        return of_digits(value).map(Written::OfDay);
+    }
+    // A double holds such a day to a microsecond.
+    let milliseconds = (value * 8.64e7).round();
+    let first = Date::new(1899, 12, 30).ok()?.to_datetime(Time::midnight());
+    let since = jiff::SignedDuration::from_millis(milliseconds as i64);
+    first.checked_add(since).ok().filter(|_| milliseconds.is_finite()).map(Written::Civil)
+}
+
+/// Seconds of the day of `hhmmss`, leading zeros lost or not.
+pub fn of_digits(value: f64) -> Option<f64> {
+    let whole = value.floor();
+    let (hours, minutes, seconds) = ((whole / 1e4).floor(), (whole / 100.0).floor() % 100.0, value % 100.0);
+    let fits = value >= 0.0 && hours < 24.0 && minutes < 60.0 && seconds < 60.0;
+    fits.then_some(3600.0 * hours + 60.0 * minutes + seconds)
+}
+
+/// So many seconds behind the midnight of a day.
+fn later(day: Date, of_day_s: f64) -> Option<DateTime> {
+    let nanoseconds = (of_day_s.fract() * 1e9).round() as i32;
+    day.to_datetime(Time::midnight()).checked_add(jiff::SignedDuration::new(of_day_s as i64, nanoseconds)).ok()
+}
+
+/// `20250131103456` and `20250131 103456.5`: the date, and seconds of the day.
+fn compact(text: &str) -> Option<(&str, f64)> {
+    let (date, time) = text.split_at_checked(8)?;
+    let time = time.strip_prefix([' ', 'T', '_', '-']).unwrap_or(time);
+    let is_whole = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let (whole, fraction) = time.split_once(['.', ',']).unwrap_or((time, ""));
+    let fits = is_whole(date) && whole.len() == 6 && is_whole(whole) && is_whole(fraction);
+    let of_day = format!("{whole}.{fraction}0").parse().ok().filter(|_| fits)?;
+    Some((date, of_digits(of_day)?))
+}
+
+/// A time of the day without its zone, and how far that is east of UTC, s.
+fn zoned(time: &str) -> (&str, Option<f64>) {
+    for name in ["UTC", "GMT", "Z"] {
+        if let Some(rest) = time.strip_suffix(name) {
+            return (rest.trim_end(), Some(0.0));
+        }
+    }
+    let Some(at) = time.rfind(['+', '-']) else { return (time, None) };
+    let digits: String = time[at + 1..].chars().filter(|c| *c != ':').collect();
+    let minutes = |text: &str| text.parse::<u32>().ok().map(f64::from);
+    let east_s = match digits.len() {
+        2 => minutes(&digits).map(|hours| 3600.0 * hours),
+        4 => minutes(&digits[..2]).zip(minutes(&digits[2..])).map(|(hours, minutes)| 3600.0 * hours + 60.0 * minutes),
+        _ => None,
+    };
+    let sign = if time[at..].starts_with('-') { -1.0 } else { 1.0 };
+    match east_s.filter(|east_s| *east_s <= 16.0 * 3600.0) {
+        Some(east_s) => (time[..at].trim_end(), Some(sign * east_s)),
+        None => (time, None),
     }
 }
 
@@ -64,10 +142,17 @@ fn split(text: &str) -> (Option<&str>, Option<&str>) {
     let Some(colon) = text.find(':') else {
         return (Some(text).filter(|text| !text.is_empty()), None);
     };
-    match text[..colon].rfind([' ', 'T', 't', '_', ';', ',']) {
+    // The t of `31-Oct-2025` is no separator.
+    let is_hour = |at: &usize| text[at + 1..colon].trim_start().bytes().all(|byte| byte.is_ascii_digit());
+    match text[..colon].rfind([' ', 'T', 't', '_', ';', ',']).filter(is_hour) {
         Some(at) => (Some(text[..at].trim_end_matches([',', ' '])), Some(text[at + 1..].trim())),
         None => (None, Some(text)),
     }
+}
+
+/// The date of a text that may have a time behind it.
+pub fn day_of(text: &str) -> &str {
+    split(text.trim()).0.unwrap_or_default()
 }
 
 /// Three numbers of a date as they stand.
@@ -83,15 +168,55 @@ pub fn parse_date(date: &str, order: Order) -> Option<Date> {
         Some(found) => found,
         // 20250131
         None if date.len() == 8 && date.bytes().all(|byte| byte.is_ascii_digit()) => {
-            [date[..4].parse().ok()?, date[4..6].parse().ok()?, date[6..].parse().ok()?]
+            return ymd(date[..4].parse().ok()?, date[4..6].parse().ok()?, date[6..].parse().ok()?);
         }
-        None => return None,
+        None => return in_words(date),
     };
-    let (year, month, day) = match order {
-        Order::Ymd => (a, b, c),
-        Order::Dmy => (c, b, a),
-        Order::Mdy => (c, a, b),
-    };
+    match order {
+        Order::Ymd => ymd(a, b, c),
+        Order::Dmy => ymd(c, b, a),
+        Order::Mdy => ymd(c, a, b),
+    }
+}
+
+/// The first letters of the months in English, German, French, Spanish and Italian, without accents.
+const MONTHS: [&[&str]; 12] = [
+    &["jan", "gen", "ene"],
+    &["feb", "fev"],
+    &["mar", "mrz", "maer"],
+    &["apr", "avr", "abr"],
+    &["may", "mai", "mag"],
+    &["jun", "juin", "giu"],
+    &["jul", "juil", "lug"],
+    &["aug", "aou", "ago"],
+    &["sep", "set"],
+    &["oct", "okt", "ott"],
+    &["nov"],
+    &["dec", "dez", "dic"],
+];
+
+/// `31 January 2025`, `Jan 31st, 2025`, `31-JAN-25`, `Fri 31. Januar 2025`. With two words for months (`mar.` is a Tuesday, too) it is none.
+fn in_words(date: &str) -> Option<Date> {
+    let (mut months, mut numbers, mut rest) = (Vec::new(), Vec::new(), &*plain(date));
+    while let Some(first) = rest.chars().next() {
+        let is_digit = first.is_ascii_digit();
+        let end = rest.find(|c: char| c.is_ascii_digit() != is_digit).unwrap_or(rest.len());
+        let (token, behind) = rest.split_at(end);
+        rest = behind;
+        if is_digit {
+            numbers.push((token.len(), token.parse::<i32>().ok()?));
+            continue;
+        }
+        let month = |word: &str| MONTHS.iter().position(|stems| stems.iter().any(|stem| word.starts_with(stem)));
+        months.extend(token.split_whitespace().filter_map(month));
+    }
+    let ([month], [first, second]) = (&*months, &*numbers) else { return None };
+    let (year, day) = if first.0 == 4 { (first, second) } else { (second, first) };
+    let is_year = matches!(year.0, 2 | 4) && day.0 <= 2;
+    ymd(year.1, *month as i32 + 1, day.1).filter(|_| is_year)
+}
+
+fn ymd(year: i32, month: i32, day: i32) -> Option<Date> {
     let year = if year < 100 { year + if year < 70 { 2000 } else { 1900 } } else { year };
     Date::new(year.try_into().ok()?, month.try_into().ok()?, day.try_into().ok()?).ok()
 }
@@ -136,7 +261,7 @@ pub struct Orders {
 
 impl Orders {
     pub fn see(&mut self, text: &str) {
-        let date = split(text.trim()).0.unwrap_or_default();
+        let date = day_of(text);
         let Some([a, b, _]) = numbers(date) else {
             self.year_first += usize::from(parse_date(date, Order::Ymd).is_some());
             return;
@@ -196,13 +321,47 @@ mod tests {
             ("31.01.2025 10:34:56.5", Order::Dmy),
             ("01/31/2025 10:34:56.5 AM", Order::Mdy),
             ("20250131 10:34:56:500", Order::Ymd),
+            ("31 January 2025 10:34:56.5", Order::Ymd),
+            ("Fri, 31 Jan 2025 11:34:56.5 +0100", Order::Mdy),
+            ("Freitag, 31. Januar 2025 10:34:56,5", Order::Ymd),
+            ("31-JAN-25 10:34:56.5", Order::Ymd),
+            ("Jan 31st, 2025 10:34:56.5 AM", Order::Ymd),
+            ("2025 janv. 31 10:34:56.5 UTC", Order::Ymd),
+            ("31.01.2025 08:04:56.5-02:30", Order::Dmy),
+            ("20250131103456.5", Order::Mdy),
+            ("20250131T103456.5", Order::Ymd),
         ] {
             assert_eq!(seconds(text, order), expected, "{text}");
         }
         assert_eq!(seconds("12:00:01 am", Order::Ymd), Some(1.0));
-        for text in ["", ":", "31.13.2025 10:00", "10:61", "abc", "2025-02-30 10:00:00", "9999999999:00"] {
+        for text in [
+            "",
+            ":",
+            "31.13.2025 10:00",
+            "10:61",
+            "abc",
+            "2025-02-30 10:00:00",
+            "9999999999:00",
+            "mar. 4 mars 2025 10:00",
+            "30 Feb 2025 10:00",
+            "Jan 2025 10:00",
+            "20250131 106056",
+            "31 Jan 025 10:00",
+        ] {
             assert_eq!(seconds(text, Order::Dmy), None, "{text}");
         }
+    }
+
+    #[test]
+    fn digits_of_the_day_and_days_of_a_sheet_are_times() {
+        assert_eq!(of_number(Kind::Hhmmss, 93_456.5), Some(Written::OfDay(34_496.5)));
+        assert_eq!(of_number(Kind::Hhmmss, 5.0), Some(Written::OfDay(5.0)));
+        for wrong in [93_460.0, 96_000.0, 240_000.0, -1.0, f64::NAN] {
+            assert_eq!(of_number(Kind::Hhmmss, wrong), None, "{wrong}");
+        }
+        let noon: DateTime = "2025-01-31T10:34:56.5".parse().unwrap();
+        assert_eq!(of_number(Kind::Excel, 45_688.440_931_713), Some(Written::Civil(noon)));
+        assert_eq!(of_number(Kind::Excel, f64::INFINITY), None);
     }
 
     #[test]

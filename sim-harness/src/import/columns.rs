@@ -74,6 +74,15 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
             let names: Vec<&str> = headers.iter().map(|header| header.written.as_str()).collect();
             format!("columns.{}: expected one of {}, found {:?}", meaning.key(), names.join(", "), mapped.name)
         })?;
+        // A date and a time may stand in one column.
+        let is_shared = taken.contains(&index) && *meaning != Meaning::Date;
+        if is_shared {
+            return Err(format!(
+                "columns.{}: expected a column of its own, found {:?} again",
+                meaning.key(),
+                headers[index].written
+            ));
+        }
         taken.push(index);
         let (unit, how) = unit_of(*meaning, &headers[index], Some(mapped))?;
         of.insert(*meaning, Column { index, header: headers[index].written.clone(), unit, how });
@@ -218,9 +227,9 @@ impl Columns {
     pub fn mapped(&self) -> BTreeMap<Meaning, ColumnMapping> {
         let dated = if self.has(Meaning::Date) { Meaning::Date } else { Meaning::Time };
         let mapped = |(meaning, column): (&Meaning, &Column)| {
-            let is_dated = *meaning == dated && matches!(self.kind, Kind::DateTime | Kind::TimeOfDay);
+            let is_dated = *meaning == dated && (self.kind == Kind::DateTime || self.kind.is_of_day());
             let is_time = *meaning == Meaning::Time;
-            let unit = column.unit.filter(|_| !is_time || matches!(self.kind, Kind::Number | Kind::Unix));
+            let unit = column.unit.filter(|_| !is_time || self.kind.has_unit());
             let column = ColumnMapping {
                 name: column.header.clone(),
                 unit: unit.map(|unit| unit.name.to_owned()),

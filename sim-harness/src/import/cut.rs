@@ -150,13 +150,14 @@ impl Stretch {
     fn in_order(&mut self, account: &mut Account) {
         let back = self.rows.windows(2).filter(|pair| pair[1].time_s < pair[0].time_s).count();
         if back > 0 {
-            let mut order: Vec<usize> = (0..self.rows.len()).collect();
-            order.sort_by(|a, b| self.rows[*a].time_s.total_cmp(&self.rows[*b].time_s));
-            let sorted: Vec<Sample> = order.iter().map(|i| self.rows[*i]).collect();
-            if path_m(&sorted) <= path_m(&self.rows) {
+            let located = self.rows.iter().filter(|row| row.location_m.is_some()).count() > 1;
+            let place_m = |a: &Sample, b: &Sample| {
+                if located { Some(b.location_m? - a.location_m?) } else { Some(geo::distance_m(fix(a)?, fix(b)?)) }
+            };
+            if let Some(order) = clock::order(&self.rows, place_m) {
                 account.count("steps back of the clock where rows were out of order, sorted", back as u64);
                 self.altitudes_m = order.iter().map(|i| self.altitudes_m[*i]).collect();
-                self.rows = sorted;
+                self.rows = order.iter().map(|i| self.rows[*i]).collect();
             }
         }
         let mut findings = Vec::new();
@@ -419,16 +420,6 @@ type Cut = (Range<usize>, String);
 
 pub fn fix(row: &Sample) -> Option<geo::Fix> {
     row.latitude_deg.zip(row.longitude_deg)
-}
-
-/// Sum of all steps, m: of locations, else of fixes.
-fn path_m(rows: &[Sample]) -> f64 {
-    let located: Vec<f64> = rows.iter().filter_map(|row| row.location_m).collect();
-    if located.len() > 1 {
-        return located.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
-    }
-    let fixes: Vec<geo::Fix> = rows.iter().filter_map(fix).collect();
-    fixes.windows(2).map(|pair| geo::distance_m(pair[0], pair[1])).sum()
 }
 
 fn put_down(findings: &[Finding], account: &mut Account) {

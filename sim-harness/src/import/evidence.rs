@@ -30,6 +30,8 @@ const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 #[derive(Debug, Default)]
 pub struct Seen {
     rows: Vec<Row>,
+    /// The first line that is no row.
+    bad: Option<String>,
     efforts: Vec<f64>,
     /// Units that stand behind the values.
     behind: BTreeMap<Meaning, Unit>,
@@ -48,11 +50,22 @@ impl Seen {
         // A new file is a new stretch.
         self.rows.push(Row::default());
         source.rows(&mut |event| {
+            if let Event::Bad(line, message) = &event {
+                self.bad.get_or_insert_with(|| format!("line {line}: {message}"));
+            }
             if let Event::Row(_, fields) = event {
                 let at = |index: Option<usize>| index.and_then(|index| fields.get(index));
                 let value = |index| value(at(index), columns.decimal);
                 let (time, date) = (at(numbers[0]).and_then(text), at(date).and_then(text));
-                self.rows.push(Row { numbers: numbers.map(value), time, date });
+                let mut read = numbers.map(value);
+                // `31 January` is no number.
+                read[0] = read[0].filter(|_| at(numbers[0]).is_some_and(|field| is_plain(field, columns.decimal)));
+                for position in 3..5 {
+                    let Some(Field::Text(text)) = at(numbers[position]) else { continue };
+                    let angle = number::angle(text, columns.decimal).map(|(angle, _)| angle);
+                    read[position] = angle.or(read[position]);
+                }
+                self.rows.push(Row { numbers: read, time, date });
                 for (meaning, index) in EXPECTED.into_iter().zip(numbers) {
                     if let Some(unit) = unit_behind(meaning, at(index), columns.decimal) {
                         self.behind.entry(meaning).or_insert(unit);
@@ -65,30 +78,42 @@ impl Seen {
         })
     }
 
-    /// Kind of the clock and order of its dates, where the mapping does not say.
+    /// Whether there is anything to look at.
+    ///
+    /// # Errors
+    /// There are no rows, or no times in them.
+    pub fn are_there(&self) -> Result<(), String> {
+        let bad = self.bad.as_ref().map_or(String::new(), |bad| format!("; {bad}"));
+        let is_row = |row: &&Row| row.time.is_some() || row.date.is_some() || row.numbers.iter().any(Option::is_some);
+        if !self.rows.iter().any(|row| is_row(&row)) {
+            return Err(format!("expected rows with readings, found none{bad}"));
+        }
+        let has_time = self.rows.iter().any(|row| row.time.is_some());
+        if has_time { Ok(()) } else { Err(format!("time: expected times, found none in any row{bad}")) }
+    }
+
+    /// Kind of the clock and order of its dates, where the mapping does not say. Out: what a person should know of it.
     ///
     /// # Errors
     /// A question that only a person can answer.
-    pub fn clock(&self, columns: &mut Columns, mapping: &SourceMapping) -> Result<(), String> {
+    pub fn clock(&self, columns: &mut Columns, mapping: &SourceMapping) -> Result<Option<String>, String> {
         let mapped = |meaning| mapping.columns.get(&meaning);
         let times: Vec<f64> = self.rows.iter().filter_map(|row| row.numbers[0]).collect();
         let texts: Vec<&String> = self.rows.iter().filter_map(|row| row.time.as_ref()).collect();
         let kind = mapped(Meaning::Time).and_then(|column| column.kind);
-        columns.kind = kind.unwrap_or_else(|| kind_of(&times, &texts));
-        let has_date = columns.has(Meaning::Date) && columns.kind == Kind::TimeOfDay;
+        columns.kind = kind.unwrap_or_else(|| kind_of(&times, &texts, columns.unit(Meaning::Time).is_some()));
+        let has_date = columns.has(Meaning::Date) && columns.kind.is_of_day();
         let dates = || self.rows.iter().filter_map(|row| row.date.as_ref()).collect();
         let dated: Vec<&String> = if has_date { dates() } else { texts.clone() };
-        if columns.kind != Kind::TimeOfDay {
+        if !columns.kind.is_of_day() {
             columns.of.remove(&Meaning::Date);
         }
-        let has_zone = |text: &&String| matches!(clock::parse(text, Order::Ymd), Some(Written::Instant(_)));
-        columns.has_zone = texts.first().is_some_and(has_zone);
         let order = [Meaning::Date, Meaning::Time].into_iter().find_map(|meaning| mapped(meaning)?.order);
         let mut orders = Orders::default();
         dated.iter().for_each(|text| orders.see(text));
         columns.order = match order.or_else(|| orders.decided()) {
             Some(order) => order,
-            None if matches!(columns.kind, Kind::Number | Kind::Unix) => Order::Ymd,
+            None if columns.kind.has_unit() || columns.kind == Kind::Excel => Order::Ymd,
             None => {
                 let example = dated.first().copied().cloned().unwrap_or_default();
                 let meaning = if columns.has(Meaning::Date) { Meaning::Date } else { Meaning::Time };
@@ -100,6 +125,8 @@ impl Seen {
                 ));
             }
         };
+        let has_zone = |text: &&String| matches!(clock::parse(text, columns.order), Some(Written::Instant(_)));
+        columns.has_zone = texts.first().is_some_and(has_zone);
         if columns.kind == Kind::Unix
             && let Some(time) = columns.of.get_mut(&Meaning::Time)
             && time.how != How::Mapping
@@ -114,7 +141,43 @@ impl Seen {
             time.unit = units::by_name(Meaning::Time, name);
             time.how = How::Evidence(format!("Unix time up to {largest:e}"));
         }
-        Ok(())
+        let example = kind.is_none().then(|| times.first()).flatten();
+        Ok(example.and_then(|number| match clock::of_number(columns.kind, *number)? {
+            Written::OfDay(_) if columns.kind == Kind::Hhmmss => Some(format!(
+                "column {:?} is taken for times of the day without colons: {number:06} is hhmmss",
+                columns.header(Meaning::Time)
+            )),
+            Written::Civil(civil) if columns.kind == Kind::Excel => Some(format!(
+                "column {:?} is taken for dates of a sheet, days since 1899-12-30: {number} is {civil}",
+                columns.header(Meaning::Time)
+            )),
+            _ => None,
+        }))
+    }
+
+    /// Positions without a unit that are no degrees may be degrees and minutes as one number, as receivers write them. Out: that they are.
+    pub fn positions(&self, columns: &mut Columns) -> Option<String> {
+        let of = |meaning: Meaning| columns.of.get(&meaning).filter(|column| column.unit.is_some_and(Unit::is_degrees));
+        if of(Meaning::Latitude).is_none_or(|column| column.how == How::Mapping) || of(Meaning::Longitude).is_none() {
+            return None;
+        }
+        let fixes = self.rows.iter().filter_map(|row| row.numbers[3].zip(row.numbers[4]));
+        let fixes: Vec<(f64, f64)> = fixes.filter(|fix| *fix != (0.0, 0.0)).collect();
+        let fits = |value: f64, most: f64| value.abs() < 100.0 * most && value.abs() % 100.0 < 60.0;
+        let all_fit = fixes.iter().all(|(latitude, longitude)| fits(*latitude, 90.0) && fits(*longitude, 180.0));
+        let beyond = fixes.iter().find(|(latitude, longitude)| latitude.abs() > 90.0 || longitude.abs() > 180.0);
+        let (latitude, _) = *beyond.filter(|_| all_fit)?;
+        for meaning in [Meaning::Latitude, Meaning::Longitude] {
+            if let Some(column) = columns.of.get_mut(&meaning) {
+                column.unit = units::by_name(meaning, units::DEGREES_AND_MINUTES);
+                column.how = How::Evidence(format!("{latitude} is no latitude in degrees"));
+            }
+        }
+        let unit = columns.unit(Meaning::Latitude)?;
+        Some(format!(
+            "positions are taken for degrees and minutes as one number: {latitude} is {:.6}°",
+            unit.to_si(latitude)
+        ))
     }
 
     /// A column with nothing but its unit is a speed or a location where it follows the other of the two. A speed that too few rows can deny stays; a location
@@ -158,7 +221,7 @@ impl Seen {
                 column.how = How::Evidence(format!("{} stands behind the values", unit.name));
             }
         }
-        let is_number = matches!(columns.kind, Kind::Number | Kind::Unix);
+        let is_number = columns.kind.has_unit();
         let unnamed = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none());
         let unknown: Vec<Meaning> =
             DECIDED.into_iter().filter(unnamed).filter(|meaning| *meaning != Meaning::Time || is_number).collect();
@@ -288,19 +351,32 @@ struct Passing {
 impl Row {
     fn passing(&self, columns: &Columns) -> Option<Passing> {
         let [_, location, speed, latitude, longitude] = self.numbers;
-        let place = if columns.has(Meaning::Location) { (location?, 0.0) } else { (latitude?, longitude?) };
+        let degrees = |meaning, value: Option<f64>| Some(columns.unit(meaning)?.to_si(value?));
+        let place = if columns.has(Meaning::Location) {
+            (location?, 0.0)
+        } else if latitude.zip(longitude) == Some((0.0, 0.0)) {
+            // The receiver had no fix.
+            return None;
+        } else {
+            (degrees(Meaning::Latitude, latitude)?, degrees(Meaning::Longitude, longitude)?)
+        };
         Some(Passing { time: self.time(columns)?, place, speed: speed? })
     }
 
     fn time(&self, columns: &Columns) -> Option<f64> {
-        if matches!(columns.kind, Kind::Number | Kind::Unix) {
+        if columns.kind.has_unit() {
             return self.numbers[0];
         }
-        match clock::parse(self.time.as_deref()?, columns.order)? {
+        let written = match columns.kind {
+            Kind::Hhmmss | Kind::Excel => clock::of_number(columns.kind, self.numbers[0]?),
+            _ => clock::parse(self.time.as_deref()?, columns.order),
+        };
+        match written? {
             Written::Instant(seconds) => Some(seconds),
             Written::Civil(civil) => clock::in_zone(civil, &columns.zone, None),
             Written::OfDay(seconds) => {
-                let date = self.date.as_deref().and_then(|date| clock::parse_date(date, columns.order));
+                let date = self.date.as_deref();
+                let date = date.and_then(|date| clock::parse_date(clock::day_of(date), columns.order));
                 let midnight = date.and_then(|day| clock::in_zone(day.at(0, 0, 0, 0), &columns.zone, None));
                 Some(seconds + midnight.unwrap_or(0.0))
             }
@@ -327,15 +403,43 @@ struct Stretches {
     step: f64,
 }
 
-/// The kind of a clock, by its fields as numbers and as texts.
-fn kind_of(times: &[f64], texts: &[&String]) -> Kind {
+/// The kind of a clock, by its fields as numbers and as texts. With a unit of time they are numbers.
+fn kind_of(times: &[f64], texts: &[&String], has_unit: bool) -> Kind {
     if 2 * times.len() > texts.len() || texts.is_empty() {
-        return if middle(times.to_vec()).is_some_and(|time| time > 3e8) { Kind::Unix } else { Kind::Number };
+        let is_dated = |text: &&String| matches!(clock::parse(text, Order::Ymd), Some(Written::Civil(_)));
+        return match middle(times.to_vec()) {
+            _ if !has_unit
+                && texts.len() > 1
+                && texts.iter().take(1000).all(|text| text.len() >= 14 && is_dated(&text)) =>
+            {
+                Kind::DateTime
+            }
+            _ if !has_unit && are_digits(times) => Kind::Hhmmss,
+            Some(time) if !has_unit && SHEET_DAYS.contains(&time) && are_days(times) => Kind::Excel,
+            Some(time) if time > 3e8 => Kind::Unix,
+            _ => Kind::Number,
+        };
     }
     let of_day = |text: &&&String| matches!(clock::parse(text, Order::Ymd), Some(Written::OfDay(_)));
     let looked = texts.len().min(1000);
     let count = texts[..looked].iter().filter(of_day).count();
     if 2 * count > looked { Kind::TimeOfDay } else { Kind::DateTime }
+}
+
+/// Dates of a sheet from 1954 to 2119, and how far apart its rows may be, days.
+const SHEET_DAYS: std::ops::Range<f64> = 20_000.0..80_000.0;
+const SHEET_STEP: std::ops::Range<f64> = 1e-7..7e-3;
+
+/// Numbers that go forward by seconds, if they are days: a clock in seconds would be read a hundred times a second and more.
+fn are_days(times: &[f64]) -> bool {
+    let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+    middle(steps.collect()).is_some_and(|step| SHEET_STEP.contains(&step))
+}
+
+/// Numbers of which none ends on 60 to 99, and whose last two digits begin again while those before go on: `hhmmss`.
+fn are_digits(times: &[f64]) -> bool {
+    let minutes = times.windows(2).filter(|pair| pair[0] % 100.0 > pair[1] % 100.0 && pair[1] > pair[0]).count();
+    minutes >= 2 && times.iter().all(|time| clock::of_digits(*time).is_some())
 }
 
 fn figure(ratio: f64) -> String {
@@ -352,7 +456,7 @@ impl Stretches {
             }
             columns.unit(meaning).or_else(|| units::by_name(meaning, si)).into_iter().collect()
         };
-        let is_text = !matches!(columns.kind, Kind::Number | Kind::Unix);
+        let is_text = !columns.kind.has_unit();
         let second = || units::by_name(Meaning::Time, "s").into_iter().collect();
         let times: Vec<Unit> = if is_text { second() } else { units(Meaning::Time, "s") };
         let mut tried = Vec::new();
@@ -397,12 +501,28 @@ fn not_decided(columns: &Columns, unknown: &[Meaning], agree: &[Tried], why: &st
     )
 }
 
-fn text(field: &Field) -> Option<String> {
+/// A field as it is written.
+pub fn text(field: &Field) -> Option<String> {
     match field {
         Field::Empty => None,
         Field::Text(text) => Some(text.clone()),
         Field::Number(number) => Some(number.to_string()),
     }
+}
+
+/// A time that has no unit.
+pub fn written(kind: Kind, field: &Field, columns: &Columns) -> Option<Written> {
+    match kind {
+        Kind::Hhmmss | Kind::Excel => clock::of_number(kind, value(Some(field), columns.decimal)?),
+        _ => clock::parse(&text(field)?, columns.order),
+    }
+}
+
+/// A number, with nothing but a unit of time behind it.
+fn is_plain(field: &Field, decimal: char) -> bool {
+    let Field::Text(text) = field else { return true };
+    let parsed = number::parse(text, decimal);
+    parsed.is_some_and(|(_, rest)| rest.is_empty() || units::by_name(Meaning::Time, rest).is_some())
 }
 
 /// `km/h` of `80 km/h`.

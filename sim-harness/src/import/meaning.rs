@@ -36,6 +36,11 @@ impl Meaning {
         Self::Run,
     ];
 
+    /// A position on Earth.
+    pub const fn is_angle(self) -> bool {
+        matches!(self, Self::Latitude | Self::Longitude)
+    }
+
     /// The key in `import.toml`.
     pub fn key(self) -> &'static str {
         self.words().next().unwrap_or_default()

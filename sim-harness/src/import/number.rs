@@ -12,6 +12,39 @@ pub fn parse(text: &str, decimal: char) -> Option<(f64, &str)> {
     value.is_finite().then_some((value, rest.trim()))
 }
 
+/// An angle with its degrees, minutes and seconds apart, or with the letter of its hemisphere: the value, and whether it is whole, in degrees.
+/// None for a plain number. O is east or west, by the language.
+pub fn angle(text: &str, decimal: char) -> Option<(f64, bool)> {
+    let text = text.trim();
+    let hemisphere = |c: &char| "NSEWnsew".contains(*c);
+    let (letter, text) = match (text.chars().next().filter(hemisphere), text.chars().next_back().filter(hemisphere)) {
+        (Some(letter), None) => (Some(letter), &text[1..]),
+        (None, Some(letter)) => (Some(letter), &text[..text.len() - 1]),
+        (None, None) => (None, text),
+        (Some(_), Some(_)) => return None,
+    };
+    let text = text.trim().replace(decimal, ".");
+    let (sign, text) = text.strip_prefix('-').map_or((1.0, &*text), |rest| (-1.0, rest));
+    let sign = match letter {
+        Some('S' | 's' | 'W' | 'w') if sign > 0.0 => -1.0,
+        Some(_) if sign < 0.0 => return None,
+        _ => sign,
+    };
+    let marks = ['°', 'º', '\'', '′', '’', '"', '″', '”', ' '];
+    let parts: Vec<&str> = text.split(marks).filter(|part| !part.is_empty()).collect();
+    let is_angle = letter.is_some() || parts.len() > 1 || text.contains(['°', 'º']);
+    let mut value = 0.0;
+    for (index, part) in parts.iter().enumerate() {
+        let is_number = part.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.' && index + 1 == parts.len());
+        let number: f64 = part.parse().ok().filter(|_| is_number)?;
+        if index > 0 && number >= 60.0 {
+            return None;
+        }
+        value += number / [1.0, 60.0, 3600.0].get(index)?;
+    }
+    (is_angle && !parts.is_empty()).then_some((sign * value, parts.len() > 1))
+}
+
 fn plain(number: &str, decimal: char) -> Option<f64> {
     if let Ok(value) = number.parse::<f64>()
         && !(decimal == ',' && is_grouped(number, '.'))
@@ -61,6 +94,26 @@ pub fn decimal_of<'a>(fields: impl Iterator<Item = &'a str>) -> char {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn angles_are_read_as_they_are_written() {
+        for (text, decimal, degrees) in [
+            ("50° 06.12' N", '.', 50.102),
+            ("S50°6'7,2\"", ',', -50.102),
+            ("8 00 14.4 W", '.', -8.004),
+            ("-8°0'14.4\"", '.', -8.004),
+            ("50.102 N", '.', 50.102),
+            ("50.102°", '.', 50.102),
+        ] {
+            let found = angle(text, decimal).map(|(value, _)| (1e9 * value).round());
+            assert_eq!(found, Some((1e9 * degrees).round()), "{text}");
+        }
+        assert_eq!(angle("5006.12N", '.'), Some((5006.12, false)));
+        for text in ["50.102", "", "N", "50°61'", "-50.1 S", "50.5°06'", "N50E", "8°00'O", "50°06'07\"08", "NaN N"]
+        {
+            assert_eq!(angle(text, '.'), None, "{text}");
+        }
+    }
 
     #[test]
     fn the_decimal_sign_is_that_of_most_numbers() {

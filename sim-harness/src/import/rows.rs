@@ -3,6 +3,7 @@
 use super::account::Account;
 use super::clock::{self, Kind, Written};
 use super::columns::Columns;
+use super::evidence;
 use super::meaning::Meaning;
 use super::number;
 use super::source::row::Field;
@@ -122,12 +123,17 @@ impl<'a> Converter<'a> {
     fn number(&self, meaning: Meaning, line: u64, fields: &[Field], account: &mut Account) -> Option<f64> {
         let column = self.columns.of.get(&meaning)?;
         let unit = column.unit?;
+        let decimal = self.columns.decimal;
+        let angle = |text: &str| number::angle(text, decimal).filter(|_| meaning.is_angle());
         let (value, unit) = match fields.get(column.index)? {
             Field::Empty => return None,
             Field::Number(value) => (*value, unit),
             Field::Text(text) if is_missing(text) => return None,
+            Field::Text(text) if let Some((value, is_whole)) = angle(text) => {
+                return Some(if is_whole { value } else { unit.to_si(value) });
+            }
             Field::Text(text) => {
-                let parsed = number::parse(text, self.columns.decimal);
+                let parsed = number::parse(text, decimal);
                 let with_unit = parsed.and_then(|(value, rest)| {
                     if rest.is_empty() { Some((value, unit)) } else { Some((value, units::by_name(meaning, rest)?)) }
                 });
@@ -155,17 +161,15 @@ impl<'a> Converter<'a> {
         let (time_s, is_dated) = match self.columns.kind {
             Kind::Number => (self.number(Meaning::Time, line, fields, account)?, false),
             Kind::Unix => (self.number(Meaning::Time, line, fields, account)?, true),
-            Kind::DateTime | Kind::TimeOfDay => {
-                let Field::Text(text) = field else {
-                    return None;
-                };
-                let Some(written) = clock::parse(text, self.columns.order) else {
+            kind @ (Kind::DateTime | Kind::TimeOfDay | Kind::Hhmmss | Kind::Excel) => {
+                let Some(written) = evidence::written(kind, field, self.columns) else {
                     account.place(UNREADABLE, || {
                         format!(
-                            "{}:{line}:{}: {}: expected a time, found {text:?}",
+                            "{}:{line}:{}: {}: expected a time, found {:?}",
                             self.path.display(),
                             column.index + 1,
-                            column.header
+                            column.header,
+                            evidence::text(field).unwrap_or_default()
                         )
                     });
                     return None;
@@ -184,11 +188,8 @@ impl<'a> Converter<'a> {
     /// A time of the day with the date of its row, or after the midnights so far.
     fn of_day(&mut self, seconds: f64, fields: &[Field], account: &mut Account) -> Option<(f64, bool)> {
         if let Some(index) = self.columns.index(Meaning::Date) {
-            let text = match fields.get(index)? {
-                Field::Text(text) => text.split(['T', ' ']).next()?,
-                _ => return None,
-            };
-            let day = clock::parse_date(text, self.columns.order)?;
+            let text = evidence::text(fields.get(index)?)?;
+            let day = clock::parse_date(clock::day_of(&text), self.columns.order)?;
             let nanoseconds = (seconds.fract() * 1e9).round() as i32;
             let civil = day.at(0, 0, 0, 0).checked_add(jiff::SignedDuration::new(seconds as i64, nanoseconds)).ok()?;
             return Some((clock::in_zone(civil, &self.columns.zone, self.last_s)?, true));

@@ -14,13 +14,24 @@ pub struct Unit {
     shift: f64,
 }
 
+/// Degrees and minutes as one number: 5006.12 is 50° 6.12'.
+pub const DEGREES_AND_MINUTES: &str = "ddmm";
+
 impl Unit {
     const fn new(name: &'static str, also: &'static [&'static str], factor: f64) -> Self {
         Self { name, also, factor, shift: 0.0 }
     }
 
     pub fn to_si(self, value: f64) -> f64 {
+        if self.name == DEGREES_AND_MINUTES {
+            let degrees = (value / 100.0).trunc();
+            return degrees + (value - 100.0 * degrees) / 60.0;
+        }
         self.factor * (value + self.shift)
+    }
+
+    pub fn is_degrees(self) -> bool {
+        self.name == "degrees"
     }
 
     pub const fn factor(self) -> f64 {
@@ -54,7 +65,10 @@ const TIMES: [Unit; 6] = [
     Unit::new("hours", &["h", "hour", "std", "stunden"], 3600.0),
     Unit::new("ns", &["nanoseconds"], 1e-9),
 ];
-const ANGLES: [Unit; 1] = [Unit::new("degrees", &["deg", "°", "grad", "wgs84"], 1.0)];
+const ANGLES: [Unit; 2] = [
+    Unit::new("degrees", &["deg", "°", "grad", "wgs84"], 1.0),
+    Unit::new(DEGREES_AND_MINUTES, &["ddmm.mmmm", "dddmm.mmmm", "ddmm.mm", "dddmm.mm"], 1.0),
+];
 /// N and kN are divided by the rotating mass, which the mapping gives.
 const EFFORTS: [Unit; 3] = [
     Unit::new("N/kg", &["n per kg", "m/s²", "m/s2"], 1.0),
@@ -162,6 +176,7 @@ mod tests {
         assert_eq!(si(Meaning::Speed, "MPH", 100.0), Some(44.704));
         assert_eq!(si(Meaning::Location, "ft", 1000.0), Some(304.8));
         assert_eq!(si(Meaning::Temperature, "F", 212.0), Some(100.0));
+        assert_eq!(si(Meaning::Latitude, "ddmm", -5006.12).map(|degrees| (degrees * 1e6).round()), Some(-50_102_000.0));
         assert_eq!(si(Meaning::Speed, "kg", 1.0), None);
     }
 }

@@ -34,7 +34,7 @@ use rundown_files::parquet::ParquetError;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::ReadError;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
-use rundown_files::track_file::{MOST_SD_PERMILLE, TrackFile};
+use rundown_files::track_file::TrackFile;
 use rundown_files::{WriteError, config_file, effect_file};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, train_file::TrainFile};
 use serde_json::Value;
@@ -317,11 +317,13 @@ impl Opened {
     fn doubt_gradients(&mut self, recordings: &[Recording], summary: &mut Summary) -> Result<(), ReplayError> {
         let mut coasts = Coasts::default();
         coasts.add(recordings, &self.core_train);
-        let sd = &mut self.config.track_doubt.gradient_sd_permille;
-        let Some(doubt) = coasts.doubt(&self.core_train, self.estimator.track(), *sd) else {
+        let track_doubt = &mut self.config.track_doubt;
+        let said_permille = track_doubt.gradient_sd_permille;
+        let Some(doubt) = coasts.doubt(&self.core_train, self.estimator.track(), said_permille) else {
             return Ok(());
         };
-        *sd = sd.max(doubt.off_permille.min(MOST_SD_PERMILLE));
+        doubt.raise(track_doubt);
+        let sd = track_doubt.gradient_sd_permille;
         summary.notes.push(format!("{doubt}; until they are put right they are taken to be off by {sd:.1} permille"));
         summary.gradient_doubt = Some(doubt);
         let (track, effects) = (self.estimator.track().clone(), self.estimator.effects().clone());

@@ -6,6 +6,8 @@ use crate::logs::{self, Failed};
 use crate::parquet_runs::ParquetRuns;
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
+use rundown::{model::track::Track, model::train::Train};
+use rundown_check::gradients::{Coasts, Doubt};
 use rundown_check::{Check, Known, same::Seen};
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::{map_matching::CentreLine, recording::DirectionChoice, run_log::BadRows};
@@ -35,6 +37,10 @@ pub struct Recorded {
     found: Vec<Check>,
     /// Logs that were read: one that comes again in a later chunk is left out, too.
     seen: Seen,
+    /// The first chunk, where it was read to judge the track.
+    ahead: Option<Vec<Result<Case, Failed>>>,
+    /// What is to be said of the track.
+    of_track: Option<String>,
 }
 
 #[derive(Debug)]
@@ -84,7 +90,30 @@ impl RunSource {
         let (of, files) = Files::open(arguments, line, note)?;
         let (as_recorded, known) = (known.is_none(), known.unwrap_or_default());
         let (found, seen) = (Vec::new(), Seen::default());
-        Ok(Self::Recorded(Box::new(Recorded { of, files, as_recorded, known, keep_perturbed, found, seen })))
+        let (ahead, of_track) = (None, None);
+        let recorded = Recorded { of, files, as_recorded, known, keep_perturbed, found, seen, ahead, of_track };
+        Ok(Self::Recorded(Box::new(recorded)))
+    }
+
+    /// Whether the described gradients explain how the trains of the first chunk coast; if not, the notes say so. Of simulated runs it is not asked.
+    /// `said_permille`: how far they may be off by their own description, standard deviation.
+    ///
+    /// # Errors
+    /// The runs cannot be read.
+    pub fn gradient_doubt(
+        &mut self,
+        train: &Train,
+        track: &Track,
+        said_permille: f64,
+    ) -> Result<Option<Doubt>, Refused> {
+        let Self::Recorded(recorded) = self else { return Ok(None) };
+        let first = recorded.next_chunk()?;
+        let mut coasts = Coasts::default();
+        first.iter().flatten().for_each(|case| coasts.add(std::slice::from_ref(&case.recording), train));
+        recorded.ahead = Some(first);
+        let doubt = coasts.doubt(train, track, said_permille);
+        recorded.of_track = doubt.map(|doubt| doubt.to_string());
+        Ok(doubt)
     }
 
     /// A run that is no part of the statistics: it was perturbed.
@@ -102,7 +131,7 @@ impl RunSource {
             let perturbed = check.perturbed_note().map(|note| format!("{note}; {done}"));
             check.notes().into_iter().chain(perturbed).collect::<Vec<String>>()
         };
-        recorded.found.iter().flat_map(of_chunk).collect()
+        recorded.found.iter().flat_map(of_chunk).chain(recorded.of_track.clone()).collect()
     }
 
     pub fn total(&self) -> usize {
@@ -225,6 +254,9 @@ fn put_right(cases: Vec<&mut Case>) -> Check {
 
 impl Recorded {
     fn next_chunk(&mut self) -> Result<Vec<Result<Case, Failed>>, Refused> {
+        if let Some(ahead) = self.ahead.take() {
+            return Ok(ahead);
+        }
         let read = self.of.next_chunk()?;
         if self.as_recorded || read.is_empty() {
             return Ok(read);

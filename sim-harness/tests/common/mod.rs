@@ -16,12 +16,15 @@ pub struct Said {
 /// The run that the reference implementation was given.
 pub const RUN: &str = include_str!("../../../data/reference/run01.csv");
 
-/// The run once more, but for its last location, so many centimetres further: a log that is given twice counts once.
+/// The run once more, everywhere so many centimetres further: a log that is given twice counts once, and one that has some of its rows is said.
 pub fn another(by_cm: u32) -> String {
-    let (before, last) = RUN.trim_end().rsplit_once('\n').unwrap();
-    let mut fields: Vec<String> = last.split(',').map(str::to_owned).collect();
-    fields[1] = format!("{}", fields[1].parse::<f64>().unwrap() + 0.01 * f64::from(by_cm));
-    format!("{before}\n{}\n", fields.join(","))
+    let (header, rows) = RUN.trim_end().split_once('\n').unwrap();
+    let moved = rows.lines().map(|row| {
+        let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
+        fields[1] = format!("{:.4}", fields[1].parse::<f64>().unwrap() + 0.01 * f64::from(by_cm));
+        fields.join(",") + "\n"
+    });
+    format!("{header}\n{}", moved.collect::<String>())
 }
 
 /// A tunnel that a scenario hides, or a track describes.

@@ -2,6 +2,8 @@
 
 use super::mixture::MOST_SD_N_PER_KG;
 use super::version::Version;
+use rundown::tick::track_doubt::TrackDoubtConfig;
+use rundown_files::track_file::MOST_SD_PERMILLE;
 use serde::Serialize;
 use std::fmt;
 
@@ -28,6 +30,12 @@ pub struct Doubt {
 }
 
 impl Doubt {
+    /// Until the gradients are put right they are taken to be off by as much.
+    pub fn raise(&self, doubt: &mut TrackDoubtConfig) {
+        let sd_permille = &mut doubt.gradient_sd_permille;
+        *sd_permille = sd_permille.max(self.off_permille.min(MOST_SD_PERMILLE));
+    }
+
     /// The described slopes have the wrong sign or scale: with another one they leave no more scatter than coasts have, and as described they leave more. No
     /// other version decides: short hops on a right line at times look like a level line, which a tenth all but is, or another place.
     pub fn is_decisive(&self) -> bool {

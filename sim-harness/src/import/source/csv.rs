@@ -42,7 +42,30 @@ fn encoding_of(path: &Path) -> Result<&'static str, ReadError> {
     })
 }
 
+/// Line ends of old computers, CR alone, become LF.
+struct Lines<R> {
+    inner: R,
+    has_cr_only: bool,
+}
+
+impl<R: Read> Read for Lines<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let length = self.inner.read(buffer)?;
+        if self.has_cr_only {
+            buffer[..length].iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+        }
+        Ok(length)
+    }
+}
+
 fn reader(path: &Path, encoding: &str) -> Result<impl BufRead + use<>, ReadError> {
+    let mut head = Vec::new();
+    decoded(path, encoding)?.take(SNIFFED as u64).read_to_end(&mut head).map_err(|error| row::io(path, error))?;
+    let has_cr_only = head.contains(&b'\r') && !head.contains(&b'\n');
+    Ok(BufReader::new(Lines { inner: decoded(path, encoding)?, has_cr_only }))
+}
+
+fn decoded(path: &Path, encoding: &str) -> Result<impl Read + use<>, ReadError> {
     let label = encoding_rs::Encoding::for_label(encoding.as_bytes()).ok_or_else(|| {
         row::refused(
             path,
@@ -50,8 +73,18 @@ fn reader(path: &Path, encoding: &str) -> Result<impl BufRead + use<>, ReadError
         )
     })?;
     let file = File::open(path).map_err(|error| row::io(path, error))?;
-    let decoded = DecodeReaderBytesBuilder::new().encoding(Some(label)).strip_bom(true).build(file);
-    Ok(BufReader::new(decoded))
+    Ok(DecodeReaderBytesBuilder::new().encoding(Some(label)).strip_bom(true).build(file))
+}
+
+/// Quotes are around fields where each line of the head has pairs of them; a single one is an inch.
+fn has_quoted_fields(path: &Path, encoding: &str) -> Result<bool, ReadError> {
+    let mut head = Vec::new();
+    reader(path, encoding)?.take(SNIFFED as u64).read_to_end(&mut head).map_err(|error| row::io(path, error))?;
+    let mut lines: Vec<&[u8]> = head.split(|byte| *byte == b'\n').collect();
+    // The last one may be cut.
+    let last = lines.pop().filter(|_| head.len() < SNIFFED);
+    let quotes = |line: &[u8]| line.iter().filter(|byte| **byte == b'"').count();
+    Ok(lines.into_iter().chain(last).all(|line| quotes(line) % 2 == 0))
 }
 
 /// Lines as text; a byte that is no character is replaced.
@@ -168,14 +201,17 @@ fn no_header(path: &Path, lines: &[&str]) -> ReadError {
 
 /// Every row below the header.
 pub fn rows(path: &Path, layout: &Layout, each: &mut Each) -> Result<(), ReadError> {
-    let mut reader = reader(path, layout.encoding.as_deref().unwrap_or("utf-8"))?;
+    let encoding = layout.encoding.as_deref().unwrap_or("utf-8");
+    let mut reader = reader(path, encoding)?;
     let header_line = layout.header_line.unwrap_or(1);
     let mut skipped = Vec::new();
     for _ in 0..header_line {
         skipped.clear();
         reader.read_until(b'\n', &mut skipped).map_err(|error| row::io(path, error))?;
     }
-    let mut table = table(layout.delimiter.unwrap_or(',')).comment(Some(b'#')).from_reader(reader);
+    let mut builder = table(layout.delimiter.unwrap_or(','));
+    let quoting = has_quoted_fields(path, encoding)?;
+    let mut table = builder.comment(Some(b'#')).quoting(quoting).from_reader(reader);
     let mut record = ::csv::ByteRecord::new();
     let mut row: Vec<Field> = Vec::new();
     let mut first = true;
@@ -186,6 +222,13 @@ pub fn rows(path: &Path, layout: &Layout, each: &mut Each) -> Result<(), ReadErr
             Err(error) => return Err(row::refused(path, error.to_string())),
         }
         let line = header_line + record.position().map_or(0, ::csv::Position::line);
+        let lost: usize = record.iter().map(|field| field.iter().filter(|byte| **byte == b'\n').count()).sum();
+        for behind in 0..lost as u64 {
+            let message = "expected a quote at the end of a field, found none: this line stands within the field";
+            if !each(Event::Bad(line + behind + 1, message.to_owned())) {
+                return Ok(());
+            }
+        }
         row.clear();
         row.extend(record.iter().map(|field| match String::from_utf8_lossy(field) {
             text if text.is_empty() => Field::Empty,
