@@ -28,6 +28,7 @@ use crate::model::resistance::Davis;
 use crate::tick::bounds::settings;
 use crate::tick::effort_reading::Column;
 use crate::tick::foresight::{Foresight, Trust};
+use crate::tick::truncation::SpeedOffset;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -94,6 +95,9 @@ pub struct Vehicle {
     /// Of its effort column.
     #[serde(default)]
     pub(crate) column: Column,
+    /// Of its speed readings.
+    #[serde(default)]
+    pub(crate) offset: SpeedOffset,
 }
 
 impl Vehicle {
@@ -115,7 +119,14 @@ impl Vehicle {
         for (slot, entry) in hypotheses.iter_mut().zip(SCALES.into_iter().zip(SCALE_WEIGHTS)) {
             *slot = hypothesis(entry);
         }
-        Self { nominal, hypotheses, runs: 0, trust: Trust::NONE, column: Column::default() }
+        Self {
+            nominal,
+            hypotheses,
+            runs: 0,
+            trust: Trust::NONE,
+            column: Column::default(),
+            offset: SpeedOffset::default(),
+        }
     }
 
     /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
@@ -144,6 +155,11 @@ impl Vehicle {
     /// What is known of its effort column.
     pub fn column(&self) -> Column {
         self.column
+    }
+
+    /// What is known of true less read speed.
+    pub fn speed_offset(&self) -> SpeedOffset {
+        self.offset
     }
 
     /// How far this may be trusted, by how it foresaw coasts.
