@@ -344,7 +344,11 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         if self.config.mode == Mode::Measured {
             vehicle.column = Column::of_run(summary.gain, &run.effort_reading);
         }
+        let cut_off = self.cuts_off(vehicle);
         vehicle.offset.add(&self.config.sensor, &run.distances);
+        if self.cuts_off(vehicle) != cut_off && self.config.mode != Mode::Paper {
+            vehicle.doubt_readings(&self.memory_config());
+        }
         summary.learned_s = run.learner.learned_s();
         summary.counters = run.counters;
     }

@@ -37,6 +37,9 @@ pub const SCALES: [Real; 4] = [0.0, 0.3, 0.7, 1.5];
 /// What is believed of them before the first run.
 const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
 
+/// Share of what is known that is forgotten where it came from readings that were not what they seemed.
+const MISREAD: Real = 0.8;
+
 settings! {
     /// What may differ between vehicles, and between runs of one vehicle.
     MemoryConfig in "memory" {
@@ -180,6 +183,11 @@ impl Vehicle {
             self.forget(config, &information, run.track_share());
             self.take_up(config, &information, &vector, run);
         }
+    }
+
+    /// What was learned so far came from readings that are read otherwise from now on: it is kept as what one run or so says, with the interval of that.
+    pub(crate) fn doubt_readings(&mut self, config: &MemoryConfig) {
+        self.forget(config, &Matrix3::from_diagonal_element(Real::MAX), MISREAD);
     }
 
     /// Forgets a share of what is known beyond the description; for a run that says little, no more than it says.
