@@ -117,13 +117,13 @@ errors! {
 }
 
 impl Persisted {
-    /// Largest number of bytes it is stored in: 8 a number, 5 a count.
+    /// Largest number of bytes it is stored in: 8 a number, 5 a count. The unknown effect is one of the [`MAX_EFFECTS`].
     pub const MAX_SIZE: usize = 8 * 3
         + 4 * 8 * 10
         + 5
         + 3 * 5
         + 1
-        + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8)
+        + (MAX_EFFECTS - 1) * (1 + 1 + 2 * 8 + 1 + 4 * 8)
         + 1
         + 1
         + 1
@@ -265,7 +265,7 @@ mod tests {
         full.lifetime = Lifetime { resets: u32::MAX, runs: u32::MAX, stops: u32::MAX };
         let effect =
             StoredEffect { kind: u8::MAX, section_m: Some([f64::MAX; 2]), values: [f64::MAX; 4].into_iter().collect() };
-        full.effects = core::iter::repeat_n(effect, MAX_EFFECTS).collect();
+        full.effects = core::iter::repeat_n(effect, MAX_EFFECTS - 1).collect();
         full.table = Some(Unknown {
             coordinate: Coordinate::Day,
             table: core::iter::repeat_n((f32::MAX, f32::MAX), MAX_POINTS).collect(),
