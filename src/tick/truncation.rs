@@ -34,7 +34,7 @@ const AGE_SD_S: f32 = 2.0;
 /// Time between two locations that are compared, s: errors of receivers last.
 const SPACING_S: Real = 9.5;
 /// Longest time between two speeds over which a distance is known, s.
-const LONGEST_S: Real = 30.0;
+const LONGEST_S: f32 = 30.0;
 /// Share of a change of the change of speed by which the mean speed between two readings may differ from that of the two.
 const UNEVEN: f32 = 0.15;
 /// Beyond, the distance of a start or a stop is not known, m: the train moved for a part of the time only.
@@ -48,6 +48,8 @@ const DESCRIBED: f32 = 2.0;
 const LEAST_NOISE_M: f32 = 10.0;
 /// A location that is further from what is expected than so many usual misses: the chainage has a step there, and c begins again.
 const STEP: f32 = 3.0;
+/// Standard deviation of c before the first location, m.
+const UNKNOWN_M: f32 = 1000.0;
 /// Most that a run says of o, in units of one over the squared step.
 const MOST_INFORMATION: f32 = 24.0;
 /// Weight of older runs when a run is added: a recorder that was swapped is recognised some tens of runs later.
@@ -66,16 +68,20 @@ in_place! {
     /// What is followed in a run.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Distances {
-        /// Where the train is by its speeds, from the location that it began with, m.
-        expected_m: Option<Real> = (None);
-        /// Last speed that was read, m/s, and when, s.
-        last: Option<(Real, Real)> = (None);
+        /// Location that was compared last, m.
+        location_m: Option<Real> = (None);
+        /// When that was, s.
+        compared_s: Real = (0.0);
+        /// By how much it was ahead of the distance by speed, and that distance since, m.
+        ahead_m: f32 = (0.0);
+        run_m: f32 = (0.0);
+        /// When a speed was read last, s, and what it was, m/s.
+        read_s: Option<Real> = (None);
+        speed_mps: f32 = (0.0);
         /// By how much it changed, m/s.
         change_mps: f32 = (0.0);
         /// For how long it has read the same, s.
         held_s: f32 = (0.0);
-        /// When a location was compared last, s.
-        compared_s: Real = (0.0);
         /// c in m, κ, o in m/s, τ in s.
         mean: [f32; 4] = ([0.0; 4]);
         /// Number of locations that were compared, and sum of the squares by which they missed, m².
@@ -103,9 +109,11 @@ plain! {
 
 impl SpeedOffset {
     /// o, true less read speed, m/s, with its standard deviation; none before the first run that says something.
-    pub fn found(&self) -> Option<(Real, Real)> {
-        let variance = self.scatter() / self.information;
-        (self.information > 0.0).then(|| ((self.vector / self.information).into(), libm::sqrt(variance.into())))
+    #[inline(never)]
+    pub fn found(&self) -> Option<(f32, f32)> {
+        // The root of double precision is in the flash already.
+        let sd = libm::sqrt((self.scatter() / self.information).into()) as f32;
+        (self.information > 0.0).then(|| (self.vector / self.information, sd))
     }
 
     /// Variance between the runs over what is expected. The expected one is on the safe side; few runs may agree by chance.
@@ -115,20 +123,20 @@ impl SpeedOffset {
     }
 
     /// The speeds are cut off, beyond doubt.
+    #[inline(never)]
     pub fn is_truncated(&self, sensor: &SensorConfig) -> bool {
         let step_mps = sensor.speed_quantum_kmh as f32 / 3.6;
         let half = 0.5 * step_mps;
-        let Some((found, sd)) = self.found() else {
-            return false;
-        };
-        let (found, sd) = (found as f32, sd as f32);
-        let off = (found - half).abs();
-        // Logarithm of the odds of half a step against none.
-        let odds = half * (found - 0.5 * half) / (sd * sd);
-        odds > DECIDED && off < NEAR_HALF * step_mps + 2.0 * sd && off < CLEARLY * found
+        self.found().is_some_and(|(found, sd)| {
+            let off = (found - half).abs();
+            // Logarithm of the odds of half a step against none.
+            let odds = half * (found - 0.5 * half) / (sd * sd);
+            odds > DECIDED && off < NEAR_HALF * step_mps + 2.0 * sd && off < CLEARLY * found
+        })
     }
 
     /// Adds what a run said.
+    #[inline(never)]
     pub(crate) fn add(&mut self, sensor: &SensorConfig, run: &Distances) {
         let step_mps = sensor.speed_quantum_kmh as f32 / 3.6;
         let Some((information, offset)) = run.said(step_mps) else {
@@ -169,50 +177,46 @@ impl Distances {
     }
 
     /// A tick. `read_mps`: the speed as it was read. `sign` is +1 where locations grow.
+    #[inline(never)]
     pub(crate) fn observe(&mut self, sensor: &SensorConfig, sign: Real, judged: &Judged, read_mps: Option<Real>) {
         if judged.begins || judged.contradiction.is_some() || judged.shifted {
-            (self.expected_m, self.last) = (None, None);
+            (self.location_m, self.read_s) = (None, None);
         }
         let Some(speed_mps) = read_mps.filter(|_| judged.speed_mps.is_ok()) else {
             return;
         };
-        let last = self.last.replace((speed_mps, judged.time_s));
-        let Some((last_mps, last_s)) = last.filter(|(_, last_s)| judged.time_s - last_s < LONGEST_S) else {
-            self.expected_m = None;
-            return self.compare(sensor, sign, judged, speed_mps);
-        };
-        let dt_s = judged.time_s - last_s;
-        let run_m = 0.5 * (last_mps + speed_mps) * dt_s;
-        if let Some(expected_m) = &mut self.expected_m {
-            *expected_m += sign * run_m;
+        let speed_mps = speed_mps as f32;
+        let last_mps = core::mem::replace(&mut self.speed_mps, speed_mps);
+        let dt_s = self.read_s.replace(judged.time_s).map_or(LONGEST_S, |read_s| (judged.time_s - read_s) as f32);
+        if dt_s < LONGEST_S {
+            let change_mps = speed_mps - last_mps;
+            let uneven_m = UNEVEN * (change_mps - core::mem::replace(&mut self.change_mps, change_mps)) * dt_s;
+            let run_m = 0.5 * (last_mps + speed_mps) * dt_s;
+            let before_s = if change_mps == 0.0 { self.held_s } else { 0.0 };
+            self.held_s = before_s + dt_s;
+            if run_m > 0.0 {
+                let step_mps = sensor.speed_quantum_kmh as f32 / 3.6;
+                let held = step_mps * step_mps / 12.0 * (self.held_s * self.held_s - before_s * before_s);
+                self.carry_on(run_m, dt_s, held + uneven_m * uneven_m + CHAINAGE * dt_s);
+            }
+            if (speed_mps == 0.0 || last_mps == 0.0) && run_m > LOST_M {
+                self.location_m = None;
+            }
+        } else {
+            self.location_m = None;
         }
-        let dt_s = dt_s as f32;
-        let change_mps = (speed_mps - last_mps) as f32;
-        let before_mps = core::mem::replace(&mut self.change_mps, change_mps);
-        if (speed_mps == 0.0 || last_mps == 0.0) && 0.5 * change_mps.abs() * dt_s > LOST_M {
-            self.expected_m = None;
-        }
-        let before_s = if speed_mps == last_mps { self.held_s } else { 0.0 };
-        self.held_s = before_s + dt_s;
-        if run_m > 0.0 {
-            let step_mps = sensor.speed_quantum_kmh as f32 / 3.6;
-            let held = step_mps * step_mps / 12.0 * (self.held_s * self.held_s - before_s * before_s);
-            let uneven_m = UNEVEN * (change_mps - before_mps) * dt_s;
-            self.carry_on(run_m as f32, dt_s, held + uneven_m * uneven_m + CHAINAGE * dt_s);
-        }
-        if judged.time_s - self.compared_s > SPACING_S || self.expected_m.is_none() {
-            self.compare(sensor, sign, judged, speed_mps);
+        if judged.time_s - self.compared_s > SPACING_S || self.location_m.is_none() {
+            self.compare(sensor, sign, judged);
         }
     }
 
     /// c grows by κ and o.
     fn carry_on(&mut self, run_m: f32, dt_s: f32, variance: f32) {
-        let by = [0.0, run_m, dt_s, 0.0];
         let dot = |row: &[f32; 4]| run_m * row[SCALE] + dt_s * row[OFFSET];
+        self.run_m += run_m;
         self.mean[C] += dot(&self.mean);
         let [_, scale, offset, _] = self.covariance;
-        let rows = by.map(|_| 0.0);
-        let mut row = rows;
+        let mut row = [0.0; 4];
         for ((row, scale), offset) in row.iter_mut().zip(scale).zip(offset) {
             *row = run_m * scale + dt_s * offset;
         }
@@ -226,43 +230,39 @@ impl Distances {
     }
 
     /// A location beside what the speeds make of it.
-    fn compare(&mut self, sensor: &SensorConfig, sign: Real, judged: &Judged, speed_mps: Real) {
+    fn compare(&mut self, sensor: &SensorConfig, sign: Real, judged: &Judged) {
         let Ok(location_m) = judged.location_m else {
             return;
         };
-        let described = (sensor.location_sd_m * sensor.location_sd_m) as f32;
-        let (count, squares) = self.missed;
-        let variance = (DESCRIBED * described + LASTING * squares) / (DESCRIBED + count);
-        let variance = variance.max(LEAST_NOISE_M * LEAST_NOISE_M);
         self.compared_s = judged.time_s;
-        let speed_mps = speed_mps as f32;
-        let ahead = self.expected_m.map(|expected_m| (sign * (location_m - expected_m)) as f32);
-        let missed_m = ahead.map(|ahead_m| ahead_m - self.mean[C] - speed_mps * self.mean[AGE]);
+        let speed_mps = self.speed_mps;
+        let location_sd_m = sensor.location_sd_m as f32;
+        let (count, squares) = self.missed;
+        let variance = (DESCRIBED * location_sd_m * location_sd_m + LASTING * squares) / (DESCRIBED + count);
+        let variance = variance.max(LEAST_NOISE_M * LEAST_NOISE_M);
+
+        let foreseen_m = self.mean[C] + speed_mps * self.mean[AGE];
+        let last_m = self.location_m.replace(location_m);
+        let run_m = core::mem::take(&mut self.run_m);
         let most = STEP * STEP * (LEAST_NOISE_M * LEAST_NOISE_M + squares) / (1.0 + count);
-        let Some(missed_m) = missed_m.filter(|missed_m| missed_m * missed_m < most) else {
-            return self.begin(location_m, variance, speed_mps);
-        };
-        self.missed = (count + 1.0, squares + missed_m * missed_m);
+        self.ahead_m += last_m.map_or(f32::NAN, |last_m| (sign * (location_m - last_m)) as f32) - run_m;
+        let mut missed_m = self.ahead_m - foreseen_m;
+        if missed_m * missed_m < most {
+            self.missed = (count + 1.0, squares + missed_m * missed_m);
+        } else {
+            // The first one, or one beyond a step: nothing is known of c.
+            (self.ahead_m, self.mean[C]) = (0.0, 0.0);
+            missed_m = -speed_mps * self.mean[AGE];
+            self.covariance[C] = [0.0; 4];
+            self.covariance.iter_mut().for_each(|row| row[C] = 0.0);
+            self.covariance[C][C] = UNKNOWN_M * UNKNOWN_M;
+        }
         let column = self.covariance.map(|row| row[C] + speed_mps * row[AGE]);
         let expected = column[C] + speed_mps * column[AGE] + variance;
-        for (i, of) in column.into_iter().enumerate() {
-            self.mean[i] += of / expected * missed_m;
-            for (covariance, other) in self.covariance[i].iter_mut().zip(column) {
-                *covariance -= of * other / expected;
-            }
+        for ((mean, row), of) in self.mean.iter_mut().zip(&mut self.covariance).zip(column) {
+            *mean += of / expected * missed_m;
+            row.iter_mut().zip(column).for_each(|(covariance, other)| *covariance -= of / expected * other);
         }
-    }
-
-    /// c begins with a location, and is as uncertain.
-    fn begin(&mut self, location_m: Real, variance: f32, speed_mps: f32) {
-        self.expected_m = Some(location_m);
-        self.mean[C] = -self.mean[AGE] * speed_mps;
-        let age = self.covariance[AGE];
-        for (i, age) in age.into_iter().enumerate().skip(SCALE) {
-            self.covariance[C][i] = -age * speed_mps;
-            self.covariance[i][C] = -age * speed_mps;
-        }
-        self.covariance[C][C] = variance + age[AGE] * speed_mps * speed_mps;
     }
 
     /// What this run said of o, free of what it began with: information, and o.

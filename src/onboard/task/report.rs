@@ -117,11 +117,10 @@ impl<F: NorFlash> Task<'_, F> {
     /// Where it cuts speeds off.
     #[inline(never)]
     fn send_recorder(&mut self, port: &mut impl Port) {
-        if let Some((value, sd)) =
-            self.vehicle.speed_offset().found().filter(|_| self.estimator.cuts_off(&self.vehicle))
-        {
-            let speed_offset_mps = Value { value: value as f32, sd: sd as f32 };
-            self.send(Body::Recorder(Recorder { speed_offset_mps, put_right: self.run.puts_right() }), port);
+        let found = self.vehicle.speed_offset().found().filter(|_| self.estimator.cuts_off(&self.vehicle));
+        if let Some((value, sd)) = found {
+            let put_right = self.run.puts_right();
+            self.send(Body::Recorder(Recorder { speed_offset_mps: Value { value, sd }, put_right }), port);
         }
     }
 
