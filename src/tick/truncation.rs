@@ -220,13 +220,10 @@ impl Distances {
         for ((row, scale), offset) in row.iter_mut().zip(scale).zip(offset) {
             *row = run_m * scale + dt_s * offset;
         }
-        // F P Fᵀ: the row of c, then its column.
-        let own = row[C] * 2.0 + dot(&row) + variance;
-        for i in SCALE..=AGE {
-            self.covariance[C][i] += row[i];
-            self.covariance[i][C] = self.covariance[C][i];
-        }
-        self.covariance[C][C] += own;
+        // F P Fᵀ: the column of c, then its row.
+        self.covariance.iter_mut().zip(row).for_each(|(of, more)| of[C] += more);
+        self.covariance[C].iter_mut().zip(row).for_each(|(of, more)| *of += more);
+        self.covariance[C][C] += dot(&row) + variance;
     }
 
     /// A location beside what the speeds make of it.
