@@ -439,6 +439,7 @@ fn largest_body(body: Body) -> Body {
             uplink: u8::MAX,
             ..versions
         }),
+        Body::Recorder(recorder) => Body::Recorder(recorder),
         other => panic!("no largest value of {}", other.as_str()),
     }
 }
