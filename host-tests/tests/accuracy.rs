@@ -169,6 +169,17 @@ fn truncated_speed_costs_nothing_when_configured() {
     assert!(table.feature_p90()[2] < 0.7);
 }
 
+/// Not told so, the estimator ended with 2.0 % after 20 runs, and half of the truths inside the interval.
+#[test]
+fn speeds_that_are_cut_off_are_found_and_put_right() {
+    let fleet = fleets::all().into_iter().find(|fleet| fleet.name == "truncated").unwrap();
+    let table = sim_harness::accuracy_bench::judge(&fleet, fleet.config(), 6, 20, 4000, || ()).unwrap();
+    table.print("truncated, not told so");
+    assert!(table.vehicle[2].rmse_percent() < 1.0);
+    assert!(table.vehicle[1].coverage() > 0.92 && table.vehicle[2].coverage() > 0.92);
+    assert!(table.feature_p90()[2] < 0.9, "cruise speed");
+}
+
 /// Fast logs show each rounding step many times over; r must not be believed more than it is known. It is not known better than from 10 s samples
 /// either: over these five runs the error stays near that of the first, with a bias of 1 %.
 #[test]

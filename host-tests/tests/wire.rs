@@ -531,7 +531,7 @@ fn what_a_receiver_does_not_know_has_a_name() {
         assert_eq!(Downlink::decode(&other), version);
         // Version, sequence 7, tick 300 in two bytes, then the number of the frame.
         let mut unknown = message;
-        unknown[4] = 13;
+        unknown[4] = 14;
         assert_eq!(Downlink::decode(&unknown), Err(DecodeError::Malformed));
     }
 }

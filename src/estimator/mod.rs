@@ -33,6 +33,8 @@ use crate::tick::memory::{MemoryConfig, Vehicle};
 use crate::tick::plausibility::Judged;
 use crate::tick::published::{JUDGED_KMH, Published};
 use crate::tick::regime::Regime;
+use crate::tick::sensor::Rounding;
+use crate::tick::truncation;
 use core::borrow::{Borrow, BorrowMut};
 use rundown_wire::{Learned, errors};
 
@@ -239,6 +241,14 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             Mode::Gated | Mode::Measured => vehicle.next_run(&self.memory_config()),
         };
         run.begin(&self.config.learning, begin, vehicle.column, direction);
+        run.distances.begin_run(&self.config.sensor);
+        run.truncated = self.config.mode != Mode::Paper && self.cuts_off(vehicle);
+    }
+
+    /// The runs have shown that speeds are cut off, which the configuration does not say: from the next run on they are put right, but for the `paper` mode.
+    pub fn cuts_off(&self, vehicle: &Vehicle) -> bool {
+        let sensor = &self.config.sensor;
+        sensor.rounding == Rounding::Rounded && vehicle.speed_offset().is_truncated(sensor)
     }
 
     /// One tick.
@@ -252,7 +262,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             .plausibility
             .judge(
                 &config.plausibility,
-                &config.sensor,
+                &truncation::sensor(&config.sensor, run.truncated),
                 &self.train,
                 self.track().length_m(),
                 run.direction,
@@ -262,6 +272,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
                 run.counters.time_not_increasing = run.counters.time_not_increasing.saturating_add(1);
                 StepError::TimeNotIncreasing { last_s: last_s.unwrap_or(0.0), found_s: measurement.time_s }
             })?;
+        run.distances.observe(&config.sensor, run.direction.sign(), &judged, measurement.speed_mps);
         let line = Line { train: &self.train, track: self.track(), direction: run.direction };
         run.journey.measured(judged.time_s, judged.speed_mps.ok());
         let acting = Acting::new(self.effects.borrow(), run.journey);
@@ -332,6 +343,11 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         summary.gain = run.learner.gain();
         if self.config.mode == Mode::Measured {
             vehicle.column = Column::of_run(summary.gain, &run.effort_reading);
+        }
+        let cut_off = self.cuts_off(vehicle);
+        vehicle.offset.add(&self.config.sensor, &run.distances);
+        if self.cuts_off(vehicle) != cut_off && self.config.mode != Mode::Paper {
+            vehicle.doubt_readings(&self.memory_config());
         }
         summary.learned_s = run.learner.learned_s();
         summary.counters = run.counters;

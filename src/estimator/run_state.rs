@@ -19,6 +19,7 @@ use crate::tick::plausibility::Plausibility;
 use crate::tick::regime::{Recogniser, Regime};
 use crate::tick::short_hops::Hops;
 use crate::tick::snapshot::{InPlace, in_place};
+use crate::tick::truncation::Distances;
 use rundown_wire::errors;
 
 in_place! {
@@ -44,6 +45,9 @@ in_place! {
         /// The last tick and where the train was by its readings: it waits for the next row of the effort.
         pub(crate) waits: Option<(Tick, Gaussian<2>)> = (None, zeroed Some((Tick::START, Gaussian::ZEROED)));
         pub(crate) hops: Hops = (in place);
+        /// The recorder cuts its speeds off, as the runs before have shown.
+        pub(crate) truncated: bool = (false);
+        pub(crate) distances: Distances = (in place);
         /// Last speed reading, for the features.
         pub(crate) reading: Option<Point> = (None);
         /// The last tick waits here until its regime is confirmed.
@@ -114,6 +118,11 @@ impl RunState {
     /// Gain of the measured effort, true over measured, and its standard deviation.
     pub fn gain(&self) -> (Real, Real) {
         self.learner.gain()
+    }
+
+    /// Half a step is added to each speed that is read: the recorder cuts them off, as the runs before have shown.
+    pub fn puts_right(&self) -> bool {
+        self.truncated
     }
 
     /// What the features have seen of this run.

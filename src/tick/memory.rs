@@ -28,6 +28,7 @@ use crate::model::resistance::Davis;
 use crate::tick::bounds::settings;
 use crate::tick::effort_reading::Column;
 use crate::tick::foresight::{Foresight, Trust};
+use crate::tick::truncation::SpeedOffset;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +36,9 @@ use serde::{Deserialize, Serialize};
 pub const SCALES: [Real; 4] = [0.0, 0.3, 0.7, 1.5];
 /// What is believed of them before the first run.
 const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
+
+/// Share of what is known that is forgotten where it came from readings that were not what they seemed.
+const MISREAD: Real = 0.8;
 
 settings! {
     /// What may differ between vehicles, and between runs of one vehicle.
@@ -94,6 +98,9 @@ pub struct Vehicle {
     /// Of its effort column.
     #[serde(default)]
     pub(crate) column: Column,
+    /// Of its speed readings.
+    #[serde(default)]
+    pub(crate) offset: SpeedOffset,
 }
 
 impl Vehicle {
@@ -115,7 +122,14 @@ impl Vehicle {
         for (slot, entry) in hypotheses.iter_mut().zip(SCALES.into_iter().zip(SCALE_WEIGHTS)) {
             *slot = hypothesis(entry);
         }
-        Self { nominal, hypotheses, runs: 0, trust: Trust::NONE, column: Column::default() }
+        Self {
+            nominal,
+            hypotheses,
+            runs: 0,
+            trust: Trust::NONE,
+            column: Column::default(),
+            offset: SpeedOffset::default(),
+        }
     }
 
     /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
@@ -146,6 +160,11 @@ impl Vehicle {
         self.column
     }
 
+    /// What is known of true less read speed.
+    pub fn speed_offset(&self) -> SpeedOffset {
+        self.offset
+    }
+
     /// How far this may be trusted, by how it foresaw coasts.
     pub fn trust(&self) -> &Trust {
         &self.trust
@@ -164,6 +183,11 @@ impl Vehicle {
             self.forget(config, &information, run.track_share());
             self.take_up(config, &information, &vector, run);
         }
+    }
+
+    /// What was learned so far came from readings that are read otherwise from now on: it is kept as what one run or so says, with the interval of that.
+    pub(crate) fn doubt_readings(&mut self, config: &MemoryConfig) {
+        self.forget(config, &Matrix3::from_diagonal_element(Real::MAX), MISREAD);
     }
 
     /// Forgets a share of what is known beyond the description; for a run that says little, no more than it says.

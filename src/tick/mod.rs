@@ -17,3 +17,4 @@ pub mod sensor;
 pub mod short_hops;
 pub(crate) mod snapshot;
 pub mod track_doubt;
+pub mod truncation;

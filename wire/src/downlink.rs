@@ -70,6 +70,8 @@ pub enum Body {
     CoastAhead(CoastAhead),
     /// 12: which firmware it is.
     Versions(Versions),
+    /// 13: what the runs have shown of the recorder.
+    Recorder(Recorder),
 }
 
 impl Body {
@@ -89,6 +91,7 @@ impl Body {
             Self::Health(_) => "health",
             Self::CoastAhead(_) => "coast_ahead",
             Self::Versions(_) => "versions",
+            Self::Recorder(_) => "recorder",
         }
     }
 }
@@ -443,6 +446,15 @@ impl fmt::Display for Versions {
         let changed = if self.changed { ", changed" } else { "" };
         write!(f, "{changed}), messages {} down, {} up", self.downlink, self.uplink)
     }
+}
+
+/// The recorder cuts its speeds off: true is half a step more than read, as the locations of the runs have shown beyond doubt.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recorder {
+    /// True less read speed as the locations show it, m/s.
+    pub speed_offset_mps: Value,
+    /// Half a step is added to each speed of this run; where it was found in this run, from the next one on.
+    pub put_right: bool,
 }
 
 /// What is known at the end of a run.

@@ -250,6 +250,7 @@ fn downlink() -> Vec<(String, Frame)> {
             downlink: VERSION,
             uplink: uplink::VERSION,
         }),
+        Body::Recorder(Recorder { speed_offset_mps: value(0.1375, 0.01), put_right: true }),
     ];
     bodies.into_iter().map(|body| down(body.as_str(), body)).collect()
 }
@@ -438,6 +439,7 @@ fn largest_body(body: Body) -> Body {
             uplink: u8::MAX,
             ..versions
         }),
+        Body::Recorder(recorder) => Body::Recorder(recorder),
         other => panic!("no largest value of {}", other.as_str()),
     }
 }

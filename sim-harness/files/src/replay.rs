@@ -76,6 +76,8 @@ pub struct ReplayedRun {
     pub trust: Trust,
     /// What it says went into the vehicle: not where most of it is invalid.
     pub is_used: bool,
+    /// Half a step was added to its speeds: the runs before have shown that they are cut off.
+    pub speeds_put_right: bool,
     /// What outside the train held the run up, in words.
     pub perturbed: Option<String>,
     pub warnings: Vec<String>,
@@ -89,6 +91,7 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
     let before = *vehicle;
     let vehicle_before = vehicle.davis();
     let mut run = estimator.begin_run(vehicle, recording.direction);
+    let speeds_put_right = run.puts_right();
     let mut measurements = Vec::new();
     let mut estimates = Vec::new();
     let mut dropped = Vec::new();
@@ -117,6 +120,10 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         *vehicle = before;
     }
     warnings.extend(unusable);
+    if estimator.cuts_off(vehicle) && !estimator.cuts_off(&before) {
+        warnings
+            .push("its locations show that speeds are cut off: half a step is added to those of later runs".to_owned());
+    }
     ReplayedRun {
         name: recording.name.clone(),
         path: recording.path.clone(),
@@ -134,6 +141,7 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         learned: estimator.published(vehicle).1,
         trust: *vehicle.trust(),
         is_used,
+        speeds_put_right,
         perturbed: recording.perturbed.clone(),
         warnings,
     }

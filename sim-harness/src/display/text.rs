@@ -99,6 +99,12 @@ fn said(body: &Body) -> String {
             health.longest_us
         ),
         Body::Versions(versions) => versions.to_string(),
+        Body::Recorder(recorder) => format!(
+            "speeds are cut off: true is {:.2} \u{b1}{:.2} km/h more than read; half a step is added {}",
+            recorder.speed_offset_mps.value * KMH,
+            HALF_95 * recorder.speed_offset_mps.sd * KMH,
+            if recorder.put_right { "to each" } else { "from the next run on" }
+        ),
         // Newer than this program.
         _ => String::new(),
     }

@@ -34,6 +34,12 @@ pub const FIELDS: &[[&str; 4]] = &[
         "nothing was learned in this run",
     ],
     ["runs[].used", "", "whether the vehicle was changed: it is not where more than half of the ticks are invalid", ""],
+    [
+        "runs[].speeds_put_right",
+        "",
+        "whether half a step was added to its speeds, for the runs before have shown that they are cut off",
+        "",
+    ],
     ["runs[].perturbed", "", "what outside the train held the run up", "nothing did, or nobody looked"],
     ["runs[].estimates", "", "file with the estimates", "`--no-estimates`"],
     [
@@ -219,6 +225,7 @@ fn of_run(run: &ReplayedRun, config: &Config, tables: Tables) -> Value {
         "learning_steps": parameters::learning_steps(run),
         "learned_kmh": parameters::learned_kmh(run),
         "used": run.is_used,
+        "speeds_put_right": run.speeds_put_right,
         "perturbed": run.perturbed,
         "estimates": file(estimates::stem(run), true),
         "coast_ahead": file(coast_ahead::stem(run), !run.coast_ahead.is_empty()),

@@ -14,6 +14,7 @@ use crate::tick::effort_reading::Column;
 use crate::tick::foresight::Trust;
 use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
 use crate::tick::snapshot::{InPlace, in_place};
+use crate::tick::truncation::SpeedOffset;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{EffectKind, errors};
@@ -37,6 +38,8 @@ in_place! {
         pub trust: Appended<[f32; 4]> = (Appended::START);
         /// What is known of its effort column.
         pub column: Appended<Column> = (Appended::START);
+        /// What is known of its speed readings.
+        pub offset: Appended<SpeedOffset> = (Appended::START);
     }
 }
 
@@ -114,19 +117,20 @@ errors! {
 }
 
 impl Persisted {
-    /// Largest number of bytes it is stored in: 8 a number, 5 a count.
+    /// Largest number of bytes it is stored in: 8 a number, 5 a count. The unknown effect is one of the [`MAX_EFFECTS`].
     pub const MAX_SIZE: usize = 8 * 3
         + 4 * 8 * 10
         + 5
         + 3 * 5
         + 1
-        + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8)
+        + (MAX_EFFECTS - 1) * (1 + 1 + 2 * 8 + 1 + 4 * 8)
         + 1
         + 1
         + 1
         + MAX_POINTS * 2 * 4
         + 4 * 4
-        + 12;
+        + 12
+        + 4 * 4;
 
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
@@ -138,6 +142,7 @@ impl Persisted {
             table: effects.table().cloned(),
             trust: vehicle.trust().into(),
             column: Appended(vehicle.column),
+            offset: Appended(vehicle.speed_offset()),
         }
     }
 
@@ -200,7 +205,7 @@ impl Persisted {
         effects: &mut Effects,
     ) -> Result<Vehicle, NotRestored> {
         let mut vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
-        vehicle.recall(self.trust.into(), self.column.0);
+        vehicle.recall(self.trust.into(), self.column.0, self.offset.0);
         self.effects_in(effects)?;
         Ok(vehicle)
     }
@@ -260,7 +265,7 @@ mod tests {
         full.lifetime = Lifetime { resets: u32::MAX, runs: u32::MAX, stops: u32::MAX };
         let effect =
             StoredEffect { kind: u8::MAX, section_m: Some([f64::MAX; 2]), values: [f64::MAX; 4].into_iter().collect() };
-        full.effects = core::iter::repeat_n(effect, MAX_EFFECTS).collect();
+        full.effects = core::iter::repeat_n(effect, MAX_EFFECTS - 1).collect();
         full.table = Some(Unknown {
             coordinate: Coordinate::Day,
             table: core::iter::repeat_n((f32::MAX, f32::MAX), MAX_POINTS).collect(),
@@ -270,28 +275,32 @@ mod tests {
         assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
     }
 
-    /// Trust came first, the effort column later.
+    /// Trust came first, the effort column later, the speed readings last.
     #[test]
-    fn a_record_of_older_firmware_has_no_trust_or_no_column() {
+    fn a_record_of_older_firmware_ends_before_what_came_later() {
         let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
         let mut vehicle = Vehicle::new(&MemoryConfig::default(), davis);
         let trust = Trust { coasts: 3.0, squares: 2.5, worse: -1.75, apart: 0.25 };
         let column = Column { steps: [300, 40, 65_436, 20, 1000] };
-        vehicle.recall(trust, column);
+        let offset = SpeedOffset { runs: 3.5, information: 900.0, vector: 120.0, squares: 17.0 };
+        vehicle.recall(trust, column, offset);
         let mut buffer = [0; Persisted::MAX_SIZE];
         let bytes = Persisted::new(&vehicle, &Effects::NONE).encode(&mut buffer).unwrap();
-        let column_from = bytes.len() - (2 + 1 + 3 + 1 + 2);
+        let offset_from = bytes.len() - 16;
+        let column_from = offset_from - (2 + 1 + 3 + 1 + 2);
         let read = |end: usize| {
             let mut stored = Persisted::ZEROED;
             plain::read_all(&mut stored, &bytes[..end]).then(|| {
                 let restored = stored.vehicle_and_effects(&davis, &mut Effects::NONE.clone()).unwrap();
-                (*restored.trust(), restored.column())
+                (*restored.trust(), restored.column(), restored.speed_offset())
             })
         };
-        assert_eq!(read(bytes.len()), Some((trust, column)));
-        assert_eq!(read(column_from), Some((trust, Column::default())));
-        assert_eq!(read(column_from - 16), Some((Trust::NONE, Column::default())));
-        for cut in [1, 8, 10, 24] {
+        let none = SpeedOffset::default();
+        assert_eq!(read(bytes.len()), Some((trust, column, offset)));
+        assert_eq!(read(offset_from), Some((trust, column, none)));
+        assert_eq!(read(column_from), Some((trust, Column::default(), none)));
+        assert_eq!(read(column_from - 16), Some((Trust::NONE, Column::default(), none)));
+        for cut in [1, 8, 17, 24, 26, 40] {
             assert_eq!(read(bytes.len() - cut), None, "without its last {cut} bytes");
         }
     }

@@ -9,7 +9,7 @@ use crate::onboard::frames;
 use crate::onboard::versions::VERSIONS;
 use crate::tick::estimate::{Cause, Estimate};
 use embedded_storage::nor_flash::NorFlash;
-use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, SWITCHING_POINTS, Status};
+use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, Recorder, SWITCHING_POINTS, Status, Value};
 
 /// Ticks from one features frame and status to the next: a minute.
 const MINUTE_TICKS: u32 = 6;
@@ -39,6 +39,7 @@ impl<F: NorFlash> Task<'_, F> {
             if !self.estimator.effects().is_empty() {
                 self.send(Body::Effects(self.estimator.effects().to_frame()), port);
             }
+            self.send_recorder(port);
         }
         // Between the minutes: no tick does everything.
         if self.takes_snapshot() {
@@ -118,7 +119,18 @@ impl<F: NorFlash> Task<'_, F> {
         let wind_sd_mps = self.vehicle.wind_sd_mps(&self.estimator.memory_config());
         let frame = frames::run_summary(self.summary, &self.vehicle, wind_sd_mps);
         self.send(Body::RunSummary(frame), port);
+        self.send_recorder(port);
         self.send_status(port);
+    }
+
+    /// Where it cuts speeds off.
+    #[inline(never)]
+    fn send_recorder(&mut self, port: &mut impl Port) {
+        let found = self.vehicle.speed_offset().found().filter(|_| self.estimator.cuts_off(&self.vehicle));
+        if let Some((value, sd)) = found {
+            let put_right = self.run.puts_right();
+            self.send(Body::Recorder(Recorder { speed_offset_mps: Value { value, sd }, put_right }), port);
+        }
     }
 
     #[inline(never)]

@@ -8,6 +8,7 @@ use crate::model::resistance::Davis;
 use crate::plain::plain;
 use crate::tick::effort_reading::Column;
 use crate::tick::foresight::Trust;
+use crate::tick::truncation::SpeedOffset;
 use nalgebra::{Matrix3, Vector3};
 use rundown_wire::errors;
 
@@ -111,6 +112,7 @@ impl Vehicle {
             runs: record.runs,
             trust: Trust::NONE,
             column: Column::default(),
+            offset: SpeedOffset::default(),
         };
         for (hypothesis, scale) in vehicle.hypotheses.iter_mut().zip(SCALES) {
             hypothesis.scale = scale;
@@ -119,12 +121,15 @@ impl Vehicle {
         Ok(vehicle)
     }
 
-    /// Takes up what is known of how it foresaw coasts, and of its effort column. Numbers that are none are left: what was learned is worth more.
-    pub fn recall(&mut self, trust: Trust, column: Column) {
+    /// Takes up what is known of how it foresaw coasts, of its effort column and of its speed readings. Numbers that are none are left: what was learned is worth more.
+    pub fn recall(&mut self, trust: Trust, column: Column, offset: SpeedOffset) {
         if trust.is_sound() {
             self.trust = trust;
         }
         self.column = column;
+        if offset.is_sound() {
+            self.offset = offset;
+        }
     }
 
     fn check(&self, manufacturer: &Davis) -> Result<(), Implausible> {
