@@ -25,6 +25,8 @@ struct Source {
     /// Modules of tests.
     tests: Vec<String>,
     imports: Vec<Import>,
+    /// Types that it defines.
+    types: Vec<String>,
     /// By the name that a `use` gives.
     names: HashMap<String, Vec<String>>,
     is_front: bool,
@@ -122,6 +124,21 @@ impl<'a> Visit<'a> for Source {
             let front = self.is_front && !matches!(item.vis, syn::Visibility::Inherited);
             self.take_tree(&item.tree, &[], !front);
         }
+    }
+
+    fn visit_item(&mut self, item: &'a syn::Item) {
+        match item {
+            syn::Item::Struct(syn::ItemStruct { ident, attrs, .. })
+            | syn::Item::Enum(syn::ItemEnum { ident, attrs, .. })
+            | syn::Item::Trait(syn::ItemTrait { ident, attrs, .. })
+            | syn::Item::Type(syn::ItemType { ident, attrs, .. })
+                if !is_test(attrs) =>
+            {
+                self.types.push(ident.to_string());
+            }
+            _ => {}
+        }
+        visit::visit_item(self, item);
     }
 
     fn visit_item_fn(&mut self, item: &'a syn::ItemFn) {
@@ -366,6 +383,31 @@ fn no_files_import_each_other_in_a_circle() {
     assert!(texts.is_empty(), "{} circles:\n{}", texts.len(), texts.join("\n"));
     let gone: Vec<&String> = known.difference(&found).collect();
     assert!(gone.is_empty(), "in no circle any more, to be struck off: {gone:?}");
+}
+
+/// What may have one name in several modules: the arguments of each command, each candidate of the gap workflow.
+const ONE_A_MODULE: &[&str] = &["Arguments", "This"];
+
+#[test]
+fn no_two_types_of_a_crate_share_a_name() {
+    let mut shared = Vec::new();
+    for (package, folder) in packages() {
+        for target in targets(&folder) {
+            let mut places: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
+            for (file, source) in target.modules.values() {
+                // One board of several is in an image.
+                if package == "rundown" && file.starts_with(root().join("src/board")) {
+                    continue;
+                }
+                for name in source.types.iter().filter(|name| !ONE_A_MODULE.contains(&name.as_str())) {
+                    places.entry(name).or_default().insert(shown(file));
+                }
+            }
+            let several = places.into_iter().filter(|(_, files)| files.len() > 1);
+            shared.extend(several.map(|(name, files)| format!("{name}: {}", Vec::from_iter(files).join(", "))));
+        }
+    }
+    assert!(shared.is_empty(), "one name, one type:\n{}", shared.join("\n"));
 }
 
 #[test]
