@@ -26,7 +26,7 @@ pub(crate) trait Plain {
 }
 
 /// Which way bytes go.
-enum Way<'a> {
+enum Transfer<'a> {
     Out { buffer: &'a mut [u8], length: usize },
     In { rest: &'a [u8] },
     Digest(Digest<'static, u32>),
@@ -34,26 +34,26 @@ enum Way<'a> {
 
 /// Bytes on their way.
 pub(crate) struct Bytes<'a> {
-    way: Way<'a>,
+    way: Transfer<'a>,
     sound: bool,
 }
 
 /// Writes a value; none: the buffer is too short.
 pub(crate) fn write<'a>(value: &mut impl Plain, buffer: &'a mut [u8]) -> Option<&'a [u8]> {
-    let mut bytes = Bytes { way: Way::Out { buffer, length: 0 }, sound: true };
+    let mut bytes = Bytes { way: Transfer::Out { buffer, length: 0 }, sound: true };
     value.pass(&mut bytes);
     match bytes {
-        Bytes { way: Way::Out { buffer, length }, sound: true } => buffer.get(..length),
+        Bytes { way: Transfer::Out { buffer, length }, sound: true } => buffer.get(..length),
         _ => None,
     }
 }
 
 /// Reads a value in place, and what stands behind it; none: these are not its bytes.
 pub(crate) fn read<'a>(value: &mut impl Plain, bytes: &'a [u8]) -> Option<&'a [u8]> {
-    let mut bytes = Bytes { way: Way::In { rest: bytes }, sound: true };
+    let mut bytes = Bytes { way: Transfer::In { rest: bytes }, sound: true };
     value.pass(&mut bytes);
     match bytes {
-        Bytes { way: Way::In { rest }, sound: true } => Some(rest),
+        Bytes { way: Transfer::In { rest }, sound: true } => Some(rest),
         _ => None,
     }
 }
@@ -65,23 +65,23 @@ pub(crate) fn read_all(value: &mut impl Plain, bytes: &[u8]) -> bool {
 
 /// CRC-32C of what passes.
 pub(crate) fn digest(pass: impl FnOnce(&mut Bytes<'_>)) -> u32 {
-    let mut bytes = Bytes { way: Way::Digest(CRC_32C.digest()), sound: true };
+    let mut bytes = Bytes { way: Transfer::Digest(CRC_32C.digest()), sound: true };
     pass(&mut bytes);
     match bytes.way {
-        Way::Digest(digest) => digest.finalize(),
-        Way::Out { .. } | Way::In { .. } => 0,
+        Transfer::Digest(digest) => digest.finalize(),
+        Transfer::Out { .. } | Transfer::In { .. } => 0,
     }
 }
 
 impl Bytes<'_> {
     /// A value is read, and there are no bytes left.
     pub(crate) fn are_at_end(&self) -> bool {
-        matches!(self.way, Way::In { rest: [] })
+        matches!(self.way, Transfer::In { rest: [] })
     }
 
     /// True where a value is read, and what it was does not count.
     pub(crate) fn are_read(&self) -> bool {
-        matches!(self.way, Way::In { .. })
+        matches!(self.way, Transfer::In { .. })
     }
 
     /// What was read is no value.
@@ -93,21 +93,21 @@ impl Bytes<'_> {
     #[inline(never)]
     pub(crate) fn piece(&mut self, piece: &mut [u8]) {
         match &mut self.way {
-            Way::Out { buffer, length } => match buffer.get_mut(*length..*length + piece.len()) {
+            Transfer::Out { buffer, length } => match buffer.get_mut(*length..*length + piece.len()) {
                 Some(free) => {
                     free.copy_from_slice(piece);
                     *length += piece.len();
                 }
                 None => self.sound = false,
             },
-            Way::In { rest } => match rest.split_at_checked(piece.len()) {
+            Transfer::In { rest } => match rest.split_at_checked(piece.len()) {
                 Some((now, behind)) => {
                     piece.copy_from_slice(now);
                     *rest = behind;
                 }
                 None => self.sound = false,
             },
-            Way::Digest(digest) => digest.update(piece),
+            Transfer::Digest(digest) => digest.update(piece),
         }
     }
 
@@ -115,21 +115,21 @@ impl Bytes<'_> {
     #[inline(never)]
     fn byte(&mut self, byte: u8) -> u8 {
         match &mut self.way {
-            Way::Out { buffer, length } => match buffer.get_mut(*length) {
+            Transfer::Out { buffer, length } => match buffer.get_mut(*length) {
                 Some(free) => {
                     *free = byte;
                     *length += 1;
                 }
                 None => self.sound = false,
             },
-            Way::In { rest } => match rest.split_first() {
+            Transfer::In { rest } => match rest.split_first() {
                 Some((first, behind)) => {
                     *rest = behind;
                     return *first;
                 }
                 None => self.sound = false,
             },
-            Way::Digest(digest) => digest.update(&[byte]),
+            Transfer::Digest(digest) => digest.update(&[byte]),
         }
         byte
     }
@@ -139,7 +139,7 @@ impl Bytes<'_> {
     pub(crate) fn numbers(&mut self, numbers: &mut [f64]) {
         let size = 8 * numbers.len();
         match &mut self.way {
-            Way::Out { buffer, length } => match buffer.get_mut(*length..*length + size) {
+            Transfer::Out { buffer, length } => match buffer.get_mut(*length..*length + size) {
                 Some(free) => {
                     for (piece, number) in free.as_chunks_mut().0.iter_mut().zip(numbers) {
                         *piece = number.to_le_bytes();
@@ -148,7 +148,7 @@ impl Bytes<'_> {
                 }
                 None => self.sound = false,
             },
-            Way::In { rest } => match rest.split_at_checked(size) {
+            Transfer::In { rest } => match rest.split_at_checked(size) {
                 Some((now, behind)) => {
                     for (piece, number) in now.as_chunks().0.iter().zip(numbers) {
                         *number = f64::from_le_bytes(*piece);
@@ -157,7 +157,7 @@ impl Bytes<'_> {
                 }
                 None => self.sound = false,
             },
-            Way::Digest(digest) => numbers.iter().for_each(|number| digest.update(&number.to_le_bytes())),
+            Transfer::Digest(digest) => numbers.iter().for_each(|number| digest.update(&number.to_le_bytes())),
         }
     }
 
@@ -187,7 +187,7 @@ impl Bytes<'_> {
     pub(crate) fn counts(&mut self, counts: &mut [u32]) {
         for count in counts {
             match &mut self.way {
-                Way::Out { buffer, length } if *count < 0x80 && *length < buffer.len() => {
+                Transfer::Out { buffer, length } if *count < 0x80 && *length < buffer.len() => {
                     if let Some(free) = buffer.get_mut(*length) {
                         *free = *count as u8;
                         *length += 1;
@@ -467,7 +467,7 @@ mod tests {
     fn counts_are_written_alike_by_one_and_by_many() {
         let mut counts = [0, 1, 0x7F, 0x80, 0x3FFF, 0x4000, u32::MAX];
         let (mut one, mut many) = ([0; 40], [0; 40]);
-        let mut bytes = Bytes { way: Way::Out { buffer: &mut many, length: 0 }, sound: true };
+        let mut bytes = Bytes { way: Transfer::Out { buffer: &mut many, length: 0 }, sound: true };
         bytes.counts(&mut counts);
         assert!(bytes.sound);
         assert_eq!(write(&mut counts, &mut one).unwrap(), &many[..15]);

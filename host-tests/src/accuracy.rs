@@ -3,7 +3,9 @@
 use crate::prelude::*;
 use rundown::model::effects::Effects;
 use rundown_truth::scenario::fleet;
-pub use sim_harness::accuracy_bench::score::{Errors, Judged, Table, davis, measurements, regime, replay, resistance};
+pub use sim_harness::accuracy_bench::score::{
+    Errors, FleetFigures, JudgedVehicle, davis, measurements, regime, replay, resistance,
+};
 
 /// The manufacturer's description that every simulated vehicle deviates from.
 pub const TRAIN: TrainDescription = TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY };
@@ -37,13 +39,13 @@ pub fn estimator(config: Config, scenario: &Scenario) -> Estimator {
 }
 
 /// Vehicles: scale of r0, r1, r2 of each; runs of each.
-pub fn judge(config: Config, scenario: &Scenario, scales: &[[f64; 3]], runs: usize, seed: u64) -> Table {
-    let mut table = Table::default();
+pub fn judge(config: Config, scenario: &Scenario, scales: &[[f64; 3]], runs: usize, seed: u64) -> FleetFigures {
+    let mut table = FleetFigures::default();
     let estimator = estimator(config, scenario);
     for (index, scale) in scales.iter().enumerate() {
         let runs = fleet(scenario, *scale, runs, seed + 1000 * index as u64);
         let truth = Davis { r0: NOMINAL.r0 * scale[0], r1: NOMINAL.r1 * scale[1], r2: NOMINAL.r2 * scale[2] };
-        table.judge_vehicle(&Judged { estimator: &estimator, truth, band_kmh: BAND_KMH }, &runs);
+        table.judge_vehicle(&JudgedVehicle { estimator: &estimator, truth, band_kmh: BAND_KMH }, &runs);
     }
     table
 }

@@ -2,7 +2,7 @@
 
 use rundown::link::can::CanFrame;
 use rundown::onboard::can::Mailbox;
-use rundown::onboard::can::bxcan::{CanRegisters, FILTER_SETUP, Register, control, receive, status, transmit};
+use rundown::onboard::can::bxcan::{CanRegister, CanRegisters, FILTER_SETUP, control, receive, status, transmit};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Frames that FIFO 0 holds.
@@ -15,8 +15,8 @@ const INTERRUPT_ERROR: u32 = 1 << 15;
 
 /// The controller.
 #[derive(Clone, Debug)]
-pub struct Silicon {
-    registers: BTreeMap<Register, u32>,
+pub struct CanSilicon {
+    registers: BTreeMap<CanRegister, u32>,
     /// Requests under way: mailbox and its number in the order of requests.
     requests: Vec<usize>,
     over: u32,
@@ -39,11 +39,14 @@ pub struct Silicon {
     pub violations: Vec<&'static str>,
 }
 
-impl Default for Silicon {
+impl Default for CanSilicon {
     /// After a reset: asleep.
     fn default() -> Self {
         Self {
-            registers: BTreeMap::from([(Register::CONTROL, 1 << 16 | control::SLEEP), (Register::FILTER, 0x2A1C_0E01)]),
+            registers: BTreeMap::from([
+                (CanRegister::CONTROL, 1 << 16 | control::SLEEP),
+                (CanRegister::FILTER, 0x2A1C_0E01),
+            ]),
             requests: Vec::new(),
             over: 0,
             fifo: VecDeque::new(),
@@ -62,20 +65,20 @@ impl Default for Silicon {
     }
 }
 
-impl Silicon {
+impl CanSilicon {
     /// What stands in a register.
-    pub fn bits(&self, register: Register) -> u32 {
+    pub fn bits(&self, register: CanRegister) -> u32 {
         self.registers.get(&register).copied().unwrap_or(0)
     }
 
     /// Takes part in the traffic of the bus.
     pub fn is_on_bus(&self) -> bool {
-        self.bits(Register::CONTROL) & (control::INITIALISE | control::SLEEP) == 0 && !self.bus_off
+        self.bits(CanRegister::CONTROL) & (control::INITIALISE | control::SLEEP) == 0 && !self.bus_off
     }
 
     /// An interrupt is asked for.
     pub fn interrupts(&self) -> bool {
-        let asked = |bit, so| self.bits(Register::INTERRUPTS) & bit != 0 && so;
+        let asked = |bit, so| self.bits(CanRegister::INTERRUPTS) & bit != 0 && so;
         asked(INTERRUPT_FREE, self.over != 0)
             || asked(INTERRUPT_CAME, !self.fifo.is_empty())
             || asked(INTERRUPT_OVERRUN, self.overrun)
@@ -93,7 +96,7 @@ impl Silicon {
             return;
         }
         self.overrun = true;
-        if self.bits(Register::CONTROL) & control::KEEP_OLDEST == 0 {
+        if self.bits(CanRegister::CONTROL) & control::KEEP_OLDEST == 0 {
             self.fifo.pop_back();
             self.fifo.push_back(mailbox);
         }
@@ -105,7 +108,7 @@ impl Silicon {
             return None;
         }
         // By identifier, of equal ones the lowest mailbox, unless the order of the requests counts.
-        let in_order = self.bits(Register::CONTROL) & control::IN_ORDER != 0;
+        let in_order = self.bits(CanRegister::CONTROL) & control::IN_ORDER != 0;
         let key = |number: usize| (self.transmit_mailbox(number).identifier, number);
         let place = if in_order { Some(0) } else { (0..self.requests.len()).min_by_key(|at| key(self.requests[*at])) };
         let number = self.requests.remove(place?);
@@ -117,34 +120,35 @@ impl Silicon {
     pub fn bus_goes_off(&mut self) {
         self.bus_off = true;
         let enabled = INTERRUPT_BUS_OFF;
-        self.error |= self.bits(Register::INTERRUPTS) & enabled == enabled;
+        self.error |= self.bits(CanRegister::INTERRUPTS) & enabled == enabled;
     }
 
     /// 128 times 11 recessive bits.
     pub fn bus_is_quiet(&mut self) {
-        if self.bits(Register::CONTROL) & control::RECOVER != 0 {
+        if self.bits(CanRegister::CONTROL) & control::RECOVER != 0 {
             self.bus_off = false;
         }
     }
 
     fn transmit_mailbox(&self, number: usize) -> Mailbox {
-        let word = |place| self.bits(word_of(Register::TRANSMIT_MAILBOX, 4 * number + place));
+        let word = |place| self.bits(word_of(CanRegister::TRANSMIT_MAILBOX, 4 * number + place));
         Mailbox { identifier: word(0) & !transmit::REQUEST, length: word(1), data: [word(2), word(3)] }
     }
 
     /// Bank 0, one of 32 bits with a mask; others are not modelled.
     fn accepts(&self, identifier: u32) -> bool {
         let set = |register| self.bits(register) & 1 != 0;
-        let [id, mask] = [0, 1].map(|place| self.bits(word_of(Register::FILTER_BANK, place)));
-        let modelled = set(Register::FILTER_WIDE) && !set(Register::FILTER_LIST) && !set(Register::FILTER_FIFO);
+        let [id, mask] = [0, 1].map(|place| self.bits(word_of(CanRegister::FILTER_BANK, place)));
+        let modelled =
+            set(CanRegister::FILTER_WIDE) && !set(CanRegister::FILTER_LIST) && !set(CanRegister::FILTER_FIFO);
         modelled
-            && set(Register::FILTER_ACTIVE)
-            && self.bits(Register::FILTER) & FILTER_SETUP == 0
+            && set(CanRegister::FILTER_ACTIVE)
+            && self.bits(CanRegister::FILTER) & FILTER_SETUP == 0
             && (identifier ^ id) & mask == 0
     }
 
     fn status(&mut self) -> u32 {
-        let asked = self.bits(Register::CONTROL);
+        let asked = self.bits(CanRegister::CONTROL);
         if self.polls < self.mode_polls {
             self.polls += 1;
         } else {
@@ -172,14 +176,14 @@ impl Silicon {
         self.over | free.sum::<u32>()
     }
 
-    fn check(&mut self, register: Register, bits: u32) {
-        let filtering = self.bits(Register::FILTER) & FILTER_SETUP == 0;
+    fn check(&mut self, register: CanRegister, bits: u32) {
+        let filtering = self.bits(CanRegister::FILTER) & FILTER_SETUP == 0;
         let forbidden = match register {
-            Register::TIMING if !self.acknowledged => "the bit timing was written outside initialisation",
-            Register::FILTER_LIST | Register::FILTER_WIDE | Register::FILTER_FIFO if filtering => {
+            CanRegister::TIMING if !self.acknowledged => "the bit timing was written outside initialisation",
+            CanRegister::FILTER_LIST | CanRegister::FILTER_WIDE | CanRegister::FILTER_FIFO if filtering => {
                 "a filter was changed while filters were in force"
             }
-            Register::CONTROL if bits & control::INITIALISE == 0 && self.bits(Register::TIMING) == 0 => {
+            CanRegister::CONTROL if bits & control::INITIALISE == 0 && self.bits(CanRegister::TIMING) == 0 => {
                 "it went onto the bus without a bit timing"
             }
             _ => return,
@@ -188,14 +192,14 @@ impl Silicon {
     }
 }
 
-impl CanRegisters for Silicon {
-    fn register(&mut self, register: Register) -> u32 {
+impl CanRegisters for CanSilicon {
+    fn register(&mut self, register: CanRegister) -> u32 {
         self.accesses += 1;
         match register {
             _ if self.dead => 0,
-            Register::STATUS => self.status(),
-            Register::RECEIVE => self.fifo_register(),
-            Register::TRANSMIT => self.transmit_register(),
+            CanRegister::STATUS => self.status(),
+            CanRegister::RECEIVE => self.fifo_register(),
+            CanRegister::TRANSMIT => self.transmit_register(),
             other => match received_word(other) {
                 Some(place) => {
                     let Some(mailbox) = self.fifo.front() else {
@@ -209,28 +213,28 @@ impl CanRegisters for Silicon {
         }
     }
 
-    fn set_register(&mut self, register: Register, bits: u32) {
+    fn set_register(&mut self, register: CanRegister, bits: u32) {
         self.accesses += 1;
         if self.dead {
             return;
         }
         self.check(register, bits);
         match register {
-            Register::STATUS => self.error &= bits & status::ERROR == 0,
-            Register::TRANSMIT => self.over &= !bits,
-            Register::RECEIVE => {
+            CanRegister::STATUS => self.error &= bits & status::ERROR == 0,
+            CanRegister::TRANSMIT => self.over &= !bits,
+            CanRegister::RECEIVE => {
                 self.overrun &= bits & receive::OVERRUN == 0;
                 if bits & receive::RELEASE != 0 {
                     self.releasing = self.release_polls + 1;
                 }
             }
-            Register::CONTROL => {
+            CanRegister::CONTROL => {
                 self.polls = 0;
                 self.registers.insert(register, bits);
             }
             other => {
                 self.registers.insert(other, bits);
-                let request = (0..3).find(|number| other == word_of(Register::TRANSMIT_MAILBOX, 4 * number));
+                let request = (0..3).find(|number| other == word_of(CanRegister::TRANSMIT_MAILBOX, 4 * number));
                 if let Some(number) = request.filter(|_| bits & transmit::REQUEST != 0) {
                     if self.requests.contains(&number) {
                         self.violations.push("a mailbox under way was written");
@@ -242,11 +246,11 @@ impl CanRegisters for Silicon {
     }
 }
 
-fn word_of(first: Register, words: usize) -> Register {
+fn word_of(first: CanRegister, words: usize) -> CanRegister {
     first.plus(words as u16)
 }
 
 /// Which word of FIFO 0's mailbox a register is.
-fn received_word(register: Register) -> Option<usize> {
-    (0..4).find(|place| register == word_of(Register::RECEIVE_MAILBOX, *place))
+fn received_word(register: CanRegister) -> Option<usize> {
+    (0..4).find(|place| register == word_of(CanRegister::RECEIVE_MAILBOX, *place))
 }

@@ -3,7 +3,7 @@
 
 use crate::flash::{CutMode, Flash, PAGE, WORD};
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
-use rundown::onboard::stm32l4_flash::{FlashController, KEYS, Register, access, control, status};
+use rundown::onboard::stm32l4_flash::{FlashController, FlashRegister, KEYS, access, control, status};
 
 /// Where the pages begin within bank 2.
 const FIRST_PAGE: u32 = 248;
@@ -23,7 +23,7 @@ enum Begun {
 
 /// The controller. A clone is another chip in the same state.
 #[derive(Clone, Debug)]
-pub struct Silicon {
+pub struct FlashSilicon {
     /// The cells.
     pub flash: Flash,
     access: u32,
@@ -48,7 +48,7 @@ pub struct Silicon {
     pub violations: Vec<&'static str>,
 }
 
-impl Silicon {
+impl FlashSilicon {
     /// After a reset: locked, caches on, with these flags set.
     pub fn after_reset(flash: Flash, flags: u32) -> Self {
         Self {
@@ -163,41 +163,41 @@ impl Silicon {
     }
 }
 
-impl FlashController for Silicon {
+impl FlashController for FlashSilicon {
     const CAPACITY: usize = 4 * PAGE;
 
-    fn register(&mut self, register: Register) -> u32 {
+    fn register(&mut self, register: FlashRegister) -> u32 {
         if !self.powered() {
             return 0;
         }
         match register {
-            Register::Access => self.access,
-            Register::Key => 0,
-            Register::Control => self.control,
-            Register::Status => {
+            FlashRegister::Access => self.access,
+            FlashRegister::Key => 0,
+            FlashRegister::Control => self.control,
+            FlashRegister::Status => {
                 self.poll();
                 self.flags | if self.begun.is_some() { status::BUSY } else { 0 }
             }
         }
     }
 
-    fn set_register(&mut self, register: Register, bits: u32) {
+    fn set_register(&mut self, register: FlashRegister, bits: u32) {
         if !self.powered() {
             return;
         }
         match register {
-            Register::Status => self.flags &= !bits,
-            Register::Control => self.set_control(bits),
-            Register::Key if self.control & control::LOCK == 0 || KEYS.get(self.keys) != Some(&bits) => {
+            FlashRegister::Status => self.flags &= !bits,
+            FlashRegister::Control => self.set_control(bits),
+            FlashRegister::Key if self.control & control::LOCK == 0 || KEYS.get(self.keys) != Some(&bits) => {
                 self.violations.push("a key that was not asked for: bus fault");
             }
-            Register::Key => {
+            FlashRegister::Key => {
                 self.keys = (self.keys + 1) % KEYS.len();
                 if self.keys == 0 {
                     self.control &= !control::LOCK;
                 }
             }
-            Register::Access => {
+            FlashRegister::Access => {
                 if bits & access::DATA_CACHE_RESET != 0 {
                     if self.access & access::DATA_CACHE == 0 {
                         self.cache.fill(None);

@@ -1,13 +1,13 @@
 //! A serial port that takes only as many bytes as there is room for.
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
-use sim_harness::link::pipe::End;
+use sim_harness::link::pipe::PipeEnd;
 use std::io;
 
 /// One end of a pipe, and how many bytes more it takes.
 pub struct Narrow {
     /// The end.
-    pub end: End<u8>,
+    pub end: PipeEnd<u8>,
     /// The room.
     pub room: usize,
 }

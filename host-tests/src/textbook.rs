@@ -18,7 +18,7 @@ use rundown::model::line::Line;
 
 /// α, β, κ as plain numbers.
 #[derive(Clone, Copy, Debug)]
-pub struct Shape {
+pub struct PlainSpread {
     /// α.
     pub alpha: f64,
     /// β.
@@ -28,7 +28,7 @@ pub struct Shape {
 }
 
 /// Weights of Eq. (9): λ, w0 of the mean, w0 of the covariance, w_i.
-pub fn weights(shape: Shape, n: usize) -> (f64, f64, f64, f64) {
+pub fn weights(shape: PlainSpread, n: usize) -> (f64, f64, f64, f64) {
     let l = n as f64;
     let lambda = shape.alpha * shape.alpha * (l + shape.kappa) - l;
     let mean = lambda / (l + lambda);
@@ -65,7 +65,7 @@ pub struct Points<const N: usize> {
 
 impl<const N: usize> Points<N> {
     /// x, x + √(L + λ) l_i and x - √(L + λ) l_i.
-    pub fn new(shape: Shape, belief: &Gaussian<N>) -> Option<Self> {
+    pub fn new(shape: PlainSpread, belief: &Gaussian<N>) -> Option<Self> {
         let (lambda, ..) = weights(shape, N);
         let reach = (N as f64 + lambda).sqrt();
         let l = cholesky(&belief.covariance)?;
@@ -88,7 +88,7 @@ impl<const N: usize> Points<N> {
     }
 
     /// Eq. (10) and the sum of Eq. (11), without Q.
-    pub fn statistics(&self, shape: Shape) -> Gaussian<N> {
+    pub fn statistics(&self, shape: PlainSpread) -> Gaussian<N> {
         let (_, w0_mean, w0_covariance, w) = weights(shape, N);
         let mut mean = SVector::<f64, N>::zeros();
         for (weight, point) in self.weighted(w0_mean, w) {
@@ -127,7 +127,7 @@ pub struct Step<const N: usize, const M: usize> {
 
 /// One step as printed, with the M readings that are there. `None`: a matrix was not positive definite.
 pub fn step<const N: usize, const M: usize>(
-    shape: Shape,
+    shape: PlainSpread,
     belief: &Gaussian<N>,
     f: impl Fn(&SVector<f64, N>) -> SVector<f64, N>,
     q: &SMatrix<f64, N, N>,

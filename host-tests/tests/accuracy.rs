@@ -3,7 +3,7 @@
 //! The limits are the goals of the project where they are met, rounded up for another set of seeds, and elsewhere what was reached; the full table is printed by
 //! `rundown accuracy-bench`.
 
-use host_tests::accuracy::{Table, judge, replay};
+use host_tests::accuracy::{FleetFigures, judge, replay};
 use host_tests::prelude::*;
 use rundown::tick::sensor::Rounding;
 use rundown_truth::sensors::SpeedReading;
@@ -20,7 +20,7 @@ fn vehicles(count: usize) -> Vec<[f64; 3]> {
         .collect()
 }
 
-fn judged(title: &str, config: Config, scenario: &Scenario, count: usize, runs: usize) -> Table {
+fn judged(title: &str, config: Config, scenario: &Scenario, count: usize, runs: usize) -> FleetFigures {
     let table = judge(config, scenario, &vehicles(count), runs, 4000);
     table.print(title);
     table
@@ -85,7 +85,7 @@ fn an_effort_column_teaches_however_it_was_made_and_whatever_its_gain() {
 #[test]
 fn the_interval_of_a_late_column_holds() {
     let fleet = fleets::all().into_iter().find(|fleet| fleet.name == "late").unwrap();
-    let mut all = Table::default();
+    let mut all = FleetFigures::default();
     for seed in [31, 32, 33] {
         all.merge(sim_harness::accuracy_bench::judge(&fleet, fleet.config(), 4, 24, seed, || ()).unwrap());
     }

@@ -2,13 +2,13 @@
 
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use heapless::spsc::Queue;
-use host_tests::can_controller::{FIFO, Silicon};
+use host_tests::can_controller::{CanSilicon, FIFO};
 use rundown::link::Link;
 use rundown::link::can::CanFrame;
 use rundown::link::can_link::{CanLink, FROM_BOARD, TO_BOARD};
 use rundown::link::isotp::Config;
 use rundown::link::serial;
-use rundown::onboard::can::bxcan::{Bxcan, MOST_PER_CALL, NoController, Register, control};
+use rundown::onboard::can::bxcan::{Bxcan, CanRegister, MOST_PER_CALL, NoController, control};
 use rundown::onboard::can::line::CanLine;
 use rundown::onboard::can::timing::BitTiming;
 use rundown::onboard::can::{Ends, Mailbox};
@@ -29,7 +29,7 @@ fn own_id() -> StandardId {
     }
 }
 
-fn up(silicon: Silicon) -> Bxcan<Silicon> {
+fn up(silicon: CanSilicon) -> Bxcan<CanSilicon> {
     Bxcan::start(silicon, TIMING, own_id()).unwrap()
 }
 
@@ -39,7 +39,7 @@ fn frame(id: Id, number: u8) -> CanFrame {
 
 /// Interrupts until there is none; one that never ends fails.
 fn interrupts<const I: usize, const O: usize>(
-    can: &mut Bxcan<Silicon>,
+    can: &mut Bxcan<CanSilicon>,
     incoming: &mut Queue<Mailbox, I>,
     outgoing: &mut Queue<Mailbox, O>,
     errors: &LineErrors,
@@ -59,20 +59,20 @@ fn numbers<const N: usize>(queue: &mut Queue<Mailbox, N>) -> Vec<u8> {
 
 #[test]
 fn it_comes_up_with_its_timing_and_is_left_on_the_bus() {
-    let mut can = up(Silicon::default());
+    let mut can = up(CanSilicon::default());
     let silicon = can.registers();
     assert_eq!(silicon.violations, [""; 0]);
-    assert_eq!(silicon.bits(Register::TIMING), TIMING.bits());
+    assert_eq!(silicon.bits(CanRegister::TIMING), TIMING.bits());
     assert!(silicon.is_on_bus());
     // The debugger's bit, which the reset sets, stays.
     let expected = 1 << 16 | control::RECOVER | control::IN_ORDER | control::KEEP_OLDEST;
-    assert_eq!(silicon.bits(Register::CONTROL), expected);
+    assert_eq!(silicon.bits(CanRegister::CONTROL), expected);
 }
 
 #[test]
 fn a_controller_that_does_not_answer_costs_bounded_polls() {
     for (dead, mode_polls) in [(true, 0), (false, u32::MAX)] {
-        let mut silicon = Silicon::default();
+        let mut silicon = CanSilicon::default();
         (silicon.dead, silicon.mode_polls) = (dead, mode_polls);
         let started = Bxcan::start(&mut silicon, TIMING, own_id());
         assert_eq!(started.map(|_| ()), Err(NoController));
@@ -82,7 +82,7 @@ fn a_controller_that_does_not_answer_costs_bounded_polls() {
 
 #[test]
 fn only_data_frames_with_the_boards_identifier_are_taken() {
-    let mut can = up(Silicon::default());
+    let mut can = up(CanSilicon::default());
     let (mut incoming, mut outgoing) = (Queue::<Mailbox, 16>::new(), Queue::<Mailbox, 4>::new());
     let errors = LineErrors::new();
     let same_bits = ExtendedId::new(u32::from(own_id().as_raw()) << 18).unwrap();
@@ -100,13 +100,13 @@ fn only_data_frames_with_the_boards_identifier_are_taken() {
 
 #[test]
 fn full_mailboxes_keep_the_order_and_the_rest_waits() {
-    let mut can = up(Silicon::default());
+    let mut can = up(CanSilicon::default());
     let (mut incoming, mut outgoing) = (Queue::<Mailbox, 4>::new(), Queue::<Mailbox, 16>::new());
     let errors = LineErrors::new();
     for number in 0..10 {
         outgoing.enqueue(Mailbox::of(&frame(FROM_BOARD, number)).unwrap()).unwrap();
     }
-    let mut serve = |can: &mut Bxcan<Silicon>| {
+    let mut serve = |can: &mut Bxcan<CanSilicon>| {
         can.serve(&mut incoming.split().0, &mut outgoing.split().1, &errors);
         outgoing.len()
     };
@@ -132,7 +132,7 @@ fn full_mailboxes_keep_the_order_and_the_rest_waits() {
 #[test]
 fn an_overrun_is_counted_and_the_frames_before_it_arrive_once() {
     for release_polls in [0, 1, 7] {
-        let mut can = up(Silicon::default());
+        let mut can = up(CanSilicon::default());
         can.registers().release_polls = release_polls;
         let (mut incoming, mut outgoing) = (Queue::<Mailbox, 16>::new(), Queue::<Mailbox, 4>::new());
         let errors = LineErrors::new();
@@ -149,7 +149,7 @@ fn an_overrun_is_counted_and_the_frames_before_it_arrive_once() {
 
 #[test]
 fn a_release_that_never_ends_costs_bounded_accesses() {
-    let mut can = up(Silicon::default());
+    let mut can = up(CanSilicon::default());
     can.registers().release_polls = u32::MAX - 1;
     let (mut incoming, mut outgoing) = (Queue::<Mailbox, 16>::new(), Queue::<Mailbox, 4>::new());
     can.registers().bus_brings(&frame(TO_BOARD, 1));
@@ -161,7 +161,7 @@ fn a_release_that_never_ends_costs_bounded_accesses() {
 
 #[test]
 fn a_full_queue_drops_the_newest_and_counts() {
-    let mut can = up(Silicon::default());
+    let mut can = up(CanSilicon::default());
     let (mut incoming, mut outgoing) = (Queue::<Mailbox, 5>::new(), Queue::<Mailbox, 4>::new());
     let errors = LineErrors::new();
     for number in 0..MOST_PER_CALL as u8 {
@@ -174,7 +174,7 @@ fn a_full_queue_drops_the_newest_and_counts() {
 
 #[test]
 fn bus_off_is_counted_and_what_waited_goes_out_after_the_recovery() {
-    let mut can = up(Silicon::default());
+    let mut can = up(CanSilicon::default());
     let (mut incoming, mut outgoing) = (Queue::<Mailbox, 4>::new(), Queue::<Mailbox, 16>::new());
     let errors = LineErrors::new();
     for number in 0..5 {
@@ -198,7 +198,7 @@ fn bus_off_is_counted_and_what_waited_goes_out_after_the_recovery() {
 }
 
 /// The board's registers as a controller of the host's side: the bus between them.
-struct Bus<'a>(&'a RefCell<Bxcan<Silicon>>);
+struct Bus<'a>(&'a RefCell<Bxcan<CanSilicon>>);
 
 impl embedded_can::nb::Can for Bus<'_> {
     type Frame = CanFrame;
@@ -225,7 +225,7 @@ fn message(number: u8, length: usize) -> Vec<u8> {
 
 #[test]
 fn messages_of_every_size_cross_in_both_directions_in_order() {
-    let can = RefCell::new(up(Silicon::default()));
+    let can = RefCell::new(up(CanSilicon::default()));
     let (mut incoming, mut outgoing) = (Queue::<Mailbox, 33>::new(), Queue::<Mailbox, 17>::new());
     let ((mut in_, taken), (put, mut out)) = (incoming.split(), outgoing.split());
     let mut board = CanLine::<_, 4096>::new(Ends { incoming: taken, outgoing: put });
@@ -258,7 +258,7 @@ fn messages_of_every_size_cross_in_both_directions_in_order() {
 
 #[test]
 fn with_nobody_on_the_bus_the_newest_messages_wait_and_the_others_are_counted() {
-    let can = RefCell::new(up(Silicon::default()));
+    let can = RefCell::new(up(CanSilicon::default()));
     let (mut incoming, mut outgoing) = (Queue::<Mailbox, 33>::new(), Queue::<Mailbox, 17>::new());
     let ((mut in_, taken), (put, mut out)) = (incoming.split(), outgoing.split());
     let mut board = CanLine::<_, 1024>::new(Ends { incoming: taken, outgoing: put });

@@ -2,12 +2,12 @@
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use host_tests::flash::{CUT_MODES, Flash, PAGE, TornReads};
-use host_tests::flash_controller::{OPTVERR, PGSERR, Silicon};
+use host_tests::flash_controller::{FlashSilicon, OPTVERR, PGSERR};
 use rundown::onboard::stm32l4_flash::{FlashError, MOST_WAITS, Stm32l4Flash, status};
 use rundown::onboard::store::{Identity, Store};
 use rundown::onboard::train_id::TrainId;
 
-type Driver = Stm32l4Flash<Silicon>;
+type Driver = Stm32l4Flash<FlashSilicon>;
 type Ring = Store<Driver, 1024>;
 
 fn identity() -> Identity {
@@ -19,7 +19,7 @@ fn payload(number: u32) -> Vec<u8> {
 }
 
 fn erased() -> Driver {
-    Driver::new(Silicon::after_reset(Flash::erased(4), 0))
+    Driver::new(FlashSilicon::after_reset(Flash::erased(4), 0))
 }
 
 fn boot(store: Ring, flags: u32) -> Ring {
@@ -39,7 +39,7 @@ fn violations(store: &mut Ring) -> Vec<&'static str> {
 #[test]
 fn flags_that_are_set_at_the_start_are_cleared_and_refuse_nothing() {
     for flag in (0..16).map(|bit| 1 << bit).filter(|bit| bit & status::ERRORS != 0).chain([OPTVERR | PGSERR]) {
-        let mut driver = Driver::new(Silicon::after_reset(Flash::erased(4), flag));
+        let mut driver = Driver::new(FlashSilicon::after_reset(Flash::erased(4), flag));
         driver.erase(0, PAGE as u32).unwrap_or_else(|error| panic!("flag {flag:#x}: {error:?}"));
         driver.write(0, &[7; 64]).unwrap_or_else(|error| panic!("flag {flag:#x}: {error:?}"));
         assert_eq!(driver.controller().violations, [""; 0], "flag {flag:#x}");

@@ -10,7 +10,7 @@ use rundown_gap::verdict::Verdict;
 use rundown_truth::effects::Effect as Hidden;
 use rundown_truth::plan::Headings;
 use sim_harness::gap_bench::blind;
-use sim_harness::gap_bench::draw::{Request, Set, Size};
+use sim_harness::gap_bench::draw::{Set, SetRequest, Size};
 use sim_harness::gap_bench::score::Score;
 
 /// Runs of a set: fewer than an analyst has, so that the test is quick.
@@ -30,7 +30,7 @@ fn of_size(
     seed: u64,
 ) -> (Set, Score, Answer) {
     let set =
-        Set::draw(Request { kinds: kinds.to_vec(), size, effort, dirty, rough: false, nuisance: None, runs, seed })
+        Set::draw(SetRequest { kinds: kinds.to_vec(), size, effort, dirty, rough: false, nuisance: None, runs, seed })
             .unwrap();
     let folder = tempfile::tempdir().unwrap();
     let outcome = blind(&set, folder.path()).unwrap();
@@ -192,7 +192,7 @@ fn a_tunnel_in_one_direction_is_named_or_shared() {
 /// One of the runs has a worn wheel, and its odometer gives the locations, too: only the other runs tell.
 #[test]
 fn a_worn_wheel_of_one_run_is_found_by_the_distances_of_the_others() {
-    let set = Set::draw(Request {
+    let set = Set::draw(SetRequest {
         kinds: Vec::new(),
         size: Size::Clear,
         effort: true,

@@ -228,7 +228,7 @@ fn a_busy_link_refuses_and_a_silent_one_gives_up() {
 #[test]
 fn a_controller_that_is_full_loses_nothing() {
     /// Takes one frame in three calls.
-    struct Slow(pipe::End<CanFrame>, u32);
+    struct Slow(pipe::PipeEnd<CanFrame>, u32);
     impl Can for Slow {
         type Frame = CanFrame;
         type Error = pipe::BusError;
@@ -348,7 +348,7 @@ proptest! {
         let frame = CanFrame::try_new(standard(id), format, &random(seed, length));
         prop_assume!(frame.is_ok());
         let frame = frame.unwrap();
-        let mut decoder = slcan::Decoder::new();
+        let mut decoder = slcan::LineDecoder::new();
         let mut lines = Vec::new();
         for byte in slcan::encode(&frame) {
             lines.extend(decoder.push(byte).unwrap());
@@ -358,7 +358,7 @@ proptest! {
 
     #[test]
     fn random_text_never_breaks_the_slcan_decoder(bytes in proptest::collection::vec(any::<u8>(), 0..2000)) {
-        let mut decoder = slcan::Decoder::new();
+        let mut decoder = slcan::LineDecoder::new();
         for byte in bytes {
             if let Ok(Some(Line::Frame(frame))) = decoder.push(byte) {
                 prop_assert!(frame.data().len() <= 64);

@@ -8,7 +8,7 @@ use rundown::link::{Link, LinkError, MAX_MESSAGE, Message};
 use sim_harness::link::address::Address;
 use sim_harness::link::faults::{FaultyLink, Rates};
 use sim_harness::link::port::HostPort;
-use sim_harness::link::record::{Recorder, Way, read};
+use sim_harness::link::record::{RecordingLink, Way, read};
 use sim_harness::link::{Clock, pipe};
 use std::net::TcpListener;
 use std::thread::{self, JoinHandle};
@@ -59,7 +59,7 @@ fn a_board_behind_tcp_is_reached_over_serial_and_both_kinds_of_can_and_recorded(
         let address: Address = format!("{kind}tcp:127.0.0.1:{port}").parse().unwrap();
         let clock = Clock::new();
         let mut file = Vec::new();
-        let mut link = Recorder::new(address.open().unwrap(), &mut file).unwrap();
+        let mut link = RecordingLink::new(address.open().unwrap(), &mut file).unwrap();
         let messages: Vec<Vec<u8>> =
             [1, 7, 100, MAX_MESSAGE].map(|length| (0..length).map(|i| (i * i) as u8).collect()).into();
         for message in &messages {

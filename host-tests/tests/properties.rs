@@ -2,10 +2,10 @@
 
 use host_tests::accuracy::train;
 use host_tests::prelude::*;
-use host_tests::textbook::{Points, Shape};
+use host_tests::textbook::{PlainSpread, Points};
 use nalgebra::{SMatrix, SVector, Vector2};
 use proptest::prelude::*;
-use rundown::filter::elimination::Column;
+use rundown::filter::elimination::FactorColumn;
 use rundown::filter::ukf::{Pair, Process, Spread, Ukf};
 use rundown::model::line::Line;
 use rundown::model::motion::Motion;
@@ -57,7 +57,7 @@ impl Process<3, 3> for Linear {
     fn slope(&self, _: &SVector<f64, 3>) -> SVector<f64, 3> {
         SVector::from([self.g[0], 0.0, 0.0])
     }
-    fn pair(&self, _: &SVector<f64, 3>, column: &Column<3, 3>, _: f64) -> Pair {
+    fn pair(&self, _: &SVector<f64, 3>, column: &FactorColumn<3, 3>, _: f64) -> Pair {
         let odd = self.g[1] * column.l[1] + self.g[2] * column.l[2];
         Pair { odd, even: 0.0 }
     }
@@ -128,7 +128,7 @@ proptest! {
     fn sigma_points_give_back_mean_and_covariance(entries in prop::collection::vec(-1.0..1.0, SIZE * SIZE), mean in prop::array::uniform5(-10.0..10.0)) {
         let belief = Gaussian::<SIZE> { mean: SVector::from(mean), covariance: covariance(&entries) };
         for alpha in [1e-3, 0.3, 1.0] {
-            let shape = Shape { alpha, beta: 2.0, kappa: -2.0 };
+            let shape = PlainSpread { alpha, beta: 2.0, kappa: -2.0 };
             let back = Points::new(shape, &belief).unwrap().statistics(shape);
             // Weights of 1.7e6 take ten digits from the printed sums at alpha = 0.001.
             let tolerance = if alpha < 0.01 { 1e-5 } else { 1e-11 };

@@ -6,10 +6,10 @@
 
 use host_tests::accuracy::{NOMINAL, train};
 use host_tests::prelude::*;
-use host_tests::textbook::{self, Points, Read, Shape};
+use host_tests::textbook::{self, PlainSpread, Points, Read};
 use nalgebra::{SMatrix, SVector};
 use proptest::prelude::{ProptestConfig, any, prop_assert, proptest};
-use rundown::filter::elimination::Column;
+use rundown::filter::elimination::FactorColumn;
 use rundown::filter::general::{GeneralUkf, System};
 use rundown::filter::ukf::{MeasurementModel, Pair, Process, Spread, Ukf};
 use rundown::model::line::Line;
@@ -28,7 +28,7 @@ fn track() -> Track {
 /// What differs from run to run of the comparison.
 #[derive(Clone, Copy, Debug)]
 struct Case {
-    shape: Shape,
+    shape: PlainSpread,
     /// Acceleration noise, m/s².
     noise_mps2: f64,
     reuse_points: bool,
@@ -42,7 +42,7 @@ struct Case {
     sd: [f64; SIZE],
 }
 
-const WIDE: Shape = Shape { alpha: 1.0, beta: 2.0, kappa: -2.0 };
+const WIDE: PlainSpread = PlainSpread { alpha: 1.0, beta: 2.0, kappa: -2.0 };
 /// Uncertain enough to make speed, resistance and gradient curve within the points.
 const UNCERTAIN: [f64; SIZE] = [20.0, 0.5, 1e-3, 3e-5, 4e-6];
 const CASE: Case = Case {
@@ -122,7 +122,7 @@ fn reference_step<const N: usize>(
 fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
     let (train, track) = (train(), track());
     let line = Line { train: &train, track: &track, direction: case.direction };
-    let Shape { alpha, beta, kappa } = case.shape;
+    let PlainSpread { alpha, beta, kappa } = case.shape;
     let ukf =
         Ukf { spread: Spread::try_new(alpha, beta, kappa).unwrap(), gate: [None; 2], reuse_points: case.reuse_points };
     let variance = [16.0, 1.0 / (3.6 * 3.6)];
@@ -181,7 +181,7 @@ fn agrees(case: &Case, tolerance_sd: f64) {
 }
 
 /// Every combination of Q, direction, midway evaluation and missing readings; points redrawn and, with Q = 0, reused.
-fn combinations(shape: Shape) -> Vec<Case> {
+fn combinations(shape: PlainSpread) -> Vec<Case> {
     let mut cases = Vec::new();
     for (noise_mps2, reuse_points) in [(0.0, true), (0.0, false), (0.02, false), (0.02, true)] {
         for direction in [Direction::Up, Direction::Down] {
@@ -216,7 +216,7 @@ fn alpha_beta_and_kappa_enter_as_printed() {
     for alpha in [0.3, 1.0, 1.5] {
         for beta in [0.0, 2.0] {
             for kappa in [-4.0, -2.0, 0.0, 3.0] {
-                let shape = Shape { alpha, beta, kappa };
+                let shape = PlainSpread { alpha, beta, kappa };
                 agrees(&Case { shape, ..CASE }, 1e-8);
             }
         }
@@ -229,7 +229,7 @@ fn alpha_beta_and_kappa_enter_as_printed() {
 /// compared with 50 digits, by `reference.rs`.
 #[test]
 fn points_of_table_1_agree_as_far_as_the_reference_reaches() {
-    let shape = Shape { alpha: 1e-3, ..WIDE };
+    let shape = PlainSpread { alpha: 1e-3, ..WIDE };
     for case in combinations(shape) {
         agrees(&case, 1e-5);
     }
@@ -240,7 +240,7 @@ fn points_of_table_1_agree_as_far_as_the_reference_reaches() {
 fn table_1_agrees_as_far_as_the_reference_reaches() {
     let sd = [1.0, 0.0005, 1e-6, 1e-8, 1e-9];
     agrees(&Case { sd, reuse_points: true, ..CASE }, 1e-9);
-    let shape = Shape { alpha: 1e-3, ..WIDE };
+    let shape = PlainSpread { alpha: 1e-3, ..WIDE };
     agrees(&Case { sd, shape, reuse_points: true, each_step_from_ours: true, ..CASE }, 1e-3);
 }
 
@@ -271,7 +271,7 @@ impl Process<3, 3> for Pendulum {
         SVector::zeros()
     }
 
-    fn pair(&self, x: &SVector<f64, 3>, column: &Column<3, 3>, c: f64) -> Pair {
+    fn pair(&self, x: &SVector<f64, 3>, column: &FactorColumn<3, 3>, c: f64) -> Pair {
         let root = (c * column.d).sqrt();
         let (ahead, behind) = (self.drive(&(x + column.l * root)), self.drive(&(x - column.l * root)));
         Pair { odd: (ahead - behind) / (2.0 * root), even: (ahead + behind - 2.0 * self.drive(x)) / (2.0 * c) }
@@ -400,7 +400,7 @@ proptest! {
 /// The reference implementation itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn from.
 #[test]
 fn the_reference_has_the_weights_of_the_paper() {
-    let shape = Shape { alpha: 1e-3, ..WIDE };
+    let shape = PlainSpread { alpha: 1e-3, ..WIDE };
     let (lambda, w0_mean, w0_covariance, w) = textbook::weights(shape, SIZE);
     assert!((lambda + 4.999_997).abs() < 1e-12);
     assert!((w0_mean + 1_666_665.67).abs() < 0.01 && (w - 166_666.67).abs() < 0.01);

@@ -211,14 +211,14 @@ impl Clean {
 
 /// A figure beside its truth, with what the diagnosis says of its uncertainty.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct Known {
+struct KnownFigure {
     truth: f64,
     found: Figure,
 }
 
 /// What came of the sets of one defect.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub struct DefectRow {
     /// What was injected.
     pub what: &'static str,
     /// Unit of the figures.
@@ -241,9 +241,9 @@ pub struct Row {
 
 /// What came of all sets.
 #[derive(Clone, Debug, Serialize)]
-pub struct Bench {
+pub struct CheckBench {
     /// By defect.
-    pub rows: Vec<Row>,
+    pub rows: Vec<DefectRow>,
     /// Clean sets.
     pub clean: usize,
     /// Those that were accused, with what they were accused of.
@@ -269,7 +269,7 @@ pub const FIELDS: &[[&str; 4]] = &[
 ///
 /// # Errors
 /// [`DriveError`] where a run could not be simulated.
-pub fn bench(defects: &[Defect], sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Bench, DriveError> {
+pub fn bench(defects: &[Defect], sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<CheckBench, DriveError> {
     let row = |defect: &Defect| {
         let all = (0..sets).into_par_iter().map(|set| {
             let outcome = injected(*defect, seed.wrapping_add(set));
@@ -292,20 +292,20 @@ pub fn bench(defects: &[Defect], sets: u64, seed: u64, done: impl Fn() + Sync) -
         Ok((!wrong.is_empty()).then(|| format!("{recorder:?}, seed {seed}: {wrong:?}")))
     };
     let accused = clean.par_iter().map(accused).collect::<Result<Vec<_>, DriveError>>()?;
-    Ok(Bench {
+    Ok(CheckBench {
         rows: defects.iter().map(row).collect::<Result<Vec<_>, _>>()?,
         clean: clean.len(),
         accused: accused.into_iter().flatten().collect(),
     })
 }
 
-struct Outcome {
+struct SetOutcome {
     found: bool,
     accused: Vec<Kind>,
-    known: Vec<Known>,
+    known: Vec<KnownFigure>,
 }
 
-fn tally(defect: Defect, outcomes: &[Outcome]) -> Row {
+fn tally(defect: Defect, outcomes: &[SetOutcome]) -> DefectRow {
     let (what, unit) = defect.words();
     let known = || outcomes.iter().flat_map(|outcome| &outcome.known);
     let errors: Vec<f64> = known().map(|known| (known.found.value - known.truth).abs()).collect();
@@ -313,11 +313,11 @@ fn tally(defect: Defect, outcomes: &[Outcome]) -> Row {
     accused_of.sort_unstable();
     accused_of.dedup();
     let with_interval = || known().filter(|known| known.found.sd > 0.0);
-    let holds = |known: &&Known| {
+    let holds = |known: &&KnownFigure| {
         let [low, high] = known.found.interval();
         (low..=high).contains(&known.truth)
     };
-    Row {
+    DefectRow {
         what,
         unit,
         sets: outcomes.len(),
@@ -336,7 +336,7 @@ fn all(check: &Check) -> impl Iterator<Item = &Finding> {
     check.recorders.iter().flat_map(|recorder| &recorder.findings).chain(of_runs)
 }
 
-fn injected(defect: Defect, seed: u64) -> Result<Outcome, DriveError> {
+fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0xC4EC);
     let mut sensors = Clean::Satellites.sensors();
     let gain = 1.0 + random.random_range(0.007..0.04) * if random.random_bool(0.5) { 1.0 } else { -1.0 };
@@ -365,26 +365,32 @@ fn injected(defect: Defect, seed: u64) -> Result<Outcome, DriveError> {
     let accused = all(&check).map(|finding| finding.kind).filter(|kind| !defect.belongs(*kind)).collect();
     let of_recorder = &check.recorders[0];
     let percent = |scale: Figure| Figure { value: 100.0 * scale.value, sd: 100.0 * scale.sd };
-    let known: Vec<Known> = match defect {
+    let known: Vec<KnownFigure> = match defect {
         _ if found.is_empty() => Vec::new(),
-        Defect::Truncated => of_recorder.offset_kmh.map(|found| Known { truth: 0.5, found }).into_iter().collect(),
-        Defect::Wheel | Defect::TruncatedWheel => {
-            of_recorder.scale.map(|found| Known { truth: 100.0 * gain, found: percent(found) }).into_iter().collect()
+        Defect::Truncated => {
+            of_recorder.offset_kmh.map(|found| KnownFigure { truth: 0.5, found }).into_iter().collect()
         }
+        Defect::Wheel | Defect::TruncatedWheel => of_recorder
+            .scale
+            .map(|found| KnownFigure { truth: 100.0 * gain, found: percent(found) })
+            .into_iter()
+            .collect(),
         Defect::Skew => {
             let runs = check.runs.iter().zip(&lags_s);
-            runs.filter_map(|(run, lag_s)| Some(Known { truth: *lag_s, found: run.skew_s? })).collect()
+            runs.filter_map(|(run, lag_s)| Some(KnownFigure { truth: *lag_s, found: run.skew_s? })).collect()
         }
         // Every run shows it, and its own figure is nothing that was chosen.
-        Defect::LostSeconds => found.iter().map(|one| Known { truth: 100.0 / 106.0, found: one.figure }).collect(),
-        Defect::Midnight => found.iter().map(|one| Known { truth: 86_400.0, found: one.figure }).collect(),
+        Defect::LostSeconds => {
+            found.iter().map(|one| KnownFigure { truth: 100.0 / 106.0, found: one.figure }).collect()
+        }
+        Defect::Midnight => found.iter().map(|one| KnownFigure { truth: 86_400.0, found: one.figure }).collect(),
         Defect::NoStandstill => Vec::new(),
-        _ => found.iter().take(1).map(|one| Known { truth, found: one.figure }).collect(),
+        _ => found.iter().take(1).map(|one| KnownFigure { truth, found: one.figure }).collect(),
     };
-    Ok(Outcome { found: !found.is_empty(), accused, known })
+    Ok(SetOutcome { found: !found.is_empty(), accused, known })
 }
 
-impl Bench {
+impl CheckBench {
     /// As in `docs/check.md`.
     pub fn table(&self) -> String {
         let mut text = String::from(
@@ -397,7 +403,7 @@ impl Bench {
             );
             let [all, hold] = row.intervals;
             let intervals = if all == 0 { "-".to_owned() } else { format!("{hold} of {all}") };
-            let Row { what, found, sets, accused, .. } = row;
+            let DefectRow { what, found, sets, accused, .. } = row;
             let of: Vec<String> = row.accused_of.iter().map(|kind| format!(": {}", kind.words())).collect();
             let of = of.concat();
             text += &format!("| {what} | {found} of {sets} | {error} | {intervals} | {accused}{of} |\n");

@@ -1,6 +1,6 @@
 //! A train or track of another tool in; the train or track file out.
 
-use crate::exchange::{self, Found, draft};
+use crate::exchange::{self, ForeignFile, draft};
 use crate::output::files;
 use rundown_files::WriteError;
 use rundown_files::refusal::{Place, ReadError};
@@ -47,12 +47,12 @@ pub fn convert(path: &Path, set: &BTreeMap<&'static str, f64>) -> Result<Convert
     log::info!("read {}", path.display());
     let refused = |field: &str, message: String| ReadError::from(Place::of_file(path).refuse(field, message));
     match exchange::read(path, &text)? {
-        Found::Train(draft) => {
+        ForeignFile::Train(draft) => {
             let train = draft.complete(path, set)?;
             let text = toml::to_string(&train).map_err(|error| refused("", error.to_string()))?;
             Ok(Converted { kind: "train", text, notes: draft.notes })
         }
-        Found::Track(track, notes) => {
+        ForeignFile::Track(track, notes) => {
             if let Some(field) = set.keys().next() {
                 return Err(refused(&format!("--set {field}"), "expected a train, found a running path".to_owned()));
             }

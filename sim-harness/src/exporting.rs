@@ -12,7 +12,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-pub use crate::exchange::Format;
+pub use crate::exchange::ExchangeFormat;
 pub use crate::exchange::sfera::Traction;
 
 /// Largest speeds that a train may have, km/h.
@@ -20,13 +20,13 @@ pub const MAX_SPEED_KMH: RangeInclusive<u16> = 1..=600;
 
 /// What is to be exported: the arguments of `rundown export`.
 #[derive(Clone, Debug)]
-pub struct Order {
+pub struct ExportOrder {
     /// Folder with the results of a replay, or the recording of a board.
     pub replay: PathBuf,
     /// Description of the train with which the replay was made.
     pub train: PathBuf,
     /// Files to write, beside `train.toml`.
-    pub formats: Vec<Format>,
+    pub formats: Vec<ExchangeFormat>,
     /// Unit, where the replay has several.
     pub unit: Option<String>,
     /// RICS code of the railway undertaking, for SFERA.
@@ -74,7 +74,7 @@ pub enum ExportError {
     Write(#[from] WriteError),
 }
 
-impl Order {
+impl ExportOrder {
     /// Writes the files into the folder `out`, which is made when it does not exist.
     ///
     /// # Errors
@@ -122,7 +122,7 @@ impl Order {
     /// What the formats need beside the train; an argument that none of them reads may be missing.
     fn identity(&self, name: &str) -> Result<Identity, ExportError> {
         let wrong = |name, reason: String| ExportError::Argument { name, reason };
-        let needs = |some: &[Format]| self.formats.iter().any(|format| some.contains(format));
+        let needs = |some: &[ExchangeFormat]| self.formats.iter().any(|format| some.contains(format));
         let found = self.max_speed_kmh;
         if !MAX_SPEED_KMH.contains(&found) {
             let (least, most) = (MAX_SPEED_KMH.start(), MAX_SPEED_KMH.end());
@@ -132,12 +132,12 @@ impl Order {
             Some(code) => {
                 sfera::company(code).map_err(|reason| wrong("company", format!("{reason}, found {code:?}")))?
             }
-            None if needs(&[Format::Sfera]) => {
+            None if needs(&[ExchangeFormat::Sfera]) => {
                 return Err(wrong("company", "expected for sfera, found none".to_owned()));
             }
             None => String::new(),
         };
-        if needs(&[Format::Sfera, Format::Osrd]) && self.traction.is_none() {
+        if needs(&[ExchangeFormat::Sfera, ExchangeFormat::Osrd]) && self.traction.is_none() {
             return Err(wrong("traction", "expected for sfera and osrd, found none".to_owned()));
         }
         Ok(Identity {

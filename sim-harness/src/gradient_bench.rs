@@ -35,7 +35,7 @@ const HOPPING: u64 = 10;
 
 /// How the gradients are described.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Described {
+enum DescribedGradients {
     Right,
     /// In whole permille, as many tables have them.
     Rounded,
@@ -52,7 +52,7 @@ enum Described {
     Level,
 }
 
-impl Described {
+impl DescribedGradients {
     const ALL: [Self; 12] = [
         Self::Right,
         Self::Rounded,
@@ -137,7 +137,7 @@ impl Described {
 
 /// What came of sets with gradients described in one way.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Count {
+pub struct GradientCount {
     /// Sets.
     pub sets: usize,
     /// Sets in which the gradients were said to look wrong.
@@ -148,15 +148,15 @@ pub struct Count {
 
 /// Sets with gradients described in one way.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub struct GradientRow {
     /// How.
     pub what: &'static str,
     /// Whether that is right.
     pub is_right: bool,
     /// Where coasts last a minute.
-    pub long: Count,
+    pub long: GradientCount,
     /// On short hops.
-    pub hops: Count,
+    pub hops: GradientCount,
     /// What was said of each doubted set, with its line.
     pub said: Vec<String>,
 }
@@ -174,9 +174,9 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["[].said[]", "", "line, description and what was said of each set whose gradients were said to look wrong", ""],
 ];
 
-impl Row {
+impl GradientRow {
     fn new(what: &'static str, is_right: bool) -> Self {
-        Self { what, is_right, long: Count::default(), hops: Count::default(), said: Vec::new() }
+        Self { what, is_right, long: GradientCount::default(), hops: GradientCount::default(), said: Vec::new() }
     }
 
     fn add(&mut self, fleet: &Fleet, doubt: Option<Doubt>, is_named: impl Fn(Version) -> bool) {
@@ -195,7 +195,7 @@ impl Row {
 ///
 /// # Errors
 /// A run that could not be simulated, or a track that is refused; in words.
-pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Vec<Row>, String> {
+pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Vec<GradientRow>, String> {
     let fleets = fleets::all().into_iter();
     let fleets: Vec<Fleet> = fleets.filter(|fleet| LONG.contains(&fleet.name) || HOPS.contains(&fleet.name)).collect();
     let each: Vec<_> = fleets.iter().flat_map(|fleet| (0..sets).map(move |set| (fleet, set))).collect();
@@ -205,12 +205,12 @@ pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Vec<Row>, S
         Ok((fleet, found))
     };
     let all = each.into_par_iter().map(set).collect::<Result<Vec<_>, String>>()?;
-    let row = |(index, described): (usize, &Described)| {
-        let mut row = Row::new(described.words(), described.is_right());
+    let row = |(index, described): (usize, &DescribedGradients)| {
+        let mut row = GradientRow::new(described.words(), described.is_right());
         all.iter().for_each(|(fleet, doubts)| row.add(fleet, doubts[index], |better| described.is_named(better)));
         row
     };
-    let rows = Described::ALL.iter().enumerate().map(row);
+    let rows = DescribedGradients::ALL.iter().enumerate().map(row);
     Ok(rows.chain(hopping_rows(sets, seed, done)?).collect())
 }
 
@@ -218,14 +218,14 @@ const HOPPING_WORDS: &str = "as they are, to trains that hop and hold speeds";
 const LEVEL_WORDS: &str = "as level, to the same on a level line";
 
 /// Right gradients of trains that hop and hold speeds.
-fn hopping_rows(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<[Row; 2], String> {
+fn hopping_rows(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<[GradientRow; 2], String> {
     let set = |number| {
         let seed = seed.wrapping_add(7_919 * number);
         let fleet = hopping::fleet(seed)?;
         let level = hopping::on_level(&fleet);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut doubt = |fleet: &Fleet| {
-            let track = Described::Right.track(&fleet.scenario.line, &mut random)?;
+            let track = DescribedGradients::Right.track(&fleet.scenario.line, &mut random)?;
             let train = fleet.train().ok_or("the train's description is refused")?;
             Ok::<_, String>(coasts(&fleet.scenario, &train, seed)?.doubt(&train, &track, 0.0))
         };
@@ -234,7 +234,7 @@ fn hopping_rows(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<[Row; 2]
         Ok((fleet, doubts))
     };
     let all = (0..HOPPING * sets).into_par_iter().map(set).collect::<Result<Vec<_>, String>>()?;
-    let mut rows = [HOPPING_WORDS, LEVEL_WORDS].map(|words| Row::new(words, true));
+    let mut rows = [HOPPING_WORDS, LEVEL_WORDS].map(|words| GradientRow::new(words, true));
     for (fleet, doubts) in &all {
         rows.iter_mut().zip(doubts).for_each(|(row, doubt)| row.add(fleet, *doubt, |_| false));
     }
@@ -254,8 +254,9 @@ fn doubts(fleet: &Fleet, seed: u64) -> Result<Vec<Option<Doubt>>, String> {
         Scenario { wind_sd_mps: 2.0, load_sd: 0.03, headings: Headings::Both, davis_scale, ..fleet.scenario.clone() };
     let train = fleet.train().ok_or("the train's description is refused")?;
     let coasts = coasts(&scenario, &train, seed)?;
-    let doubt = |described: &Described| Ok(coasts.doubt(&train, &described.track(&scenario.line, &mut random)?, 0.0));
-    Described::ALL.iter().map(doubt).collect()
+    let doubt =
+        |described: &DescribedGradients| Ok(coasts.doubt(&train, &described.track(&scenario.line, &mut random)?, 0.0));
+    DescribedGradients::ALL.iter().map(doubt).collect()
 }
 
 /// What the runs of a set say of gradients.
@@ -271,11 +272,11 @@ fn coasts(scenario: &Scenario, train: &Train, seed: u64) -> Result<Coasts, Strin
 }
 
 /// As in `docs/check.md`.
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[GradientRow]) -> String {
     let mut text = String::from(
         "| gradients are described | said to look wrong | kind named | on short hops |\n|---|---|---|---|\n",
     );
-    for Row { what, is_right, long, hops, .. } in rows {
+    for GradientRow { what, is_right, long, hops, .. } in rows {
         let of = |count, sets| if sets == 0 { "-".to_owned() } else { format!("{count} of {sets}") };
         let named = if *is_right { "-".to_owned() } else { of(long.named, long.sets) };
         let [long, hops] = [long, hops].map(|count| of(count.doubted, count.sets));
@@ -295,7 +296,7 @@ mod tests {
         for row in &rows {
             if row.is_right {
                 assert_eq!((row.long.doubted, row.hops.doubted), (0, 0), "{row:#?}");
-            } else if row.what == Described::Half.words() {
+            } else if row.what == DescribedGradients::Half.words() {
                 // On gentle lines what is missing is no more than coasts scatter.
                 assert!(2 * row.long.named >= row.long.sets, "{row:#?}");
             } else {

@@ -73,7 +73,7 @@ struct Run {
     used: bool,
     learning_steps: usize,
     learned_kmh: Option<[f64; 2]>,
-    vehicle: Vehicle,
+    vehicle: LearnedVehicle,
     foresight: Foresight,
     features: Features,
 }
@@ -84,7 +84,7 @@ struct Foresight {
 }
 
 #[derive(Debug, Deserialize)]
-struct Vehicle {
+struct LearnedVehicle {
     r0: f64,
     r1: f64,
     r2: f64,
@@ -132,7 +132,7 @@ fn of_board(path: PathBuf, _: TrainFile, _: Option<&str>) -> Result<LearnedTrain
 
 #[cfg(feature = "link")]
 fn of_board(path: PathBuf, described: TrainFile, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
-    let crate::recorded_board::Recorded { ends, train, missing, .. } = crate::recorded_board::read(&path)?;
+    let crate::recorded_board::BoardRecording { ends, train, missing, .. } = crate::recorded_board::read(&path)?;
     let mut notes = Vec::new();
     let is_described = |sent: TrainFile| {
         TrainFile { name: described.name.clone(), effect: described.effect.clone(), ..sent } == described
@@ -174,7 +174,7 @@ impl Run {
             used: true,
             learning_steps: usize::from(end.summary.learned_s > 0.0),
             learned_kmh: None,
-            vehicle: Vehicle { r0, r1, r2, sd_r0, sd_r1, sd_r2 },
+            vehicle: LearnedVehicle { r0, r1, r2, sd_r0, sd_r1, sd_r2 },
             foresight: Foresight { published: end.published.as_str().to_owned() },
             features: Features {
                 max_effort_mean_n_per_kg: effort
@@ -217,7 +217,7 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
         return Err(("runs", message));
     };
     check_published(last)?;
-    let Vehicle { r0, r1, r2, .. } = last.vehicle;
+    let LearnedVehicle { r0, r1, r2, .. } = last.vehicle;
     let rotating_mass_kg = described.rotating_mass_factor * described.mass_kg;
     let limit = |described: f64, value: fn(&Features) -> Option<f64>| {
         let values: Vec<f64> = runs.iter().filter_map(|run| value(&run.features)).collect();

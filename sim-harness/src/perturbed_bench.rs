@@ -75,7 +75,7 @@ impl Disturbance {
 }
 
 /// One run of a set.
-struct Driven {
+struct DrivenRun {
     recording: Recording,
     /// What disturbed it, where, m, and what that cost, s.
     disturbed: Option<(Disturbance, [f64; 2], f64)>,
@@ -83,7 +83,7 @@ struct Driven {
 
 /// Disturbances of one kind.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub struct PerturbedRow {
     /// What it was.
     pub what: &'static str,
     /// Runs that lost at least 20 s by it.
@@ -109,9 +109,9 @@ pub struct LineRow {
 
 /// What came of all sets.
 #[derive(Clone, Debug, Serialize)]
-pub struct Bench {
+pub struct PerturbedBench {
     /// By disturbance.
-    pub disturbances: Vec<Row>,
+    pub disturbances: Vec<PerturbedRow>,
     /// By line.
     pub lines: Vec<LineRow>,
 }
@@ -132,9 +132,9 @@ pub const FIELDS: &[[&str; 4]] = &[
 ///
 /// # Errors
 /// [`DriveError`] where a run could not be simulated.
-pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Bench, DriveError> {
-    let mut disturbances: Vec<Row> =
-        Disturbance::ALL.iter().map(|one| Row { what: one.words(), felt: 0, found: 0 }).collect();
+pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<PerturbedBench, DriveError> {
+    let mut disturbances: Vec<PerturbedRow> =
+        Disturbance::ALL.iter().map(|one| PerturbedRow { what: one.words(), felt: 0, found: 0 }).collect();
     let mut lines = Vec::new();
     for fleet in fleets::all().iter().filter(|fleet| FLEETS.contains(&fleet.name)) {
         let set = |number: u64| {
@@ -145,7 +145,7 @@ pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Bench, Driv
         let sets = (0..sets).into_par_iter().map(set).collect::<Result<Vec<_>, _>>()?;
         lines.push(judged(fleet.what, sets, &mut disturbances));
     }
-    Ok(Bench { disturbances, lines })
+    Ok(PerturbedBench { disturbances, lines })
 }
 
 /// Steps of [`bench()`].
@@ -153,26 +153,26 @@ pub const fn steps(sets: u64) -> u64 {
     FLEETS.len() as u64 * sets
 }
 
-fn driven(fleet: &Fleet, seed: u64) -> Result<Vec<Driven>, DriveError> {
+fn driven(fleet: &Fleet, seed: u64) -> Result<Vec<DrivenRun>, DriveError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x9E57);
     let scenario = Scenario { wind_sd_mps: 2.0, load_sd: 0.03, ..fleet.scenario.clone() };
     let run = |plan: &RunPlan| {
         let name = format!("run{:02}", plan.number);
         let calm = simulate_planned(&scenario, plan)?;
         if !random.random_bool(DISTURBED) {
-            return Ok(Driven { recording: Case::simulated(name, String::new(), calm).recording, disturbed: None });
+            return Ok(DrivenRun { recording: Case::simulated(name, String::new(), calm).recording, disturbed: None });
         }
         let what = Disturbance::ALL[random.random_range(0..Disturbance::ALL.len())];
         let (disturbed, place_m) = what.on(&scenario, &mut random);
         let run = simulate_planned(&disturbed, plan)?;
         let lost_s = run.facts.stop.time_s - calm.facts.stop.time_s;
         let recording = Case::simulated(name, String::new(), run).recording;
-        Ok(Driven { recording, disturbed: Some((what, place_m, lost_s)) })
+        Ok(DrivenRun { recording, disturbed: Some((what, place_m, lost_s)) })
     };
     plan(&scenario, RUNS, seed).iter().map(run).collect()
 }
 
-fn judged(what: &'static str, sets: Vec<Vec<Driven>>, disturbances: &mut [Row]) -> LineRow {
+fn judged(what: &'static str, sets: Vec<Vec<DrivenRun>>, disturbances: &mut [PerturbedRow]) -> LineRow {
     let mut row = LineRow { what, felt: 0, found: 0, clean: 0, accused: Vec::new() };
     for set in sets {
         let truths: Vec<_> = set.iter().map(|driven| driven.disturbed).collect();
@@ -199,11 +199,11 @@ fn judged(what: &'static str, sets: Vec<Vec<Driven>>, disturbances: &mut [Row]) 
     row
 }
 
-impl Bench {
+impl PerturbedBench {
     /// As in `docs/check.md`.
     pub fn table(&self) -> String {
         let mut text = String::from("| disturbance | recognised, with its place |\n|---|---|\n");
-        for Row { what, felt, found } in &self.disturbances {
+        for PerturbedRow { what, felt, found } in &self.disturbances {
             text += &format!("| {what} | {found} of {felt} |\n");
         }
         text += "\n| line | recognised, with its place | runs without a disturbance that are called perturbed |\n|---|---|---|\n";

@@ -15,7 +15,7 @@ const TEXT: &[u8] = b"time_us,";
 
 /// What a recording holds.
 #[derive(Debug, Default)]
-pub struct Recorded {
+pub struct BoardRecording {
     pub ends: Vec<RunEnd>,
     pub train: Option<TrainFile>,
     /// Frames that never arrived, or cannot be understood.
@@ -37,11 +37,11 @@ pub struct RunEnd {
 ///
 /// # Errors
 /// [`ReadError`] where it cannot be read, or no run ends in it.
-pub fn read(path: &Path) -> Result<Recorded, ReadError> {
+pub fn read(path: &Path) -> Result<BoardRecording, ReadError> {
     let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
     log::info!("read {}", path.display());
     let refused = |message: String| ReadError::from(Place::of_file(path).refuse("", message));
-    let (mut recorded, mut reader, mut sent) = (Recorded::default(), Reader::new(), SentSetup::default());
+    let (mut recorded, mut reader, mut sent) = (BoardRecording::default(), Reader::new(), SentSetup::default());
     if bytes.starts_with(TEXT) {
         for row in record::read(&bytes[..]).map_err(|error| refused(error.to_string()))? {
             match row.way {
@@ -65,7 +65,7 @@ pub fn read(path: &Path) -> Result<Recorded, ReadError> {
     Ok(recorded)
 }
 
-impl Recorded {
+impl BoardRecording {
     fn hear(&mut self, received: Option<Received>) {
         match received.map(|received| received.frame.body) {
             Some(Body::Parameters(parameters)) => self.published = Some(parameters.learned),

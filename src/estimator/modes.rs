@@ -102,7 +102,7 @@ pub(super) fn learning_tick(
         }
         Mode::Gated | Mode::Paper => None,
     };
-    let recognition = recognise(config, run, line, acting, &now, Reading { read, standing, short_hops: are_short });
+    let recognition = recognise(config, run, line, acting, &now, ReadNow { read, standing, short_hops: are_short });
     let learned = match config.mode {
         Mode::Measured => {
             let usual = read && now.speed_mps > SLOWEST_MEASURED_MPS && judged.contradiction.is_none();
@@ -182,7 +182,7 @@ fn take_up(config: &Config, run: &mut RunState, line: &Line<'_>, judged: &Judged
 
 /// What the speed reading of a tick says at once.
 #[derive(Clone, Copy)]
-struct Reading {
+struct ReadNow {
     /// There is one.
     read: bool,
     /// And it is that of a standing train.
@@ -208,7 +208,7 @@ fn recognise(
     line: &Line<'_>,
     acting: &Acting<'_>,
     now: &Point,
-    Reading { read, standing, short_hops }: Reading,
+    ReadNow { read, standing, short_hops }: ReadNow,
 ) -> Recognition {
     let belief = run.learner.provisional();
     let [r0, r1, r2] = belief.mean.into();

@@ -15,7 +15,7 @@ errors! {
 
 /// A column of the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Column<const N: usize, const K: usize> {
+pub struct FactorColumn<const N: usize, const K: usize> {
     /// Pivot D, above zero.
     pub d: Real,
     /// First K rows of the column of L: 0 above the diagonal, 1 on it.
@@ -41,8 +41,8 @@ pub struct Column<const N: usize, const K: usize> {
 #[inline]
 pub fn eliminate<const N: usize, const K: usize>(
     covariance: &SMatrix<Real, N, N>,
-) -> Result<[Column<N, K>; K], NotPositiveDefinite> {
-    let mut columns = [Column { d: 0.0, l: SVector::zeros(), dl: SVector::zeros() }; K];
+) -> Result<[FactorColumn<N, K>; K], NotPositiveDefinite> {
+    let mut columns = [FactorColumn { d: 0.0, l: SVector::zeros(), dl: SVector::zeros() }; K];
     for j in 0..K {
         // Not copied as a column, nor by an index, which may panic for all that the compiler knows.
         let mut dl = SVector::<Real, N>::from_fn(|i, _| covariance.get((i, j)).copied().unwrap_or(Real::NAN));
@@ -56,7 +56,7 @@ pub fn eliminate<const N: usize, const K: usize>(
         for i in j + 1..K {
             l[i] = dl[i] / d;
         }
-        columns[j] = Column { d, l, dl };
+        columns[j] = FactorColumn { d, l, dl };
     }
     Ok(columns)
 }

@@ -14,7 +14,7 @@
 //! The points of the update are drawn from the predicted belief, Q included.
 
 use crate::Real;
-use crate::filter::elimination::{Column, NotPositiveDefinite, eliminate};
+use crate::filter::elimination::{FactorColumn, NotPositiveDefinite, eliminate};
 use crate::filter::gaussian::Gaussian;
 use crate::filter::ukf::{Innovation, Reading, Spread};
 use nalgebra::{SMatrix, SVector};
@@ -129,7 +129,7 @@ impl<const N: usize> GeneralUkf<N> {
         let counts =
             SMatrix::from_fn(|i, j| if i == j || is_there(i) && is_there(j) { covariance[(i, j)] } else { 0.0 });
         let value = SVector::from_fn(|i, _| z[i].map_or(0.0, |reading| reading - seen.mean[i]));
-        let columns: [Column<M, M>; M] = eliminate(&counts)?;
+        let columns: [FactorColumn<M, M>; M] = eliminate(&counts)?;
         // The readings one after another, each without what those before it say: L⁻¹ (z - z̄), with P_xz L⁻ᵀ.
         let mut apart = value;
         let mut cross = SMatrix::<Real, N, M>::from_fn(|i, j| if is_there(j) { seen.cross[(i, j)] } else { 0.0 });
@@ -162,7 +162,7 @@ impl<const N: usize> GeneralUkf<N> {
         let mut m = SVector::<Real, L>::zeros();
         let mut covariance = SMatrix::<Real, L, L>::zeros();
         let mut cross = SMatrix::<Real, N, L>::zeros();
-        for Column { d, dl, .. } in eliminate::<N, N>(&belief.covariance)? {
+        for FactorColumn { d, dl, .. } in eliminate::<N, N>(&belief.covariance)? {
             let away = dl * libm::sqrt(c / d);
             let [above, below] = [g(&(belief.mean + away)) - centre, g(&(belief.mean - away)) - centre];
             m += (above + below) * w;

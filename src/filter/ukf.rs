@@ -36,7 +36,7 @@
 //! Printed as it is, Eq. (11)-(15) leave Q out of the gain; [`Ukf::reuse_points`] keeps that.
 
 use crate::Real;
-use crate::filter::elimination::{Column, NotPositiveDefinite, above_zero, eliminate};
+use crate::filter::elimination::{FactorColumn, NotPositiveDefinite, above_zero, eliminate};
 use crate::filter::gaussian::Gaussian;
 use crate::plain::{Bytes, Plain};
 use nalgebra::{SMatrix, SVector};
@@ -53,7 +53,7 @@ pub trait Process<const N: usize, const K: usize> {
     fn slope(&self, x: &SVector<Real, N>) -> SVector<Real, N>;
 
     /// What a pair of points sees of a beyond a(x) and the slope: a(x ± √(c D) l) - a(x) = ± √(c D) (g·l + odd) + c even.
-    fn pair(&self, x: &SVector<Real, N>, column: &Column<N, K>, c: Real) -> Pair;
+    fn pair(&self, x: &SVector<Real, N>, column: &FactorColumn<N, K>, c: Real) -> Pair;
 
     /// The moving part of T x + b a: linear in both.
     fn carry(&self, x: &SVector<Real, N>, a: Real) -> SVector<Real, K>;

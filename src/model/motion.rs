@@ -13,7 +13,7 @@
 //! remaining error is below 0.001 % (`host-tests/tests/paper.rs` measures both).
 
 use crate::Real;
-use crate::filter::elimination::Column;
+use crate::filter::elimination::FactorColumn;
 use crate::filter::ukf::{Pair, Process};
 use crate::model::effects::Acting;
 use crate::model::line::Line;
@@ -174,8 +174,8 @@ impl<const N: usize> Process<N, MOVING> for Motion<'_> {
 
     /// Of r1 v + r2 v² what is not linear, written down. The gradient is looked up at both points if its slope changes between them.
     #[inline]
-    fn pair(&self, x: &SVector<Real, N>, column: &Column<N, MOVING>, c: Real) -> Pair {
-        let Column { d, l, dl } = column;
+    fn pair(&self, x: &SVector<Real, N>, column: &FactorColumn<N, MOVING>, c: Real) -> Pair {
+        let FactorColumn { d, l, dl } = column;
         let w = x[SPEED] + self.lead_mps;
         let dv = l[SPEED];
         let mut pair = Pair { odd: -c * dv * dv * dl[R2], even: -dv * (dl[R1] + x[R2] * dl[SPEED] + 2.0 * w * dl[R2]) };

@@ -30,20 +30,20 @@ plain! {
 
 /// What is permitted below and above a place along the track's locations; a stop permits 0 on both sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-struct Boundary {
+struct PermittedAround {
     at_m: f32,
     below_mps: f32,
     above_mps: f32,
 }
 
 plain! {
-    struct Boundary { at_m, below_mps, above_mps }
+    struct PermittedAround { at_m, below_mps, above_mps }
 }
 
 /// The places of a track.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Targets {
-    places: Vec<Boundary, MAX_TARGETS>,
+    places: Vec<PermittedAround, MAX_TARGETS>,
 }
 
 plain! {
@@ -60,7 +60,7 @@ impl Targets {
     /// The first target further than `beyond_m` ahead.
     pub(crate) fn next(&self, direction: Direction, location_m: Real, beyond_m: Real) -> Option<Target> {
         let reached_m = (location_m + direction.sign() * beyond_m) as f32;
-        let asks = |place: &&Boundary| match direction {
+        let asks = |place: &&PermittedAround| match direction {
             Direction::Up => place.at_m > reached_m && place.is_target(place.below_mps, place.above_mps),
             Direction::Down => place.at_m < reached_m && place.is_target(place.above_mps, place.below_mps),
         };
@@ -101,12 +101,12 @@ impl Table for Targets {
             None => (0.0, 0.0),
             Some(limit_mps) => (below_mps.unwrap_or(f32::INFINITY), limit_mps as f32),
         };
-        let place = Boundary { at_m, below_mps, above_mps };
+        let place = PermittedAround { at_m, below_mps, above_mps };
         good && self.places.push(place).is_ok()
     }
 }
 
-impl Boundary {
+impl PermittedAround {
     fn is_target(&self, before_mps: f32, behind_mps: f32) -> bool {
         behind_mps == 0.0 || behind_mps < before_mps
     }

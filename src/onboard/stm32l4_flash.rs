@@ -62,7 +62,7 @@ pub mod control {
 
 /// The four registers that the sequence touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Register {
+pub enum FlashRegister {
     /// FLASH_ACR.
     Access,
     /// FLASH_KEYR.
@@ -78,9 +78,9 @@ pub trait FlashController {
     /// Bytes for records, a multiple of [`PAGE`].
     const CAPACITY: usize;
     /// Reads a register.
-    fn register(&mut self, register: Register) -> u32;
+    fn register(&mut self, register: FlashRegister) -> u32;
     /// Writes a register as a whole.
-    fn set_register(&mut self, register: Register, bits: u32);
+    fn set_register(&mut self, register: FlashRegister, bits: u32);
     /// Writes a double word, its low half first, with nothing between.
     fn program(&mut self, offset: u32, double_word: [u32; 2]);
     /// Reads a byte, past no optimisation of the compiler.
@@ -137,37 +137,37 @@ impl<C: FlashController> Stm32l4Flash<C> {
     /// Steps 1 to 6 around `work`.
     fn operation(&mut self, work: impl FnOnce(&mut Self) -> Result<(), FlashError>) -> Result<(), FlashError> {
         self.wait()?;
-        self.controller.set_register(Register::Status, status::ERRORS);
+        self.controller.set_register(FlashRegister::Status, status::ERRORS);
         self.unlock()?;
-        let access = self.controller.register(Register::Access);
+        let access = self.controller.register(FlashRegister::Access);
         let cache_off = access & !(access::DATA_CACHE | access::DATA_CACHE_RESET);
-        self.controller.set_register(Register::Access, cache_off);
+        self.controller.set_register(FlashRegister::Access, cache_off);
         let done = work(self);
         // While it is busy the control register takes no write: the bus would stand still. The cache stays off until an operation ends.
         if done != Err(FlashError::NoAnswer) {
-            self.controller.set_register(Register::Control, control::LOCK);
-            self.controller.set_register(Register::Access, cache_off | access::DATA_CACHE_RESET);
-            self.controller.set_register(Register::Access, cache_off);
-            self.controller.set_register(Register::Access, cache_off | access::DATA_CACHE);
+            self.controller.set_register(FlashRegister::Control, control::LOCK);
+            self.controller.set_register(FlashRegister::Access, cache_off | access::DATA_CACHE_RESET);
+            self.controller.set_register(FlashRegister::Access, cache_off);
+            self.controller.set_register(FlashRegister::Access, cache_off | access::DATA_CACHE);
         }
         done
     }
 
     fn unlock(&mut self) -> Result<(), FlashError> {
         if self.is_locked() {
-            KEYS.into_iter().for_each(|key| self.controller.set_register(Register::Key, key));
+            KEYS.into_iter().for_each(|key| self.controller.set_register(FlashRegister::Key, key));
         }
         if self.is_locked() { Err(FlashError::Locked) } else { Ok(()) }
     }
 
     fn is_locked(&mut self) -> bool {
-        self.controller.register(Register::Control) & control::LOCK != 0
+        self.controller.register(FlashRegister::Control) & control::LOCK != 0
     }
 
     /// The status once nothing is under way.
     fn wait(&mut self) -> Result<u32, FlashError> {
         (0..MOST_WAITS)
-            .map(|_| self.controller.register(Register::Status))
+            .map(|_| self.controller.register(FlashRegister::Status))
             .find(|status| status & status::BUSY == 0)
             .ok_or(FlashError::NoAnswer)
     }
@@ -182,8 +182,8 @@ impl<C: FlashController> Stm32l4Flash<C> {
 
     fn erase_page(&mut self, number: u32) -> Result<(), FlashError> {
         let page = control::ERASE | control::BANK_2 | number << control::PAGE_SHIFT;
-        self.controller.set_register(Register::Control, page);
-        self.controller.set_register(Register::Control, page | control::START);
+        self.controller.set_register(FlashRegister::Control, page);
+        self.controller.set_register(FlashRegister::Control, page | control::START);
         self.outcome()
     }
 
@@ -229,7 +229,7 @@ impl<C: FlashController> NorFlash for Stm32l4Flash<C> {
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         check_write(self, offset, bytes.len()).map_err(FlashError::Range)?;
         self.operation(|flash| {
-            flash.controller.set_register(Register::Control, control::PROGRAM);
+            flash.controller.set_register(FlashRegister::Control, control::PROGRAM);
             for (offset, double_word) in (offset..).step_by(8).zip(bytes.as_chunks::<8>().0) {
                 let bits = u64::from_le_bytes(*double_word);
                 flash.controller.program(offset, [bits as u32, (bits >> 32) as u32]);

@@ -19,7 +19,7 @@ pub const SEND: usize = 128;
 
 /// Registers, by block: those of the USART, those of the DMA controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Register {
+pub enum SerialRegister {
     /// USART_CR1.
     Control,
     /// USART_CR3.
@@ -64,7 +64,7 @@ pub enum Block {
     Dma,
 }
 
-impl Register {
+impl SerialRegister {
     /// Block and offset in it, bytes.
     pub const fn place(self) -> (Block, usize) {
         match self {
@@ -152,9 +152,9 @@ pub mod dma {
 /// Registers and buffers.
 pub trait SerialController {
     /// Reads a register.
-    fn register(&mut self, register: Register) -> u32;
+    fn register(&mut self, register: SerialRegister) -> u32;
     /// Writes one.
-    fn set_register(&mut self, register: Register, bits: u32);
+    fn set_register(&mut self, register: SerialRegister, bits: u32);
     /// Address of the device's data register, and of the channel's buffer.
     fn addresses(&self, channel: Channel) -> (u32, u32);
     /// A byte of the buffer that the channel fills; `at` below [`RECEIVE`].
@@ -181,49 +181,49 @@ impl<C: SerialController> Stm32l4Serial<C> {
     /// The controller comes back where a channel does not keep what is written into it: there is none, as in the emulator.
     pub fn start(controller: C, divider: u32) -> Result<Self, C> {
         let mut serial = Self { controller, next: 0, collected: 0, sending: false };
-        let requests = serial.get(Register::Requests);
+        let requests = serial.get(SerialRegister::Requests);
         let of = |channel: Channel, value: u32| value << (4 * channel.index());
         let ours = of(Channel::Send, 0xF) | of(Channel::Receive, 0xF);
         let usart = of(Channel::Send, dma::USART1) | of(Channel::Receive, dma::USART1);
-        serial.set(Register::Requests, requests & !ours | usart);
+        serial.set(SerialRegister::Requests, requests & !ours | usart);
         for channel in [Channel::Send, Channel::Receive] {
             let (device, memory) = serial.controller.addresses(channel);
-            serial.set(Register::ChannelControl(channel), 0);
-            serial.set(Register::ClearFlags, channel.flag(dma::ALL));
-            serial.set(Register::Device(channel), device);
-            serial.set(Register::Memory(channel), memory);
-            if serial.get(Register::Memory(channel)) != memory {
+            serial.set(SerialRegister::ChannelControl(channel), 0);
+            serial.set(SerialRegister::ClearFlags, channel.flag(dma::ALL));
+            serial.set(SerialRegister::Device(channel), device);
+            serial.set(SerialRegister::Memory(channel), memory);
+            if serial.get(SerialRegister::Memory(channel)) != memory {
                 return Err(serial.controller);
             }
         }
         serial.receive();
-        serial.set(Register::Divider, divider);
-        serial.set(Register::Dma, usart::BY_DMA);
-        serial.set(Register::Control, usart::ENABLED);
+        serial.set(SerialRegister::Divider, divider);
+        serial.set(SerialRegister::Dma, usart::BY_DMA);
+        serial.set(SerialRegister::Control, usart::ENABLED);
         Ok(serial)
     }
 
     /// The receiving channel begins at the front.
     fn receive(&mut self) {
         let channel = Channel::Receive;
-        self.set(Register::ChannelControl(channel), 0);
-        self.set(Register::ClearFlags, channel.flag(dma::ALL));
-        self.set(Register::Left(channel), RECEIVE as u32);
+        self.set(SerialRegister::ChannelControl(channel), 0);
+        self.set(SerialRegister::ClearFlags, channel.flag(dma::ALL));
+        self.set(SerialRegister::Left(channel), RECEIVE as u32);
         let control = dma::NEXT | dma::CIRCULAR | dma::TELLS | dma::TELLS_HALF | dma::ENABLE;
-        self.set(Register::ChannelControl(channel), control);
+        self.set(SerialRegister::ChannelControl(channel), control);
         self.next = 0;
     }
 
     /// An error of the line, cleared.
     fn line_error(&mut self) -> Option<ErrorKind> {
-        let status = self.get(Register::Status);
+        let status = self.get(SerialRegister::Status);
         let of = |flag: u32, kind: ErrorKind| (status & flag != 0).then_some((flag, kind));
         let error = of(usart::OVERRUN, ErrorKind::Overrun)
             .or(of(usart::FRAMING, ErrorKind::FrameFormat))
             .or(of(usart::NOISE, ErrorKind::Noise));
         let flag = error.map_or(0, |(flag, _)| flag);
         if status & (usart::IDLE | flag) != 0 {
-            self.set(Register::Clear, status & usart::IDLE | flag);
+            self.set(SerialRegister::Clear, status & usart::IDLE | flag);
         }
         error.map(|(_, kind)| kind)
     }
@@ -231,13 +231,13 @@ impl<C: SerialController> Stm32l4Serial<C> {
     /// What the receiving channel says of itself, cleared.
     fn channel_error(&mut self) -> Option<ErrorKind> {
         let channel = Channel::Receive;
-        let flags = self.get(Register::Flags) & channel.flag(dma::ALL & !dma::ANY);
+        let flags = self.get(SerialRegister::Flags) & channel.flag(dma::ALL & !dma::ANY);
         if flags & channel.flag(dma::ERROR) != 0 {
             self.receive();
             return Some(ErrorKind::Other);
         }
         if flags != 0 {
-            self.set(Register::ClearFlags, flags);
+            self.set(SerialRegister::ClearFlags, flags);
         }
         let both = channel.flag(dma::HALF | dma::DONE);
         if flags & both == both {
@@ -250,7 +250,7 @@ impl<C: SerialController> Stm32l4Serial<C> {
 
     /// Where the receiving channel writes next.
     fn written(&mut self) -> usize {
-        let left = self.get(Register::Left(Channel::Receive)) as usize;
+        let left = self.get(SerialRegister::Left(Channel::Receive)) as usize;
         // At the end it counts from the whole again.
         RECEIVE.saturating_sub(left) % RECEIVE
     }
@@ -259,19 +259,19 @@ impl<C: SerialController> Stm32l4Serial<C> {
     fn sent(&mut self) -> bool {
         let channel = Channel::Send;
         let over = channel.flag(dma::DONE | dma::ERROR);
-        if self.sending && self.get(Register::Flags) & over != 0 {
-            self.set(Register::ChannelControl(channel), 0);
-            self.set(Register::ClearFlags, channel.flag(dma::ALL));
+        if self.sending && self.get(SerialRegister::Flags) & over != 0 {
+            self.set(SerialRegister::ChannelControl(channel), 0);
+            self.set(SerialRegister::ClearFlags, channel.flag(dma::ALL));
             (self.sending, self.collected) = (false, 0);
         }
         !self.sending
     }
 
-    fn get(&mut self, register: Register) -> u32 {
+    fn get(&mut self, register: SerialRegister) -> u32 {
         self.controller.register(register)
     }
 
-    fn set(&mut self, register: Register, bits: u32) {
+    fn set(&mut self, register: SerialRegister, bits: u32) {
         self.controller.set_register(register, bits);
     }
 }
@@ -305,7 +305,7 @@ impl<C: SerialController> Write<u8> for Stm32l4Serial<C> {
     }
 
     fn flush(&mut self) -> nb::Result<(), ErrorKind> {
-        let gone = self.get(Register::Status) & usart::GONE != 0;
+        let gone = self.get(SerialRegister::Status) & usart::GONE != 0;
         if self.sent() && self.collected == 0 && gone { Ok(()) } else { Err(nb::Error::WouldBlock) }
     }
 }
@@ -317,8 +317,8 @@ impl<C: SerialController> LinePort for Stm32l4Serial<C> {
             return;
         }
         let channel = Channel::Send;
-        self.set(Register::Left(channel), self.collected as u32);
-        self.set(Register::ChannelControl(channel), dma::NEXT | dma::OUT | dma::TELLS | dma::ENABLE);
+        self.set(SerialRegister::Left(channel), self.collected as u32);
+        self.set(SerialRegister::ChannelControl(channel), dma::NEXT | dma::OUT | dma::TELLS | dma::ENABLE);
         self.sending = true;
     }
 }

@@ -2,7 +2,7 @@
 
 use host_tests::prelude::*;
 use host_tests::reference::{data, train_and_track};
-use host_tests::textbook::{self, Read, Shape};
+use host_tests::textbook::{self, PlainSpread, Read};
 use nalgebra::SMatrix;
 use rundown::filter::ukf::{Spread, Ukf};
 use rundown::model::line::Line;
@@ -80,7 +80,7 @@ impl Drive {
 
     /// Steps of the textbook form.
     pub fn textbook(&self, steps: usize) -> Gaussian<SIZE> {
-        let shape = black_box(Shape { alpha: 1e-3, beta: 2.0, kappa: -2.0 });
+        let shape = black_box(PlainSpread { alpha: 1e-3, beta: 2.0, kappa: -2.0 });
         self.run(steps, |belief, effort, location_m, speed_mps| {
             let motion = textbook::Motion::new(self.line(), &belief.mean, effort, DT_S, Evaluate::Beginning);
             let read = |component, value, variance| Read { component, value, variance };

@@ -174,13 +174,13 @@ pub fn stuck_speeds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     leave_out(rows, &speeds, Kind::StuckSpeed, findings);
 }
 
-fn leave_out(rows: &mut [Sample], stretches: &[Stretch], kind: Kind, findings: &mut Vec<Finding>) {
+fn leave_out(rows: &mut [Sample], stretches: &[StuckRows], kind: Kind, findings: &mut Vec<Finding>) {
     let Some(first) = stretches.first() else {
         return;
     };
     let metres = stretches.iter().map(|stretch| stretch.metres.abs()).sum();
     findings.push(finding(kind, metres, stretches.len(), rows[first.from].line, Done::LeftOut));
-    for Stretch { from, to, .. } in stretches {
+    for StuckRows { from, to, .. } in stretches {
         if kind == Kind::StuckLocation {
             // The first of them was read while the sensor still worked.
             rows[from + 1..=*to].iter_mut().for_each(|row| row.location_m = None);
@@ -191,7 +191,7 @@ fn leave_out(rows: &mut [Sample], stretches: &[Stretch], kind: Kind, findings: &
 }
 
 /// Rows in which a reading stays the same, and the distance that it misses.
-struct Stretch {
+struct StuckRows {
     from: usize,
     to: usize,
     metres: f64,
@@ -203,7 +203,7 @@ fn stretches(
     reading: fn(&Sample) -> Option<f64>,
     missing: fn(f64, f64) -> f64,
     far: impl Fn(&Sample) -> f64,
-) -> Vec<Stretch> {
+) -> Vec<StuckRows> {
     let mut found = Vec::new();
     let mut from = 0;
     while from < rows.len() {
@@ -222,7 +222,7 @@ fn stretches(
             let by_location = rows[first].location_m.zip(rows[last].location_m).map_or(0.0, |(a, b)| (b - a).abs());
             let metres = missing(by_speed, by_location);
             if metres.abs() > LEAST_STUCK_M && metres.abs() > far(&rows[from]) * by_speed.max(by_location) {
-                found.push(Stretch { from, to, metres });
+                found.push(StuckRows { from, to, metres });
             }
         }
         from = to + 1;

@@ -6,7 +6,7 @@ use crate::column::{About, Kind};
 use crate::map_matching::CentreLine;
 use crate::recording::{self, DirectionChoice, Recording};
 use crate::refusal::{Place, ReadError, Refusal};
-use crate::sample::{self, COLUMNS, Column, LOCATION, Sample};
+use crate::sample::{self, COLUMNS, LOCATION, NumberColumn, Sample};
 use crate::units;
 use rundown::model::direction::Direction;
 use std::collections::{HashSet, VecDeque};
@@ -26,7 +26,7 @@ const MEANINGS: [&str; TEXTS.len()] = [
 /// The columns of a table of runs.
 pub fn run_columns() -> Vec<About> {
     let text = |(name, meaning): (&str, &str)| About::new(name, Kind::Text, meaning);
-    TEXTS.into_iter().zip(MEANINGS).map(text).chain(COLUMNS.iter().map(Column::about)).collect()
+    TEXTS.into_iter().zip(MEANINGS).map(text).chain(COLUMNS.iter().map(NumberColumn::about)).collect()
 }
 
 /// Some rows, column by column; every column has as many.
@@ -35,7 +35,7 @@ pub struct Batch {
     /// Those of [`TEXTS`]; all missing where there is no such column.
     pub texts: [Vec<Option<String>>; TEXTS.len()],
     /// Those of [`COLUMNS`] that are there.
-    pub numbers: Vec<(&'static Column, Vec<Option<f64>>)>,
+    pub numbers: Vec<(&'static NumberColumn, Vec<Option<f64>>)>,
 }
 
 /// Where columns of runs stand among others.
@@ -44,7 +44,7 @@ pub struct Places {
     /// Of [`TEXTS`].
     pub texts: [Option<usize>; TEXTS.len()],
     /// Of the columns of [`COLUMNS`] that are there.
-    pub numbers: Vec<(&'static Column, usize)>,
+    pub numbers: Vec<(&'static NumberColumn, usize)>,
     unknown: Vec<String>,
 }
 

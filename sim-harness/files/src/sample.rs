@@ -28,7 +28,7 @@ pub struct Sample {
 
 /// A column of numbers.
 #[derive(Clone, Copy, Debug)]
-pub struct Column {
+pub struct NumberColumn {
     /// Its name in a file.
     pub name: &'static str,
     /// The file's unit.
@@ -63,7 +63,7 @@ const LATEST_S: f64 = 1e11;
 /// A column that stands as it is in the field of this name.
 macro_rules! column {
     ($name:expr, $unit:literal, $meaning:literal, $needed:literal, $range:expr, $field:ident) => {
-        Column {
+        NumberColumn {
             name: $name,
             unit: $unit,
             meaning: $meaning,
@@ -76,8 +76,8 @@ macro_rules! column {
 }
 
 /// The columns that mean something, those of CSV and of Parquet.
-pub const COLUMNS: [Column; 8] = [
-    Column {
+pub const COLUMNS: [NumberColumn; 8] = [
+    NumberColumn {
         name: TIME,
         unit: "s",
         meaning: "time on any clock that only goes forward",
@@ -94,7 +94,7 @@ pub const COLUMNS: [Column; 8] = [
         (-MOST_LOCATION_M, MOST_LOCATION_M),
         location_m
     ),
-    Column {
+    NumberColumn {
         name: "speed_kmh",
         unit: "km/h",
         meaning: "speed reading",
@@ -132,7 +132,7 @@ pub(crate) fn missing(has: impl Fn(&str) -> bool) -> Vec<&'static str> {
     absent.map(|column| column.name).filter(|name| !(*name == LOCATION && coordinates)).collect()
 }
 
-impl Column {
+impl NumberColumn {
     /// What it is, without its values.
     pub fn about(&self) -> About {
         About {

@@ -106,16 +106,16 @@ fn pieces(rows: &[Sample]) -> Vec<Piece> {
         let by_speed_m = 0.5 * (from + to) * (pair[1].time_s - pair[0].time_s);
         let by_location_m = pair[1].location_m? - pair[0].location_m?;
         let is_moving = from.min(to) > SLOW_MPS && by_speed_m > 0.0;
-        is_moving.then_some(Step { by_location_m, by_speed_m, changes: from != to, line: pair[0].line })
+        is_moving.then_some(Stride { by_location_m, by_speed_m, changes: from != to, line: pair[0].line })
     };
-    let steps: Vec<Option<Step>> = read.windows(2).map(step).collect();
+    let steps: Vec<Option<Stride>> = read.windows(2).map(step).collect();
     let all_m: f64 = steps.iter().flatten().map(|step| step.by_speed_m).sum();
     joined(&steps, PIECE_M.min(all_m / (2 * FEW) as f64))
 }
 
 /// From row to row.
 #[derive(Clone, Copy)]
-struct Step {
+struct Stride {
     by_location_m: f64,
     by_speed_m: f64,
     changes: bool,
@@ -123,21 +123,21 @@ struct Step {
 }
 
 /// Steps of a moving train as pieces of this length; a location that stands still is no matter of units.
-fn joined(steps: &[Option<Step>], piece_m: f64) -> Vec<Piece> {
+fn joined(steps: &[Option<Stride>], piece_m: f64) -> Vec<Piece> {
     let mut pieces = Vec::new();
-    let mut sum: Option<Step> = None;
+    let mut sum: Option<Stride> = None;
     for step in steps {
         let Some(step) = step else {
             sum = None;
             continue;
         };
-        let piece = sum.map_or(*step, |sum| Step {
+        let piece = sum.map_or(*step, |sum| Stride {
             by_location_m: sum.by_location_m + step.by_location_m,
             by_speed_m: sum.by_speed_m + step.by_speed_m,
             changes: sum.changes || step.changes,
             line: sum.line,
         });
-        let Step { by_location_m, by_speed_m, changes, line } = piece;
+        let Stride { by_location_m, by_speed_m, changes, line } = piece;
         sum = Some(piece);
         if by_speed_m >= piece_m && by_location_m != 0.0 {
             pieces.push(Piece { ratio: by_location_m.abs() / by_speed_m, changes, line });

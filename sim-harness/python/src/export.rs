@@ -4,7 +4,7 @@ use crate::error::{not_exported, refused};
 use crate::paths::chosen;
 use crate::progress::Progress;
 use pyo3::prelude::*;
-use sim_harness::exporting::{self, Format, Order, Traction};
+use sim_harness::exporting::{self, ExchangeFormat, ExportOrder, Traction};
 use std::path::{Path, PathBuf};
 
 /// A learned train in files for other tools. `print(exported)` says what its values are, as the command does.
@@ -80,14 +80,14 @@ pub fn export(
     id: Option<String>,
     tc_version: &str,
 ) -> PyResult<Exported> {
-    let known = Format::ALL.map(|format| (format.name(), format));
+    let known = ExchangeFormat::ALL.map(|format| (format.name(), format));
     let words = match to {
         Words::One(word) => vec![word],
         Words::Several(words) => words,
     };
-    let formats = words.iter().map(|word| chosen("to", word, &known)).collect::<PyResult<Vec<Format>>>()?;
+    let formats = words.iter().map(|word| chosen("to", word, &known)).collect::<PyResult<Vec<ExchangeFormat>>>()?;
     let traction = traction.map(str::parse::<Traction>).transpose();
-    let order = Order {
+    let order = ExportOrder {
         replay,
         train,
         formats,

@@ -5,7 +5,7 @@ use crate::figure::Figure;
 use crate::paths::{Paths, chosen};
 use crate::progress::Progress;
 use pyo3::prelude::*;
-use sim_harness::import::{ImportError, Method, Order};
+use sim_harness::import::{ImportError, ImportOrder, Method};
 use std::path::{Path, PathBuf};
 
 /// Run logs that an import wrote. `print(imported)` says what was done, as the command does.
@@ -87,7 +87,7 @@ pub fn import_logs(
     let methods = Method::ALL.map(|method| (method.name(), method));
     let method = chainage.map(|name| chosen("chainage", name, &methods)).transpose()?;
     let files = files.map_or_else(Vec::new, Vec::from);
-    let mut order = Order::new(files, mapping, out.clone()).map_err(unread)?;
+    let mut order = ImportOrder::new(files, mapping, out.clone()).map_err(unread)?;
     order.place_by(method, track);
     order.track_out = track_out;
     order.strict = strict;
@@ -149,7 +149,7 @@ impl Preview {
 pub fn preview_logs(py: Python<'_>, files: Option<Paths>, mapping: Option<PathBuf>) -> PyResult<Preview> {
     let files = files.map_or_else(Vec::new, Vec::from);
     // The folder is that of an import, which this is not.
-    let order = Order::new(files, mapping, PathBuf::new()).map_err(unread)?;
+    let order = ImportOrder::new(files, mapping, PathBuf::new()).map_err(unread)?;
     let done = py.detach(|| order.preview()).map_err(not_imported)?;
     Ok(Preview { done })
 }

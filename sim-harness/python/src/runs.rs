@@ -59,7 +59,7 @@ fn batch(places: &Places, part: &RecordBatch) -> Result<Batch, Refusal> {
         Some(place) => texts(part.column(place)).ok_or_else(|| refused(TEXTS[index], "texts", part.column(place))),
     };
     let number = |&(column, place): &(&'static _, usize)| {
-        let column: &'static rundown_files::sample::Column = column;
+        let column: &'static rundown_files::sample::NumberColumn = column;
         let values = numbers(part.column(place)).ok_or_else(|| refused(column.name, "numbers", part.column(place)))?;
         Ok((column, values))
     };

@@ -19,7 +19,7 @@ use rundown::model::resistance::Davis;
 use rundown::model::track::{Gradient, Track};
 use rundown_truth::plan::plan;
 use rundown_truth::scenario::{Scenario, simulate_planned};
-use score::{Judged, Table};
+use score::{FleetFigures, JudgedVehicle};
 
 /// True over described r0, r1, r2 of so many vehicles: up to 35 % off in common, with a part of its own for each coefficient. The same every time.
 pub fn scales(vehicles: usize) -> Vec<[f64; 3]> {
@@ -42,19 +42,25 @@ pub fn judge(
     runs: usize,
     seed: u64,
     done: impl Fn() + Sync,
-) -> Result<Table, String> {
+) -> Result<FleetFigures, String> {
     let of_vehicle = |(index, scale): (usize, &[f64; 3])| {
         let table = judge_vehicle(fleet, config, *scale, runs, seed.wrapping_add(1000 * index as u64));
         done();
         table
     };
     let tables = scales(vehicles).par_iter().enumerate().map(of_vehicle).collect::<Result<Vec<_>, _>>()?;
-    let mut all = Table::default();
+    let mut all = FleetFigures::default();
     tables.into_iter().for_each(|table| all.merge(table));
     Ok(all)
 }
 
-fn judge_vehicle(fleet: &Fleet, config: Config, scale: [f64; 3], runs: usize, seed: u64) -> Result<Table, String> {
+fn judge_vehicle(
+    fleet: &Fleet,
+    config: Config,
+    scale: [f64; 3],
+    runs: usize,
+    seed: u64,
+) -> Result<FleetFigures, String> {
     let mut scenario = Scenario { davis_scale: scale, ..fleet.scenario.clone() };
     let unit: f64 = Normal::new(0.0, 1.0).map_err(|e| e.to_string())?.sample(&mut ChaCha8Rng::seed_from_u64(seed));
     scenario.sensors.effort_gain *= 1.0 + fleet.effort_gain_sd * unit;
@@ -68,7 +74,7 @@ fn judge_vehicle(fleet: &Fleet, config: Config, scale: [f64; 3], runs: usize, se
     let estimator = Estimator::try_new(config, described, track).map_err(|e| e.to_string())?;
     let nominal = described.davis();
     let truth = Davis { r0: nominal.r0 * scale[0], r1: nominal.r1 * scale[1], r2: nominal.r2 * scale[2] };
-    let mut table = Table::default();
-    table.judge_vehicle(&Judged { estimator: &estimator, truth, band_kmh: fleet.band_kmh }, &driven);
+    let mut table = FleetFigures::default();
+    table.judge_vehicle(&JudgedVehicle { estimator: &estimator, truth, band_kmh: fleet.band_kmh }, &driven);
     Ok(table)
 }

@@ -128,7 +128,7 @@ impl Errors {
 }
 
 /// One vehicle and what it is judged by.
-pub struct Judged<'a> {
+pub struct JudgedVehicle<'a> {
     /// The estimator with the train as described.
     pub estimator: &'a Estimator,
     /// Its true coefficients in still air.
@@ -139,7 +139,7 @@ pub struct Judged<'a> {
 
 /// What a fleet gives.
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+pub struct FleetFigures {
     /// Vehicle's r(v) after 1, 10 and all runs.
     pub vehicle: [Errors; 3],
     /// Running run's r(v), run 1, 10 and last.
@@ -154,10 +154,10 @@ pub struct Table {
     pub learned_s: Vec<f64>,
 }
 
-impl Table {
+impl FleetFigures {
     /// Adds one vehicle by its runs.
-    pub fn judge_vehicle(&mut self, judged: &Judged<'_>, fleet: &[Run]) {
-        let Judged { estimator, truth, band_kmh } = judged;
+    pub fn judge_vehicle(&mut self, judged: &JudgedVehicle<'_>, fleet: &[Run]) {
+        let JudgedVehicle { estimator, truth, band_kmh } = judged;
         let nominal = estimator.train().davis();
         let mut vehicle = estimator.new_vehicle();
         for (index, run) in fleet.iter().enumerate() {

@@ -1,11 +1,11 @@
 //! The tables of `docs/measured.md`.
 
 use super::fleets::Fleet;
-use super::score::{Errors, Table};
+use super::score::{Errors, FleetFigures};
 use rundown::estimator::config::Mode;
 
 /// The fleets beside each other: r(v), then regimes and features.
-pub fn tables(judged: &[(Fleet, Table)]) -> String {
+pub fn tables(judged: &[(Fleet, FleetFigures)]) -> String {
     let mut text = String::from(
         "| fleet | r(v) of the vehicle, rms % after 1 / 10 / all runs | of the running train | truths inside 95 % | \
          learned from, s a run |\n|---|---|---|---|---|\n",

@@ -16,9 +16,9 @@ const NAMED: usize = 3;
 pub struct Advice {
     runs: usize,
     learned: bool,
-    without_speed: Named,
-    without_effort: Named,
-    with_effort: Named,
+    without_speed: NamedRuns,
+    without_effort: NamedRuns,
+    with_effort: NamedRuns,
     /// By unit.
     vehicles: BTreeMap<String, vehicle::After>,
 }
@@ -80,12 +80,12 @@ impl Advice {
 
 /// Runs of which the same is to be said: the first names, and how many they are.
 #[derive(Debug, Default)]
-struct Named {
+struct NamedRuns {
     first: Vec<String>,
     count: usize,
 }
 
-impl Named {
+impl NamedRuns {
     fn add(&mut self, run: &ReplayedRun, is_one: bool) {
         self.count += usize::from(is_one);
         if is_one && self.first.len() < NAMED {

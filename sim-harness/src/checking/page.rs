@@ -3,7 +3,7 @@
 //! In: a [`Check`] and its [`Logs`]. Out: a folder that opens from the disk.
 
 use super::parts::{called, findings, interval};
-use super::pictures::{Compared, MOST_DOTS, compared, digits_and_runs, speed_against_location};
+use super::pictures::{ComparedWindow, MOST_DOTS, compared, digits_and_runs, speed_against_location};
 use super::{Logs, run_page};
 use crate::logs::Failed;
 use crate::output::files;
@@ -64,7 +64,8 @@ fn lead(found: &Check, failed: &[Failed]) -> Markup {
 fn recorder_section(recorder: &RecorderCheck, found: &Check, logs: &Logs) -> Markup {
     let of_unit: Vec<usize> = (0..found.runs.len()).filter(|i| found.runs[*i].unit == recorder.unit).collect();
     let usable = || of_unit.iter().filter(|i| found.runs[**i].refusal().is_none());
-    let windows: Vec<Compared> = usable().flat_map(|i| compared(&found.runs[*i], recorder, &logs.right[*i])).collect();
+    let windows: Vec<ComparedWindow> =
+        usable().flat_map(|i| compared(&found.runs[*i], recorder, &logs.right[*i])).collect();
     let runs: Vec<&RunCheck> = of_unit.iter().map(|i| &found.runs[*i]).collect();
     let recorded: Vec<&[Sample]> = of_unit.iter().map(|i| logs.recorded[*i].as_slice()).collect();
     let drawn = if windows.len() > MOST_DOTS { ", of which some are drawn" } else { "" };

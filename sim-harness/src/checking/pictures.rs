@@ -22,10 +22,10 @@ pub(super) const MOST_DOTS: usize = 3000;
 const SHADES: RGBColor = RGBColor(90, 90, 90);
 
 /// A window of a run: mean speed as read, and true less read speed, km/h.
-pub(super) type Compared = Point;
+pub(super) type ComparedWindow = Point;
 
 /// Mean speed by the location less mean speed as read, each in windows of [`WINDOW_S`]; the skew is taken out.
-pub(super) fn compared(run: &RunCheck, recorder: &RecorderCheck, right: &Recording) -> Vec<Compared> {
+pub(super) fn compared(run: &RunCheck, recorder: &RecorderCheck, right: &Recording) -> Vec<ComparedWindow> {
     let skew_s = run.skew_s.map_or(0.0, |skew| skew.value);
     let mut windows = Vec::new();
     for part in parts(&right.rows, run.step_s) {
@@ -36,7 +36,7 @@ pub(super) fn compared(run: &RunCheck, recorder: &RecorderCheck, right: &Recordi
     windows
 }
 
-fn of_part(rows: &[Row], skew_s: f64) -> Vec<Compared> {
+fn of_part(rows: &[Row], skew_s: f64) -> Vec<ComparedWindow> {
     let mut windows = Vec::new();
     let mut first = 0;
     for last in 1..rows.len() {
@@ -56,7 +56,7 @@ fn of_part(rows: &[Row], skew_s: f64) -> Vec<Compared> {
 }
 
 /// Each window a dot, their means with 95 % intervals, and what was fitted.
-pub(super) fn speed_against_location(recorder: &RecorderCheck, windows: &[Compared]) -> Drawing {
+pub(super) fn speed_against_location(recorder: &RecorderCheck, windows: &[ComparedWindow]) -> Drawing {
     // Up to the end of a class: the fastest windows do not lie on the frame.
     let fastest_kmh = range_of(windows.iter().map(|w| w.0)).end.max(CLASS_KMH);
     let x = 0.0..CLASS_KMH * (1.0 + (fastest_kmh / CLASS_KMH).floor());
@@ -96,8 +96,8 @@ pub(super) fn speed_against_location(recorder: &RecorderCheck, windows: &[Compar
 }
 
 /// Means in classes of speed, and their 95 % intervals.
-fn classes(windows: &[Compared]) -> (Vec<Point>, Vec<Vec<Option<Point>>>) {
-    let mut by_class: Vec<Vec<Compared>> = Vec::new();
+fn classes(windows: &[ComparedWindow]) -> (Vec<Point>, Vec<Vec<Option<Point>>>) {
+    let mut by_class: Vec<Vec<ComparedWindow>> = Vec::new();
     for window in windows {
         let class = (window.0 / CLASS_KMH) as usize;
         if by_class.len() <= class {
@@ -108,7 +108,7 @@ fn classes(windows: &[Compared]) -> (Vec<Point>, Vec<Vec<Option<Point>>>) {
     let (mut means, mut bars) = (Vec::new(), Vec::new());
     for class in by_class.iter().filter(|class| class.len() >= LEAST_IN_CLASS) {
         let n = class.len() as f64;
-        let mean = |of: fn(&Compared) -> f64| class.iter().map(of).sum::<f64>() / n;
+        let mean = |of: fn(&ComparedWindow) -> f64| class.iter().map(of).sum::<f64>() / n;
         let (x, y) = (mean(|w| w.0), mean(|w| w.1));
         let variance = class.iter().map(|w| (w.1 - y) * (w.1 - y)).sum::<f64>() / (n - 1.0);
         let half = HALF_95 * (variance / n).sqrt();

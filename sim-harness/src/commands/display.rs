@@ -5,7 +5,7 @@ use crate::display::hub::{Connection, Hub, OnMessage};
 use crate::display::{terminal, text};
 use crate::link::address::{Address, PortAddress};
 use crate::link::record::{Log, Way};
-use crate::{display::demo, display::page::PageServer, display::setup::Setup, display::source::Source};
+use crate::{display::demo, display::page::PageServer, display::setup::Setup, display::source::FrameSource};
 use rundown_files::{track_file::TrackFile, train_file::TrainFile};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -79,7 +79,7 @@ pub struct Arguments {
     follow: bool,
     /// Another unit, whose learned resistance stands beside this one's: a recording, or an address: tcp:HOST:PORT, can:IF, DEVICE@BAUD; up to seven times
     #[arg(long, value_name = "UNIT", conflicts_with = "view", value_parser = unit)]
-    beside: Vec<Source>,
+    beside: Vec<FrameSource>,
     /// On CAN: send no flow control, another computer does
     #[arg(long, requires = "can")]
     listen_only: bool,
@@ -107,14 +107,14 @@ pub struct Arguments {
 }
 
 /// A recording that is there, else an address.
-fn unit(word: &str) -> Result<Source, String> {
+fn unit(word: &str) -> Result<FrameSource, String> {
     if Path::new(word).is_file() {
-        return Ok(Source::File { path: word.into(), follow: false });
+        return Ok(FrameSource::File { path: word.into(), follow: false });
     }
     let address: Address = word.parse().map_err(|error| {
         format!("expected a recording that is there, or an address such as tcp:HOST:PORT, found neither: {error}")
     })?;
-    Ok(Source::Board { address, listen_only: false })
+    Ok(FrameSource::Board { address, listen_only: false })
 }
 
 fn speed(word: &str) -> Result<f64, String> {
@@ -125,12 +125,12 @@ fn speed(word: &str) -> Result<f64, String> {
 }
 
 impl Arguments {
-    fn source(&self) -> Result<Source, Failure> {
-        let board = |address: String| -> Result<Source, Failure> {
+    fn source(&self) -> Result<FrameSource, Failure> {
+        let board = |address: String| -> Result<FrameSource, Failure> {
             let address: Address = address
                 .parse()
                 .map_err(|error| Failure { message: format!("{error}"), code: super::WRONG_ARGUMENTS })?;
-            Ok(Source::Board { address, listen_only: self.listen_only })
+            Ok(FrameSource::Board { address, listen_only: self.listen_only })
         };
         if let Some(port) = &self.port {
             let rate = port.parse::<PortAddress>().is_ok();
@@ -143,9 +143,9 @@ impl Arguments {
             return board(if interface.contains(':') { interface.clone() } else { format!("can:{interface}") });
         }
         Ok(match &self.file {
-            Some(path) => Source::File { path: path.clone(), follow: self.follow },
-            None if self.demo => Source::Demo,
-            None => Source::Stdin,
+            Some(path) => FrameSource::File { path: path.clone(), follow: self.follow },
+            None if self.demo => FrameSource::Demo,
+            None => FrameSource::Stdin,
         })
     }
 
@@ -155,7 +155,7 @@ impl Arguments {
             let message = format!("--beside: expected at most {MOST_BESIDE} other units, found {}", self.beside.len());
             return Err(Failure { message, code: super::WRONG_ARGUMENTS });
         }
-        let listened = |source: &Source| {
+        let listened = |source: &FrameSource| {
             let hub = Arc::new(Hub::new(source.to_string(), 1.0, Setup::default(), Box::new(|_, _| {})));
             let open = source.clone().open().map_err(Failure::refused)?;
             let feed = Arc::clone(&hub);

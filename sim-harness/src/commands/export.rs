@@ -2,7 +2,7 @@
 
 use super::{Failure, WRONG_ARGUMENTS, screen};
 use crate::exchange::sfera;
-use crate::exporting::{ExportError, Format, Order, Traction};
+use crate::exporting::{ExchangeFormat, ExportError, ExportOrder, Traction};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -39,7 +39,7 @@ pub struct Arguments {
     replay: PathBuf,
     /// Formats to write, separated by commas
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', required_unless_present = "sfera")]
-    to: Vec<Format>,
+    to: Vec<ExchangeFormat>,
     /// The same as --to sfera
     #[arg(long)]
     sfera: bool,
@@ -83,8 +83,8 @@ impl From<ExportError> for Failure {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut formats = arguments.to.clone();
-    formats.extend(arguments.sfera.then_some(Format::Sfera));
-    let order = Order {
+    formats.extend(arguments.sfera.then_some(ExchangeFormat::Sfera));
+    let order = ExportOrder {
         replay: arguments.replay.clone(),
         train: arguments.train.clone(),
         formats,

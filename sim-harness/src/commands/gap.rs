@@ -1,6 +1,6 @@
 //! `rundown gap`: recorded runs and the believed model in; which effect is missing, and the model with it, out.
 
-use super::{Failure, RunPages, Strict, screen};
+use super::{Failure, RunPagesChoice, Strict, screen};
 use clap::builder::PossibleValuesParser;
 use rundown::model::effects::EffectKind;
 use rundown_files::recording::DirectionChoice;
@@ -76,7 +76,7 @@ pub struct Arguments {
     #[arg(long)]
     as_recorded: bool,
     #[command(flatten)]
-    pages: RunPages,
+    pages: RunPagesChoice,
     #[command(flatten)]
     strict: Strict,
     /// Print gap.json to stdout, and nothing else
@@ -98,7 +98,7 @@ impl Arguments {
             hold_out: None,
             direction: DirectionChoice::default(),
             as_recorded: false,
-            pages: RunPages { run_pages: true },
+            pages: RunPagesChoice { run_pages: true },
             strict: Strict { strict: false },
             json: false,
         }

@@ -1,7 +1,7 @@
 //! `rundown gap-bench`: how often `rundown gap` finds what was hidden, and nothing else.
 
 use super::{Failure, screen};
-use crate::gap_bench::draw::{Request, SIZES, Set, Size, kinds};
+use crate::gap_bench::draw::{SIZES, Set, SetRequest, Size, kinds};
 use crate::gap_bench::folder;
 use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
@@ -167,7 +167,7 @@ fn of_folder(folder: &Path, arguments: &Arguments) -> Result<ExitCode, Failure> 
             bar.inc(1);
             Ok(judged)
         })
-        .collect::<Result<Vec<folder::Judged>, std::io::Error>>()
+        .collect::<Result<Vec<folder::JudgedSet>, std::io::Error>>()
         .map_err(Failure::refused)?;
     bar.finish_and_clear();
     let text = folder::tables(&judged);
@@ -197,7 +197,7 @@ fn efforts(arguments: &Arguments) -> &'static [bool] {
 }
 
 /// All sets, each with its own seed.
-fn requests(arguments: &Arguments) -> Vec<Request> {
+fn requests(arguments: &Arguments) -> Vec<SetRequest> {
     let efforts = efforts(arguments);
     let sizes: Vec<Size> = match arguments.size.is_empty() {
         true => SIZES.to_vec(),
@@ -213,7 +213,7 @@ fn requests(arguments: &Arguments) -> Vec<Request> {
     };
     let mut request = |kinds: Vec<&'static str>, size, effort, dirty, rng: &mut ChaCha8Rng| {
         for &nuisance in &nuisances {
-            requests.push(Request {
+            requests.push(SetRequest {
                 kinds: kinds.clone(),
                 size,
                 effort,
@@ -249,7 +249,7 @@ fn requests(arguments: &Arguments) -> Vec<Request> {
     requests
 }
 
-fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
+fn one(request: SetRequest, kept: Option<&Path>) -> Result<Done, BenchError> {
     let (seed, kinds) = (request.seed, request.kinds.join(" + "));
     let set = Set::draw(request).map_err(|reason| BenchError { seed, kinds, reason })?;
     let failed = |error: std::io::Error| BenchError::new(&set, error);

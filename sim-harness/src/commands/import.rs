@@ -1,7 +1,7 @@
 //! `rundown import`: logs of any recorder in; run logs, their index, and an account of what was done out.
 
 use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
-use crate::import::{ImportError, Imported, Method, Order};
+use crate::import::{ImportError, ImportOrder, Imported, Method};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -61,7 +61,7 @@ impl From<ImportError> for Failure {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let mut order = Order::new(arguments.files.clone(), arguments.mapping.clone(), arguments.out.clone())?;
+    let mut order = ImportOrder::new(arguments.files.clone(), arguments.mapping.clone(), arguments.out.clone())?;
     order.place_by(arguments.chainage, arguments.track.clone());
     order.track_out.clone_from(&arguments.track_out);
     order.strict = arguments.strict.strict;

@@ -3,7 +3,7 @@
 use super::{Failure, screen};
 use crate::desk::{Description, Desk};
 use crate::session::{Heard, Session, SessionError};
-use crate::{link::address::Address, link::record::Recorder, logs};
+use crate::{link::address::Address, link::record::RecordingLink, logs};
 use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
 use rundown::onboard::uplink::{Command, Pace, Request};
 use rundown::{link::Link, model::effects::Effects};
@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Some(path) => {
             let at = |error: std::io::Error| Failure::not_written(format!("{}: {error}", path.display()));
             let file = BufWriter::new(File::create(path).map_err(at)?);
-            let mut recorder = Recorder::new(link, file).map_err(at)?;
+            let mut recorder = RecordingLink::new(link, file).map_err(at)?;
             let played = play(arguments, Session::new(&mut recorder, desk), &description, &recordings);
             recorder.finish().map_err(at)?;
             log::info!("wrote {}", path.display());

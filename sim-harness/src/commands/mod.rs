@@ -167,7 +167,7 @@ impl Strict {
 }
 
 #[derive(Clone, Copy, Debug, clap::Args)]
-struct RunPages {
+struct RunPagesChoice {
     /// No page for each run beside the report: they take 0.24 MB a run
     #[arg(long = "no-run-pages", action = clap::ArgAction::SetFalse)]
     run_pages: bool,

@@ -29,7 +29,7 @@ pub struct RecordedRuns {
     track: Option<PathBuf>,
 }
 
-pub(super) struct Opened {
+pub(super) struct OpenedCase {
     pub(super) train_file: TrainFile,
     pub(super) train: Train,
     pub(super) track_file: TrackFile,
@@ -48,16 +48,16 @@ pub(super) struct Opened {
 impl RecordedRuns {
     /// Reads the descriptions and finds the runs; `None` when none are asked for.
     /// `config`: that of the estimator.
-    pub(super) fn open(&self, config: &Config) -> Result<Option<Opened>, Failure> {
+    pub(super) fn open(&self, config: &Config) -> Result<Option<OpenedCase>, Failure> {
         self.open_as(config, self.as_recorded)
     }
 
-    /// The same, but that runs are left to be diagnosed by `Opened::known`.
-    pub(super) fn open_undiagnosed(&self, config: &Config) -> Result<Option<Opened>, Failure> {
+    /// The same, but that runs are left to be diagnosed by `OpenedCase::known`.
+    pub(super) fn open_undiagnosed(&self, config: &Config) -> Result<Option<OpenedCase>, Failure> {
         self.open_as(config, true)
     }
 
-    fn open_as(&self, config: &Config, as_recorded: bool) -> Result<Option<Opened>, Failure> {
+    fn open_as(&self, config: &Config, as_recorded: bool) -> Result<Option<OpenedCase>, Failure> {
         let (Some(train), Some(track)) = (&self.train, &self.track) else {
             return Ok(None);
         };
@@ -77,6 +77,6 @@ impl RecordedRuns {
         let config = track_file.doubted(*config);
         let doubt = source.gradient_doubt(&train, &track, config.track_doubt.gradient_sd_permille)?;
         let inputs = [described.to_vec(), source.files()].concat();
-        Ok(Some(Opened { train_file, train, track_file, track, source, known, inputs, config, doubt }))
+        Ok(Some(OpenedCase { train_file, train, track_file, track, source, known, inputs, config, doubt }))
     }
 }

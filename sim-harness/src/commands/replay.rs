@@ -1,7 +1,7 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
 use super::screen::{self, Foreseen};
-use super::{Failure, NOTHING_USABLE, RunPages, SOME_RUNS_FAILED, Strict};
+use super::{Failure, NOTHING_USABLE, RunPagesChoice, SOME_RUNS_FAILED, Strict};
 use crate::logs::Failed;
 use crate::output::tables::{Format, Tables};
 use crate::replaying::{Opened, PERIOD, Request, Runs, StreamError, is_period};
@@ -90,7 +90,7 @@ pub struct Arguments {
     #[arg(long)]
     no_estimates: bool,
     #[command(flatten)]
-    pages: RunPages,
+    pages: RunPagesChoice,
     #[command(flatten)]
     strict: Strict,
     /// Print the summary of all runs as JSON to stdout, and nothing else

@@ -1,6 +1,6 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
-use super::recorded::{Opened, RecordedRuns};
+use super::recorded::{OpenedCase, RecordedRuns};
 use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, WRONG_ARGUMENTS, experiment, screen};
 use crate::output::files;
 use crate::study::case::{calm, case_study, skewed_case_study};
@@ -12,7 +12,7 @@ use crate::study::readings::comparison::Compared;
 use crate::study::readings::recorded::Taken;
 use crate::study::readings::{self, comparison, outcome, reading::Combination};
 use crate::study::run_pages::RunPages;
-use crate::study::slope::{Answer, Plan};
+use crate::study::slope::{SlopeAnswer, SlopePlan};
 use crate::study::{claims, description, slope as self_test, tunnel as tunnel_at_best, write};
 use crate::{
     simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
@@ -107,7 +107,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.parquet")]
     keep_runs: Option<PathBuf>,
     #[command(flatten)]
-    pages: super::RunPages,
+    pages: super::RunPagesChoice,
     /// Only the self-test of learning: vehicles with 0.7 to 1.3 of the described resistance
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs"])]
     truth_slope: bool,
@@ -143,7 +143,7 @@ pub struct Arguments {
     json: bool,
 }
 
-struct Described {
+struct DescribedCase {
     train_name: String,
     track_name: String,
     train: Train,
@@ -172,7 +172,7 @@ struct Kept<'a> {
 pub(super) struct Study {
     pub(super) gathered: Gathered,
     pub(super) claims: Vec<Claim>,
-    pub(super) answers: Vec<Answer>,
+    pub(super) answers: Vec<SlopeAnswer>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -322,16 +322,16 @@ fn described(
     config: &Config,
     simulation: Simulation,
     as_recorded: bool,
-) -> Result<Described, Failure> {
+) -> Result<DescribedCase, Failure> {
     let Some(opened) = arguments.recorded.open(config)? else {
         let seed = arguments.seed.unwrap_or(simulation.seed);
         let count = arguments.count.unwrap_or(simulation.runs);
         let seeds = usize::from(arguments.seeds.unwrap_or(1));
         return simulated(simulation, seed, count, seeds, as_recorded);
     };
-    let Opened { train_file, train, track_file, track, source, inputs, mut config, doubt, .. } = opened;
+    let OpenedCase { train_file, train, track_file, track, source, inputs, mut config, doubt, .. } = opened;
     doubt.into_iter().for_each(|doubt| doubt.raise(&mut config.track_doubt));
-    Ok(Described {
+    Ok(DescribedCase {
         train_name: train_file.name,
         track_name: track_file.name,
         train,
@@ -351,14 +351,14 @@ fn simulated(
     count: usize,
     seeds: usize,
     as_recorded: bool,
-) -> Result<Described, Failure> {
+) -> Result<DescribedCase, Failure> {
     let of_scenario = description::of(&simulation)?;
     let other = |index| RunSource::simulated(simulation.clone(), comparison::seed_of(seed, index), count, as_recorded);
     let words = match seeds {
         1 => format!("simulated with seed {seed}"),
         _ => format!("simulated with seed {seed}, claims also judged on {} other sets", seeds - 1),
     };
-    Ok(Described {
+    Ok(DescribedCase {
         train_name: format!("{} (simulated)", simulation.train.name),
         track_name: simulation.track.name.clone(),
         config: None,
@@ -383,7 +383,7 @@ pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
 }
 
 fn study(
-    mut described: Described,
+    mut described: DescribedCase,
     config: Config,
     seed: u64,
     example: Option<&str>,
@@ -407,7 +407,7 @@ fn study(
     let others = of_others(&mut described.others, &config, &estimators, &track)?;
     let claims = claims::over_sets(claims::claims(&gathered, &train, &trials), &others);
     // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's line.
-    let plan = Plan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
+    let plan = SlopePlan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
     let test = self_test::self_test(&plan, config, || ())?;
     let slopes = [slope::slope(&test, 1)];
     let pictures = pictures(&gathered, &train);
@@ -455,7 +455,7 @@ fn of_others(
 
 /// Replays all runs and writes their table, and the runs themselves where they are to be kept.
 fn gathered(
-    described: &mut Described,
+    described: &mut DescribedCase,
     estimators: &Estimators,
     example: Option<&str>,
     kept: Kept,
@@ -539,7 +539,7 @@ pub(super) fn table(study: &Study) -> String {
 
 fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
     let provenance = Provenance::begin(&arguments.config.iter().cloned().collect::<Vec<_>>());
-    let plan = Plan {
+    let plan = SlopePlan {
         simulation: calm()?,
         vehicles: usize::from(arguments.vehicles),
         runs: usize::from(arguments.vehicle_runs),
@@ -576,7 +576,7 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
         Some(path) => Simulation::read(path),
         None => case_study(),
     }?;
-    let plan = comparison::Plan {
+    let plan = comparison::ComparisonPlan {
         runs: simulation.runs,
         seed: arguments.seed.unwrap_or(SEED),
         seeds: usize::from(arguments.seeds.unwrap_or(SETS)),
@@ -595,8 +595,8 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
 }
 
 /// The readings on recorded runs.
-fn readings_of(arguments: &Arguments, opened: Opened, out: &Path) -> Result<ExitCode, Failure> {
-    let Opened { train, track, mut source, known, inputs, .. } = opened;
+fn readings_of(arguments: &Arguments, opened: OpenedCase, out: &Path) -> Result<ExitCode, Failure> {
+    let OpenedCase { train, track, mut source, known, inputs, .. } = opened;
     let recorded = &arguments.recorded;
     let taken = Taken { known: &known, as_recorded: recorded.as_recorded, keep_perturbed: recorded.keep_perturbed };
     let found = readings::recorded::recorded(&mut source, taken, &train)?;
@@ -674,7 +674,7 @@ fn tunnel(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn tunnel_json(answer: &tunnel_at_best::Answer) -> String {
+fn tunnel_json(answer: &tunnel_at_best::TunnelAnswer) -> String {
     let [backward, forward] = answer.largest();
     let drag = |d: &tunnel_at_best::Drag| json!({ "from_m": d.from_m, "to_m": d.to_m, "k": d.k });
     let json = json!({

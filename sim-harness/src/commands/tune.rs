@@ -5,7 +5,7 @@ use super::{Failure, screen};
 use crate::report::TruthView;
 use crate::study::case::{Case, calm, case_study};
 use crate::study::figures::run::truth_view;
-use crate::study::slope::{Answer, Plan};
+use crate::study::slope::{SlopeAnswer, SlopePlan};
 use crate::study::{description, slope, write};
 use crate::tune::page::{Tuning, page, short};
 use crate::tune::parameters::{PARAMETERS, Place, config, place, values};
@@ -60,12 +60,12 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "out/tune")]
     out: PathBuf,
     #[command(flatten)]
-    pages: super::RunPages,
+    pages: super::RunPagesChoice,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let base = super::config(arguments.config.as_deref())?;
-    let Runs { bench, truths, source, provenance } = runs_of(arguments, base)?;
+    let TunedRuns { bench, truths, source, provenance } = runs_of(arguments, base)?;
     let table1 = place(&PaperConfig::default());
     let bar = screen::progress(arguments.evaluations as usize + EVALUATIONS);
     let step = || bar.inc(1);
@@ -109,7 +109,7 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
 }
 
 /// What is tuned on.
-struct Runs {
+struct TunedRuns {
     bench: Bench,
     /// Of each run, where it is known.
     truths: Vec<Option<TruthView>>,
@@ -119,7 +119,7 @@ struct Runs {
     provenance: Provenance,
 }
 
-fn runs_of(arguments: &Arguments, base: Config) -> Result<Runs, Failure> {
+fn runs_of(arguments: &Arguments, base: Config) -> Result<TunedRuns, Failure> {
     let count = usize::from(arguments.count);
     let mut inputs: Vec<PathBuf> = arguments.config.iter().cloned().collect();
     let (train, track, mut source, words, base) = match arguments.recorded.open(&base)? {
@@ -161,7 +161,7 @@ fn runs_of(arguments: &Arguments, base: Config) -> Result<Runs, Failure> {
     let (runs, truths): (Vec<Recording>, Vec<_>) =
         moving.map(|case| (case.recording, case.truth.as_ref().map(truth_view))).unzip();
     let source = format!("{} {words} runs", runs.len());
-    Ok(Runs { bench: Bench { base, train, track, runs }, truths, source, provenance })
+    Ok(TunedRuns { bench: Bench { base, train, track, runs }, truths, source, provenance })
 }
 
 /// The runs that say something of a filter; a refusal where none does.
@@ -182,8 +182,8 @@ fn moving(cases: Vec<Case>) -> Result<Vec<Case>, Failure> {
 }
 
 /// Slope of the paper's mode with a configuration, after one run.
-fn paper_slope(config: Config, seed: u64) -> Result<Answer, Failure> {
-    let plan = Plan { simulation: calm()?, vehicles: VEHICLES, runs: 1, seed };
+fn paper_slope(config: Config, seed: u64) -> Result<SlopeAnswer, Failure> {
+    let plan = SlopePlan { simulation: calm()?, vehicles: VEHICLES, runs: 1, seed };
     let answers = slope::self_test(&plan, config, || ())?.answers.into_iter();
     let word = crate::output::json::mode_word(Mode::Paper);
     let mut of_paper = answers.filter(|answer| answer.mode == word);

@@ -1,6 +1,6 @@
 //! What frames say together that none says alone: how much was learned, how well coasts were foreseen, which sensor is to be looked at.
 //!
-//! In: frames in their order. Out: [`Judged`], a part of the state. Nothing is known before its frames have come: then it is `None`.
+//! In: frames in their order. Out: [`Conclusion`], a part of the state. Nothing is known before its frames have come: then it is `None`.
 
 use rundown_wire::{Cause, CoastAhead, CoastOutcome, Estimate, Learned, Parameters, Regime, Status};
 use serde::Serialize;
@@ -14,7 +14,7 @@ const LEAST_DOUBTS: u32 = 3;
 
 /// What is concluded.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Judged {
+pub struct Conclusion {
     /// Information on r(v) since this display heard that nothing was learned yet, bits at [`SPEEDS_KMH`]: log2 of the standard deviation then over
     /// that of now.
     pub learned_bits: Option<[f32; SPEEDS_KMH.len()]>,
@@ -59,7 +59,7 @@ struct Coast {
     predictions: u32,
 }
 
-impl Judged {
+impl Conclusion {
     /// What stays when a run ends: the sensor's doubts are of the run.
     pub fn next_run(self) -> Self {
         let mut judged = self;
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn half_the_deviation_is_one_bit_and_a_late_joiner_does_not_know() {
-        let mut judged = Judged::default();
+        let mut judged = Conclusion::default();
         judged.parameters(&parameters(4e-3, Learned::NotYet));
         assert_eq!(judged.learned_bits, Some([0.0; 4]));
         judged.parameters(&parameters(2e-3, Learned::Learned));
@@ -215,14 +215,14 @@ mod tests {
         judged = judged.next_run();
         judged.parameters(&parameters(1e-3, Learned::Learned));
         assert_eq!(judged.learned_bits, Some([2.0; 4]), "over the runs");
-        let mut late = Judged::default();
+        let mut late = Conclusion::default();
         late.parameters(&parameters(2e-3, Learned::Learned));
         assert_eq!(late.learned_bits, None);
     }
 
     #[test]
     fn the_first_prediction_of_a_coast_is_compared_with_its_last() {
-        let mut judged = Judged::default();
+        let mut judged = Conclusion::default();
         let mut coast = |predictions: &[(f32, f32)]| {
             judged.estimate(&estimate(Regime::Coast));
             for (i, (mps, sd)) in predictions.iter().enumerate() {
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn the_sensor_with_the_most_doubts_is_suspected() {
-        let mut judged = Judged::default();
+        let mut judged = Conclusion::default();
         let status = |message: &Vec<u8>| match Downlink::decode(message).unwrap().body {
             Body::Status(status) => Some(status),
             _ => None,

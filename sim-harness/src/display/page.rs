@@ -111,7 +111,7 @@ pub struct PageServer {
 
 /// A unit among several.
 #[derive(Debug, Serialize)]
-struct Unit {
+struct PageUnit {
     source: String,
     connection: Connection,
     parameters: Option<Parameters>,
@@ -183,7 +183,7 @@ impl PageServer {
     fn units(&self) -> io::Result<String> {
         let unit = |View { state, link, .. }: View<'_>| {
             let LinkHealth { source, connection, .. } = link;
-            Unit { source, connection, parameters: state.now.parameters }
+            PageUnit { source, connection, parameters: state.now.parameters }
         };
         let all = std::iter::once(&self.hub).chain(&self.beside);
         Ok(serde_json::to_string(&all.map(|hub| hub.view(unit)).collect::<Vec<_>>())?)
@@ -194,20 +194,20 @@ impl PageServer {
     }
 
     /// A page of another site must not read this one under a name of its own (DNS rebinding).
-    fn is_ours(&self, request: &Request) -> bool {
+    fn is_ours(&self, request: &HttpRequest) -> bool {
         let port = self.address.port();
         let names = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
         names.contains(&request.host)
     }
 }
 
-struct Request {
+struct HttpRequest {
     path: String,
     host: String,
 }
 
 /// The head of a GET request; nothing if it is none.
-fn read_request(browser: &mut impl Read) -> io::Result<Option<Request>> {
+fn read_request(browser: &mut impl Read) -> io::Result<Option<HttpRequest>> {
     let mut head = Vec::new();
     let mut piece = [0; 1024];
     loop {
@@ -219,7 +219,7 @@ fn read_request(browser: &mut impl Read) -> io::Result<Option<Request>> {
             Ok(httparse::Status::Complete(_)) if request.method == Some("GET") => {
                 let host = request.headers.iter().find(|h| h.name.eq_ignore_ascii_case("host"));
                 let path = request.path.unwrap_or_default();
-                return Ok(Some(Request {
+                return Ok(Some(HttpRequest {
                     path: path.split('?').next().unwrap_or_default().to_owned(),
                     host: host.map_or_else(String::new, |h| String::from_utf8_lossy(h.value).into()),
                 }));

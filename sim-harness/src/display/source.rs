@@ -1,6 +1,6 @@
 //! Where frames come from.
 //!
-//! In: a [`Source`]. Out: its messages, in a [`Hub`], and what becomes of it.
+//! In: a [`FrameSource`]. Out: its messages, in a [`Hub`], and what becomes of it.
 //!
 //! A port, a connection or an interface that fails is opened again, after [`FIRST_PAUSE`], then twice as long, at most [`LONGEST_PAUSE`]; a source that brings frames begins with the first pause again.
 //! A recording is the bytes of a serial line, or what `rundown link --record` writes (`docs/formats.md`); its first bytes show which.
@@ -25,7 +25,7 @@ const FOLLOW: Duration = Duration::from_millis(100);
 const TEXT: &[u8] = b"time_us,";
 
 #[derive(Clone, Debug)]
-pub enum Source {
+pub enum FrameSource {
     Board {
         address: Address,
         /// On a CAN bus another computer answers the board.
@@ -40,7 +40,7 @@ pub enum Source {
     Demo,
 }
 
-impl fmt::Display for Source {
+impl fmt::Display for FrameSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Board { address, .. } => address.fmt(f),
@@ -51,7 +51,7 @@ impl fmt::Display for Source {
     }
 }
 
-impl Source {
+impl FrameSource {
     pub const fn is_tried_again(&self) -> bool {
         matches!(self, Self::Board { .. } | Self::File { follow: true, .. })
     }

@@ -4,7 +4,7 @@
 //!
 //! A value that has not come is `None`, never a zero. With a new run the values of the old one are gone; its speed over location and what it has taught stay.
 
-use super::judged::Judged;
+use super::judged::Conclusion;
 use rundown_wire::{
     Body, CoastAhead, Effect, EffectKind, Effort, Estimate, Features, Health, Order, Parameters, Received, Regime,
     RunSummary, Status, SwitchingPoint, Validity, Versions,
@@ -21,7 +21,7 @@ const STANDING_M: f32 = 25.0;
 pub const UNSETTLED: usize = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(into = "Row")]
+#[serde(into = "PointRow")]
 pub struct Point {
     pub location_m: f32,
     pub speed_mps: f32,
@@ -40,9 +40,9 @@ pub struct Point {
 }
 
 /// A point as JSON has it, in the order of its fields: thousands go to each browser. Regime as in [`Regime::ALL`]; 0 valid, 1 held, 2 invalid.
-pub type Row = (f32, f32, f32, u8, u8, f64, Option<f32>, bool, bool);
+pub type PointRow = (f32, f32, f32, u8, u8, f64, Option<f32>, bool, bool);
 
-impl From<Point> for Row {
+impl From<Point> for PointRow {
     fn from(point: Point) -> Self {
         let validity = match point.validity {
             Validity::Valid => 0,
@@ -122,7 +122,7 @@ pub struct Now {
     /// Which firmware it is.
     pub versions: Option<Versions>,
     /// What these frames say together.
-    pub judged: Judged,
+    pub judged: Conclusion,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -137,11 +137,11 @@ fn header<'a>(view: &View<'_>) -> Paragraph<'a> {
     titled(" Rundown (q: quit) ", vec![line, coasting])
 }
 
-type Curve = Vec<(f64, f64)>;
+type PlottedCurve = Vec<(f64, f64)>;
 
 /// The curve of each regime, as dots: a line would join what is apart.
-fn curves(points: &[Point], step_m: f64) -> [Curve; 5] {
-    let mut curves: [Curve; 5] = Default::default();
+fn curves(points: &[Point], step_m: f64) -> [PlottedCurve; 5] {
+    let mut curves: [PlottedCurve; 5] = Default::default();
     for pair in points.windows(2) {
         let [from, to] = pair else { continue };
         if to.gap {
@@ -190,9 +190,10 @@ fn draw_speed(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
 
 fn draw_resistance(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
     let speeds = || (0..=60).map(|n| f64::from(n) * 160.0 / 60.0);
-    let manufacturer: Curve = speeds().filter_map(|kmh| Some((kmh, 1000.0 * setup.manufacturer(kmh / 3.6)?))).collect();
-    let mut mean = Curve::new();
-    let mut band = Curve::new();
+    let manufacturer: PlottedCurve =
+        speeds().filter_map(|kmh| Some((kmh, 1000.0 * setup.manufacturer(kmh / 3.6)?))).collect();
+    let mut mean = PlottedCurve::new();
+    let mut band = PlottedCurve::new();
     if let Some(parameters) = &state.now.parameters {
         for kmh in speeds() {
             let at = parameters.at((kmh / 3.6) as f32);

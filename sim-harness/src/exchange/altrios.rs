@@ -56,7 +56,7 @@ pub(super) fn write(train: &TrainFile, max_speed_kmh: f64, said: &[String]) -> S
 }
 
 #[derive(Deserialize)]
-struct Vehicle {
+struct AltriosVehicle {
     car_type: String,
     length_meters: f64,
     axle_count: f64,
@@ -79,7 +79,7 @@ struct Vehicle {
 }
 
 pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
-    let vehicle: Vehicle = super::yaml::read(path, text, "a rail vehicle of ALTRIOS")?;
+    let vehicle: AltriosVehicle = super::yaml::read(path, text, "a rail vehicle of ALTRIOS")?;
     let mass_kg = vehicle.mass_static_base_kilograms + vehicle.mass_freight_kilograms;
     if mass_kg <= 0.0 || !mass_kg.is_finite() {
         let message = format!("expected a mass above 0, found {mass_kg}");

@@ -32,7 +32,7 @@ use sumo::Form;
 
 /// A format to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
+pub enum ExchangeFormat {
     /// Train characteristics of the UIC's SFERA, XML
     Sfera,
     /// Vehicle type of SUMO, an additional file
@@ -47,7 +47,7 @@ pub enum Format {
     Altrios,
 }
 
-impl Format {
+impl ExchangeFormat {
     /// All of them.
     pub const ALL: [Self; 6] = [Self::Sfera, Self::Sumo, Self::SumoTable, Self::Osrd, Self::Trainruns, Self::Altrios];
 
@@ -77,46 +77,46 @@ impl Format {
 }
 
 /// The content of a file. `Err`: why the format cannot hold the train.
-pub fn write(format: Format, learned: &LearnedTrain, identity: &Identity) -> Result<Vec<u8>, String> {
+pub fn write(format: ExchangeFormat, learned: &LearnedTrain, identity: &Identity) -> Result<Vec<u8>, String> {
     let train = &learned.train;
     let max_speed_kmh = f64::from(identity.max_speed_kmh);
     let said = provenance::sentences(learned, train.mass_kg);
     match format {
-        Format::Sfera => {
+        ExchangeFormat::Sfera => {
             let said = provenance::sentences(learned, sfera::stated_mass_kg(train));
             let mut bytes = Vec::new();
             sfera::write(&mut bytes, train, identity, &said).map_err(|error| error.to_string())?;
             Ok(bytes)
         }
-        Format::Sumo | Format::SumoTable => {
-            let form = if format == Format::Sumo { Form::Parameters } else { Form::Tables };
+        ExchangeFormat::Sumo | ExchangeFormat::SumoTable => {
+            let form = if format == ExchangeFormat::Sumo { Form::Parameters } else { Form::Tables };
             sumo::write(train, max_speed_kmh, form, &said).map_err(|error| error.to_string())
         }
-        Format::Osrd => {
+        ExchangeFormat::Osrd => {
             let voltage_v = match identity.traction {
                 Traction::Electrical { volts, .. } => Some(volts),
                 Traction::Battery | Traction::Diesel | Traction::Hydrogen => None,
             };
             Ok(osrd::write(train, max_speed_kmh, voltage_v, &said).into_bytes())
         }
-        Format::Trainruns => trainruns::write(train, max_speed_kmh, &said).map(String::into_bytes),
-        Format::Altrios => Ok(altrios::write(train, max_speed_kmh, &said).into_bytes()),
+        ExchangeFormat::Trainruns => trainruns::write(train, max_speed_kmh, &said).map(String::into_bytes),
+        ExchangeFormat::Altrios => Ok(altrios::write(train, max_speed_kmh, &said).into_bytes()),
     }
 }
 
 /// What a file of another tool holds.
-pub enum Found {
+pub enum ForeignFile {
     Train(Draft),
     /// With what was lost or needs to be known.
     Track(TrackFile, Vec<String>),
 }
 
 /// Reads a file of any of the formats, recognised by its content.
-pub fn read(path: &Path, text: &str) -> Result<Found, ReadError> {
+pub fn read(path: &Path, text: &str) -> Result<ForeignFile, ReadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let has = |word: &str| text.contains(word);
     if has(running_path::SCHEMA) {
-        return running_path::read(path, text).map(|(track, notes)| Found::Track(track, notes));
+        return running_path::read(path, text).map(|(track, notes)| ForeignFile::Track(track, notes));
     }
     let reader = if has("<TC_Features") || has(":TC_Features") {
         sfera::read
@@ -133,7 +133,7 @@ pub fn read(path: &Path, text: &str) -> Result<Found, ReadError> {
             "expected a train of SFERA, SUMO, OSRD, railtoolkit or ALTRIOS, or a running path of railtoolkit";
         return Err(Place::of_file(path).refuse("", format!("{expected}, found none of them")).into());
     };
-    reader(path, text).map(Found::Train)
+    reader(path, text).map(ForeignFile::Train)
 }
 
 #[cfg(test)]

@@ -77,7 +77,7 @@ struct Stock {
     mass: f64,
     inertia_coefficient: f64,
     length: f64,
-    rolling_resistance: Resistance,
+    rolling_resistance: RollingResistance,
     effort_curves: Curves,
     /// Since 3.3.
     const_gamma: Option<f64>,
@@ -94,7 +94,7 @@ struct Gamma {
 }
 
 #[derive(Deserialize)]
-struct Resistance {
+struct RollingResistance {
     #[serde(rename = "type")]
     law: String,
     #[serde(rename = "A")]
@@ -113,13 +113,13 @@ struct Curves {
 
 #[derive(Deserialize)]
 struct Mode {
-    default_curve: Curve,
+    default_curve: EffortCurve,
     #[serde(default)]
     curves: Vec<Value>,
 }
 
 #[derive(Deserialize)]
-struct Curve {
+struct EffortCurve {
     speeds: Vec<f64>,
     max_efforts: Vec<f64>,
 }
@@ -130,14 +130,14 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
         place.refuse("", format!("expected a rolling stock of OSRD, found {error}"))
     })?;
     let refuse = |field: &str, message: String| ReadError::from(Place::of_file(path).refuse(field, message));
-    let Resistance { law, a, b, c } = &stock.rolling_resistance;
+    let RollingResistance { law, a, b, c } = &stock.rolling_resistance;
     if law != "davis" {
         return Err(refuse("rolling_resistance.type", format!("expected `davis`, found `{law}`")));
     }
     let chosen = &stock.effort_curves.default_mode;
     let mode = stock.effort_curves.modes.get(chosen);
     let mode = mode.ok_or_else(|| refuse("effort_curves.modes", format!("expected `{chosen}`, found no such mode")))?;
-    let Curve { speeds, max_efforts } = &mode.default_curve;
+    let EffortCurve { speeds, max_efforts } = &mode.default_curve;
     if speeds.len() != max_efforts.len() {
         let message = format!("expected {} efforts, one for each speed, found {}", speeds.len(), max_efforts.len());
         return Err(refuse("effort_curves", message));

@@ -18,7 +18,7 @@ const MOST_KMH: f64 = 700.0;
 const PERMILLE: RangeInclusive<f64> = -200.0..=200.0;
 
 #[derive(Deserialize)]
-struct File {
+struct PathFile {
     paths: Vec<RunningPath>,
 }
 
@@ -96,7 +96,7 @@ fn sections(path: &Path, found: &Spanned<Vec<Spanned<Section>>>) -> Result<Vec<V
 
 /// The track, and what was lost or needs to be known.
 pub(super) fn read(path: &Path, text: &str) -> Result<(TrackFile, Vec<String>), ReadError> {
-    let file: File = yaml::read(path, text, "a running path of railtoolkit")?;
+    let file: PathFile = yaml::read(path, text, "a running path of railtoolkit")?;
     let of_file = |field: &str, message: String| ReadError::from(Place::of_file(path).refuse(field, message));
     let running = file.paths.first().ok_or_else(|| of_file("paths", "expected one, found none".to_owned()))?;
     let sections = sections(path, &running.characteristic_sections)?;

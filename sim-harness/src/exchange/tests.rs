@@ -32,11 +32,11 @@ fn identity() -> Identity {
 }
 
 /// Written, read, and completed with what the format lacks.
-fn there_and_back(format: Format, train: &TrainFile) -> TrainFile {
+fn there_and_back(format: ExchangeFormat, train: &TrainFile) -> TrainFile {
     let bytes = write(format, &learned(train.clone()), &identity()).unwrap();
     let text = String::from_utf8(bytes).unwrap();
     let path = Path::new(format.file_name());
-    let Found::Train(draft) = read(path, &text).unwrap_or_else(|error| panic!("{error}\n{text}")) else {
+    let ForeignFile::Train(draft) = read(path, &text).unwrap_or_else(|error| panic!("{error}\n{text}")) else {
         panic!("expected a train");
     };
     let lacking = [
@@ -47,9 +47,9 @@ fn there_and_back(format: Format, train: &TrainFile) -> TrainFile {
     let set: BTreeMap<&'static str, f64> =
         lacking.into_iter().filter(|(field, _)| !draft.values.contains_key(field)).collect();
     let expected_lacking = match format {
-        Format::Sfera => 1,
-        Format::Altrios => 2,
-        Format::Sumo | Format::SumoTable | Format::Osrd | Format::Trainruns => 0,
+        ExchangeFormat::Sfera => 1,
+        ExchangeFormat::Altrios => 2,
+        ExchangeFormat::Sumo | ExchangeFormat::SumoTable | ExchangeFormat::Osrd | ExchangeFormat::Trainruns => 0,
     };
     assert_eq!(set.len(), expected_lacking, "{format:?}");
     draft.complete(path, &set).unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -80,7 +80,7 @@ fn trains() -> impl Strategy<Value = TrainFile> {
 proptest! {
     #[test]
     fn a_train_comes_back_from_every_format(train in trains()) {
-        for format in Format::ALL {
+        for format in ExchangeFormat::ALL {
             let back = there_and_back(format, &train);
             let numbers = |train: &TrainFile| {
                 let TrainFile { mass_kg, rotating_mass_factor, length_m, max_brake_mps2, .. } = *train;
@@ -96,13 +96,13 @@ proptest! {
             }
             // SFERA's curve has whole newtons: half of one, of the smallest force, at the largest speed.
             let half_newton = 0.5 * KmPerHour(200.0).to_mps() / train.max_power_w;
-            let tolerance = 1e-6 + if format == Format::Sfera { half_newton } else { 0.0 };
+            let tolerance = 1e-6 + if format == ExchangeFormat::Sfera { half_newton } else { 0.0 };
             for (before, after) in
                 [(train.max_tractive_effort_n, back.max_tractive_effort_n), (train.max_power_w, back.max_power_w)]
             {
                 prop_assert!((after / before - 1.0).abs() < tolerance, "{format:?}: {before} {after}");
             }
-            let name = if format == Format::Sfera { identity().id } else { train.name.clone() };
+            let name = if format == ExchangeFormat::Sfera { identity().id } else { train.name.clone() };
             prop_assert_eq!(back.name, name);
         }
     }
@@ -111,7 +111,7 @@ proptest! {
 #[test]
 fn every_file_says_what_is_learned_how_sure_and_what_is_described() {
     let train = TrainFile::of("t", &TrainDescription::CASE_STUDY);
-    for format in Format::ALL {
+    for format in ExchangeFormat::ALL {
         let text = String::from_utf8(write(format, &learned(train.clone()), &identity()).unwrap()).unwrap();
         for words in ["learned by Rundown from 7 runs, with 95 % intervals", "+/-", "capability as described"] {
             assert!(text.contains(words), "{format:?}: {text}");
@@ -137,7 +137,7 @@ fn what_is_no_train_is_refused() {
 #[test]
 fn osrd_finds_every_field_that_it_needs() {
     let train = TrainFile::of("t", &TrainDescription::CASE_STUDY);
-    let text = write(Format::Osrd, &learned(train.clone()), &identity()).unwrap();
+    let text = write(ExchangeFormat::Osrd, &learned(train.clone()), &identity()).unwrap();
     let stock: serde_json::Value = serde_json::from_slice(&text).unwrap();
     for number in ["length", "max_speed", "startup_time", "startup_acceleration", "comfort_acceleration", "const_gamma"]
     {
@@ -181,8 +181,8 @@ fn tables_of_another_shape_are_refused_with_how_far_they_are_off() {
         )
     };
     let read = |resistance: &str| match read(Path::new("t.xml"), &file(resistance)) {
-        Ok(Found::Train(draft)) => Ok(draft),
-        Ok(Found::Track(..)) => panic!("expected a train"),
+        Ok(ForeignFile::Train(draft)) => Ok(draft),
+        Ok(ForeignFile::Track(..)) => panic!("expected a train"),
         Err(error) => Err(error.to_string()),
     };
     // 1 + 0.05 v + 0.002 v² kN.

@@ -98,19 +98,19 @@ pub(super) fn write(train: &TrainFile, max_speed_kmh: f64, said: &[String]) -> R
 }
 
 #[derive(Deserialize)]
-struct File {
-    trains: Vec<Train>,
-    vehicles: Vec<Vehicle>,
+struct TrainRunsFile {
+    trains: Vec<TrainsEntry>,
+    vehicles: Vec<TrainRunsVehicle>,
 }
 
 #[derive(Deserialize)]
-struct Train {
+struct TrainsEntry {
     name: String,
     formation: Vec<String>,
 }
 
 #[derive(Deserialize)]
-struct Vehicle {
+struct TrainRunsVehicle {
     id: String,
     vehicle_type: String,
     length: f64,
@@ -130,7 +130,7 @@ struct Vehicle {
     tractive_effort: Vec<(f64, f64)>,
 }
 
-impl Vehicle {
+impl TrainRunsVehicle {
     fn has_traction(&self) -> bool {
         ["traction unit", "multiple unit"].contains(&self.vehicle_type.as_str())
     }
@@ -158,15 +158,15 @@ impl Vehicle {
 }
 
 pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
-    let file: File = yaml::read(path, text, "rolling stock of railtoolkit")?;
+    let file: TrainRunsFile = yaml::read(path, text, "rolling stock of railtoolkit")?;
     let refuse = |field: &str, message: String| ReadError::from(Place::of_file(path).refuse(field, message));
     let train = file.trains.first().ok_or_else(|| refuse("trains", "expected one, found none".to_owned()))?;
     let formation = train.formation.iter().map(|id| {
         let found = file.vehicles.iter().find(|vehicle| vehicle.id == *id);
         found.ok_or_else(|| refuse("vehicles", format!("expected `{id}` of the formation, found no such vehicle")))
     });
-    let formation: Vec<&Vehicle> = formation.collect::<Result<_, _>>()?;
-    let powered: Vec<&&Vehicle> = formation.iter().filter(|vehicle| vehicle.has_traction()).collect();
+    let formation: Vec<&TrainRunsVehicle> = formation.collect::<Result<_, _>>()?;
+    let powered: Vec<&&TrainRunsVehicle> = formation.iter().filter(|vehicle| vehicle.has_traction()).collect();
     let [unit] = powered[..] else {
         let message =
             format!("expected one traction unit or multiple unit, as TrainRuns uses, found {}", powered.len());
@@ -197,7 +197,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
     Ok(draft)
 }
 
-fn notes(file: &File, formation: &[&Vehicle]) -> Vec<String> {
+fn notes(file: &TrainRunsFile, formation: &[&TrainRunsVehicle]) -> Vec<String> {
     let mut notes = vec!["not kept: speed_limit, power_type".to_owned()];
     if file.trains.len() > 1 {
         notes.push(format!("read is the first of {} trains", file.trains.len()));

@@ -1,6 +1,6 @@
 //! Draws a set by seed: train, line, drivers, sensors, and what is hidden.
 
-use crate::gap_bench::nuisance::{Drawn, Nuisance};
+use crate::gap_bench::nuisance::{DrawnNuisance, Nuisance};
 use crate::simulation;
 use crate::simulation::believed::{TRAIN_NAME, corridor, train_file};
 use crate::simulation::folder::FolderError;
@@ -32,7 +32,7 @@ pub fn kinds() -> impl Iterator<Item = &'static str> {
 
 /// What a set is to be; the seed draws the rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Request {
+pub struct SetRequest {
     /// Of [`kinds`]: none, one or several.
     pub kinds: Vec<&'static str>,
     /// How large.
@@ -55,11 +55,11 @@ pub struct Request {
 #[derive(Clone, Debug)]
 pub struct Set {
     /// What it was to be.
-    pub request: Request,
+    pub request: SetRequest,
     /// All that is simulated, what is hidden included.
     pub scenario: Scenario,
     /// The nuisance with its size.
-    pub drawn: Option<Drawn>,
+    pub drawn: Option<DrawnNuisance>,
 }
 
 impl Set {
@@ -67,7 +67,7 @@ impl Set {
     ///
     /// # Errors
     /// Names a kind that cannot be hidden.
-    pub fn draw(request: Request) -> Result<Self, String> {
+    pub fn draw(request: SetRequest) -> Result<Self, String> {
         let mut rng = ChaCha8Rng::seed_from_u64(request.seed ^ 0xA5A5);
         let mut scenario = Scenario::default();
         if rng.random_bool(0.6) {

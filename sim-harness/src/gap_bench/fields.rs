@@ -59,7 +59,7 @@ pub const DRAWN: &[[&str; 4]] = &[
     ["[].seconds", "s", "time of the investigation; differs from run to run", ""],
 ];
 
-/// Of sets of others: [`super::folder::Judged`].
+/// Of sets of others: [`super::folder::JudgedSet`].
 pub const OF_FOLDER: &[[&str; 4]] = &[
     ["[].set", "", "folder of the set", ""],
     ["[].effort", "", "whether the effort column was left in", ""],

@@ -50,7 +50,7 @@ pub struct Name {
 
 /// A set beside its key.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Judged {
+pub struct JudgedSet {
     /// Folder of the set.
     pub set: String,
     /// With or without an effort column.
@@ -106,7 +106,7 @@ pub fn keys(folder: &Path) -> io::Result<Vec<(String, Key)>> {
 ///
 /// # Errors
 /// No folder for a copy could be made.
-pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<Judged> {
+pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<JudgedSet> {
     let set = folder.join(name);
     let answer = if effort {
         investigate(&set)
@@ -115,7 +115,7 @@ pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<J
         let copied = without_effort(&set, copy.path()).map_err(|error| format!("{}: {error}", set.display()));
         copied.and_then(|()| investigate(copy.path()))
     };
-    Ok(Judged::of(name, key, effort, answer))
+    Ok(JudgedSet::of(name, key, effort, answer))
 }
 
 fn investigate(set: &Path) -> Result<Answer, String> {
@@ -149,7 +149,7 @@ fn without_effort(set: &Path, to: &Path) -> io::Result<()> {
     Ok(())
 }
 
-impl Judged {
+impl JudgedSet {
     fn of(set: &str, key: &Key, effort: bool, answer: Result<Answer, String>) -> Self {
         let variant = if effort { "effort" } else { "no-effort" };
         let accepted = key.also_accepted.get(variant).cloned().unwrap_or_default();
@@ -223,25 +223,25 @@ impl Judged {
 }
 
 /// Shares that were named, false names, p-values, and how often a confidence is right.
-pub fn tables(judged: &[Judged]) -> String {
+pub fn tables(judged: &[JudgedSet]) -> String {
     let names: Vec<(f64, bool)> =
         judged.iter().flat_map(|one| &one.found).map(|name| (name.confidence, name.right)).collect();
     [shares(judged), reliability(&names)].concat()
 }
 
-fn shares(judged: &[Judged]) -> String {
+fn shares(judged: &[JudgedSet]) -> String {
     let mut text = String::from(
         "### Sets of others\n\nNamed: every effect, or one that the key takes for as good, and no other. Shared: the same, where it may stand among at most two \
         rivals. Wrong: sets with a name that is not the key's.\n\n\
         | effort column | hidden | size | sets | named | named or shared | wrong | nothing named but `candidate` | p-value below 0.05 | refused |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    let mut groups: BTreeMap<(bool, usize, &str), Vec<&Judged>> = BTreeMap::new();
+    let mut groups: BTreeMap<(bool, usize, &str), Vec<&JudgedSet>> = BTreeMap::new();
     for one in judged {
         let size = if one.hidden.is_empty() { "" } else { &one.size };
         groups.entry((!one.effort, one.hidden.len(), size)).or_default().push(one);
     }
     for ((without, hidden, size), sets) in groups {
-        let count = |of: &dyn Fn(&Judged) -> bool| sets.iter().filter(|one| of(one)).count();
+        let count = |of: &dyn Fn(&JudgedSet) -> bool| sets.iter().filter(|one| of(one)).count();
         text.push_str(&format!(
             "| {} | {hidden} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
             yes(!without),
@@ -263,8 +263,8 @@ fn shares(judged: &[Judged]) -> String {
 mod tests {
     use super::*;
 
-    fn judged(hidden: &[&str], found: &[(&'static str, f64, bool)]) -> Judged {
-        Judged {
+    fn judged(hidden: &[&str], found: &[(&'static str, f64, bool)]) -> JudgedSet {
+        JudgedSet {
             set: "a".to_owned(),
             effort: true,
             verdict: Some(if found.is_empty() { Verdict::Candidate } else { Verdict::Explained }.name()),
@@ -309,7 +309,7 @@ mod tests {
 
     #[test]
     fn a_refused_set_is_not_one_in_which_nothing_was_rightly_found() {
-        let refused = Judged::of("a", &Key::default(), true, Err("runs: nothing".to_owned()));
+        let refused = JudgedSet::of("a", &Key::default(), true, Err("runs: nothing".to_owned()));
         assert!(!refused.named && !refused.shared);
         assert!(refused.line().contains("nothing: refused: runs: nothing"), "{}", refused.line());
         assert!(tables(&[refused]).contains("| yes | 0 | - | 1 | 0 | 0 | 0 | 0 | 0 | 1 |"));

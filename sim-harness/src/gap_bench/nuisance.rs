@@ -33,7 +33,7 @@ const PLATFORMS_M: [f64; 4] = [5_000.0, 11_500.0, 17_500.0, 24_500.0];
 
 /// A nuisance with its size.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Drawn {
+pub enum DrawnNuisance {
     /// In the scenario already: the figure that an investigation should tell.
     Told(f64),
     /// Stops as they are described.
@@ -78,7 +78,7 @@ impl Nuisance {
     }
 
     /// Draws its size, and puts it into what is simulated.
-    pub fn draw(self, seed: u64, scenario: &mut Scenario) -> Drawn {
+    pub fn draw(self, seed: u64, scenario: &mut Scenario) -> DrawnNuisance {
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5E_ED0F);
         let signed = |rng: &mut ChaCha8Rng, least: f64, most: f64| {
             let size = rng.random_range(least..most);
@@ -89,39 +89,39 @@ impl Nuisance {
             Self::EffortGain => {
                 let off = signed(&mut rng, 0.06, 0.12);
                 sensors.effort_gain *= 1.0 + off;
-                Drawn::Told(off)
+                DrawnNuisance::Told(off)
             }
             Self::EffortLate => {
                 sensors.effort_lag_s = sensors.sampling_s;
-                Drawn::Told(sensors.effort_lag_s)
+                DrawnNuisance::Told(sensors.effort_lag_s)
             }
             Self::LocationOff => {
                 sensors.location_offset_m = signed(&mut rng, 40.0, 80.0);
-                Drawn::Told(sensors.location_offset_m)
+                DrawnNuisance::Told(sensors.location_offset_m)
             }
             Self::PlatformsOff => {
                 scenario.line.set_calls(PLATFORMS_M.to_vec());
                 let mut stop = |at_m| Stop { at_m: at_m + signed(&mut rng, 20.0, 100.0), name: String::new() };
-                Drawn::Stops(PLATFORMS_M.map(&mut stop).into())
+                DrawnNuisance::Stops(PLATFORMS_M.map(&mut stop).into())
             }
             Self::Truncated => {
                 sensors.speed = SpeedReading::Truncated;
-                Drawn::Told(sensors.speed_quantum_kmh)
+                DrawnNuisance::Told(sensors.speed_quantum_kmh)
             }
             Self::LostSeconds => {
                 sensors.lost_second_every_s = rng.random_range(80.0..130.0);
-                Drawn::Told(100.0 * sensors.sampling_s / sensors.lost_second_every_s)
+                DrawnNuisance::Told(100.0 * sensors.sampling_s / sensors.lost_second_every_s)
             }
             Self::MixedStops => {
                 let at_m = rng.random_range(6_000.0..24_000.0);
                 scenario.unscheduled_stop = Some(UnscheduledStop { at_m, dwell_s: 60.0, share: 0.5 });
-                Drawn::Nowhere
+                DrawnNuisance::Nowhere
             }
         }
     }
 }
 
-impl Drawn {
+impl DrawnNuisance {
     /// What of it is in the description of the line.
     pub fn described(&self, track: &mut TrackFile) {
         if let Self::Stops(stops) = self {

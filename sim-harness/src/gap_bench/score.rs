@@ -2,7 +2,7 @@
 
 use crate::gap_bench::Outcome;
 use crate::gap_bench::draw::Set;
-use crate::gap_bench::nuisance::Drawn;
+use crate::gap_bench::nuisance::DrawnNuisance;
 use rundown::model::effects::{DavisError, Effect};
 use rundown_check::agreement::Figure;
 use rundown_gap::answer::whole::Answer;
@@ -100,7 +100,7 @@ impl Score {
             nuisance: set
                 .request
                 .nuisance
-                .and_then(|nuisance| nuisance.told_as().zip(set.drawn.as_ref().and_then(Drawn::told))),
+                .and_then(|nuisance| nuisance.told_as().zip(set.drawn.as_ref().and_then(DrawnNuisance::told))),
             sure: named.iter().map(|n| (n.confidence, is_right(&key, n))).collect(),
             candidates: found.map_or_else(Vec::new, |f| f.candidates.iter().map(|n| n.effect.name()).collect()),
             rivals: named.iter().flat_map(|n| n.ambiguous_with.iter().map(|kind| kind.name())).collect(),

@@ -1,6 +1,6 @@
 //! Many scores in tables that a person reads: Markdown.
 
-use crate::gap_bench::draw::{Request, SIZES};
+use crate::gap_bench::draw::{SIZES, SetRequest};
 use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
 use rundown_check::agreement::HALF_95;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub struct Done {
     /// What it was to be.
     #[serde(rename = "ask")]
-    pub request: Request,
+    pub request: SetRequest,
     /// The key's values, for people.
     pub hidden: String,
     /// Train, line, drivers, sampling, for people.

@@ -4,7 +4,7 @@ use crate::accuracy_bench::{
     fleets::{self, Fleet},
     scales,
 };
-use crate::gap_bench::draw::{Request, Set, Size};
+use crate::gap_bench::draw::{Set, SetRequest, Size};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -26,7 +26,7 @@ pub fn fleet(seed: u64) -> Result<Fleet, String> {
     if random.random_bool(0.5) {
         let [dirty, rough] = [0; 2].map(|_| random.random_bool(0.4));
         let (kinds, runs) = (Vec::new(), super::RUNS);
-        let request = Request { kinds, size: Size::Clear, effort: false, dirty, rough, nuisance: None, runs, seed };
+        let request = SetRequest { kinds, size: Size::Clear, effort: false, dirty, rough, nuisance: None, runs, seed };
         fleet.what = "a train of the gap bench, with drivers who hop";
         fleet.scenario = Scenario { driver, ..Set::draw(request)?.scenario };
         return Ok(fleet);

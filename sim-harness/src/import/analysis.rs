@@ -1,10 +1,10 @@
 //! Files before their rows: opened, put together by equal headers, their columns, clocks and units decided.
 
 use super::columns::{self, Columns, How};
-use super::evidence::Seen;
+use super::evidence::SeenRows;
 use super::mapping::{Mapping, SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
-use super::source::Source;
+use super::source::SourceFile;
 use super::source::row::{Header, refused};
 use super::units;
 use rundown_files::folder::MANIFEST;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Files that are read in the same way.
 #[derive(Debug)]
 pub struct Group {
-    pub sources: Vec<Source>,
+    pub sources: Vec<SourceFile>,
     pub mapping: SourceMapping,
     pub columns: Columns,
     /// What a person should know of the columns.
@@ -26,12 +26,12 @@ pub struct Group {
 /// What can be read, and the errors of what cannot.
 pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<ReadError>) {
     let mut refusals = Vec::new();
-    let mut alike: Vec<(SourceMapping, Vec<Source>)> = Vec::new();
+    let mut alike: Vec<(SourceMapping, Vec<SourceFile>)> = Vec::new();
     for path in files {
         let said = mapping.of_file(path);
         let named: Vec<String> =
             said.columns.values().map(|column| column.name.clone()).filter(|name| !name.is_empty()).collect();
-        match Source::open(path, &said.layout, &named) {
+        match SourceFile::open(path, &said.layout, &named) {
             Ok(source) => {
                 let same = alike.iter_mut().find(|(other, sources)| {
                     let first = sources.first();
@@ -59,7 +59,7 @@ pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<ReadErr
 }
 
 impl Group {
-    fn new(sources: Vec<Source>, mapping: SourceMapping) -> Result<Self, String> {
+    fn new(sources: Vec<SourceFile>, mapping: SourceMapping) -> Result<Self, String> {
         let first = sources.first().ok_or("expected a file, found none")?;
         let columns = columns::find(&first.headers, &mapping, first.layout.decimal.unwrap_or('.'))?;
         let mut group = Self { sources, mapping, columns, notes: Vec::new(), question: None };
@@ -73,7 +73,7 @@ impl Group {
         if let Some(first) = sources.first() {
             needed(columns, first)?;
         }
-        let mut seen = Seen::default();
+        let mut seen = SeenRows::default();
         for source in &*sources {
             seen.look(source, columns).map_err(|error| error.to_string())?;
         }
@@ -107,7 +107,7 @@ impl Group {
     }
 }
 
-fn needed(columns: &Columns, source: &Source) -> Result<(), String> {
+fn needed(columns: &Columns, source: &SourceFile) -> Result<(), String> {
     let place = columns.has(Meaning::Location) || (columns.has(Meaning::Latitude) && columns.has(Meaning::Longitude));
     let needed = [
         (columns.has(Meaning::Time), Meaning::Time, "time"),

@@ -11,7 +11,7 @@ use rundown_files::track_file::CentreLinePoint;
 
 /// Where the locations of a run go.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Place {
+pub enum Placing {
     /// location = offset + sign * own location.
     Shift {
         sign: f64,
@@ -31,7 +31,7 @@ pub struct Placed {
     /// Why this method.
     pub why: String,
     /// Run by run.
-    pub places: Vec<Place>,
+    pub places: Vec<Placing>,
     pub line: Vec<CentreLinePoint>,
 }
 
@@ -58,7 +58,7 @@ const LEAST_CORRELATION: f64 = 0.6;
 const LEAST_LEAD: f64 = 0.1;
 /// Share of the fixes that must lie on the line.
 const LEAST_ON_LINE: f64 = 0.8;
-const AS_IT_IS: Place = Place::Shift { sign: 1.0, offset_m: 0.0, how: String::new() };
+const AS_IT_IS: Placing = Placing::Shift { sign: 1.0, offset_m: 0.0, how: String::new() };
 
 /// Places runs, on a line of which something is known already.
 pub fn place(runs: &[Staged], wanted: Option<Method>, given: Given) -> Placed {
@@ -74,8 +74,8 @@ fn found(runs: &[Staged], given: Given) -> Placed {
     let counts = if method == Method::AsIs { odometer::counts_on(runs) } else { None };
     let Some(counts) = counts else { return by(method, why, runs, given) };
     // Stops that agree by chance place one run, not most of them; speeds agree by chance more often.
-    let places = shifted(runs, &[Known::by_stops], &given.stops_m);
-    let left_out = places.iter().filter(|place| matches!(place, Place::Out(_))).count();
+    let places = shifted(runs, &[KnownLine::by_stops], &given.stops_m);
+    let left_out = places.iter().filter(|place| matches!(place, Placing::Out(_))).count();
     if 5 * left_out <= runs.len() && runs.len() > 1 {
         return by(Method::Stops, format!("{counts}; most runs stop at the same places"), runs, given);
     }
@@ -85,20 +85,20 @@ fn found(runs: &[Staged], given: Given) -> Placed {
 fn by(method: Method, why: String, runs: &[Staged], given: Given) -> Placed {
     let (places, line) = match method {
         Method::AsIs => (as_they_are(runs), Vec::new()),
-        Method::Stops => (shifted(runs, &[Known::by_stops, Known::by_speeds], &given.stops_m), Vec::new()),
-        Method::Align => (shifted(runs, &[Known::by_speeds], &[]), Vec::new()),
+        Method::Stops => (shifted(runs, &[KnownLine::by_stops, KnownLine::by_speeds], &given.stops_m), Vec::new()),
+        Method::Align => (shifted(runs, &[KnownLine::by_speeds], &[]), Vec::new()),
         Method::Line => on_line(runs, given.line),
     };
     Placed { method, why, places, line }
 }
 
-fn as_they_are(runs: &[Staged]) -> Vec<Place> {
+fn as_they_are(runs: &[Staged]) -> Vec<Placing> {
     let mut places = vec![AS_IT_IS; runs.len()];
     within_range(runs, &mut places);
     if runs.len() > 1 {
         for (run, place) in runs.iter().zip(&mut places) {
             if run.from_fixes {
-                *place = Place::Out("it has positions and no location: --chainage line".to_owned());
+                *place = Placing::Out("it has positions and no location: --chainage line".to_owned());
             }
         }
     }
@@ -106,7 +106,7 @@ fn as_they_are(runs: &[Staged]) -> Vec<Place> {
 }
 
 /// Brings runs that stay as they are into the range of a chainage: by one shift, or each to begin at 0.
-fn within_range(runs: &[Staged], places: &mut [Place]) {
+fn within_range(runs: &[Staged], places: &mut [Placing]) {
     if !runs.iter().any(|run| odometer::is_far(run.ends_m)) {
         return;
     }
@@ -122,7 +122,7 @@ fn within_range(runs: &[Staged], places: &mut [Place]) {
         } else {
             (run.ends_m.0, "odometers beyond any line and far apart: each run begins at 0")
         };
-        *place = Place::Shift { sign: 1.0, offset_m: -from_m, how: how.to_owned() };
+        *place = Placing::Shift { sign: 1.0, offset_m: -from_m, how: how.to_owned() };
     }
 }
 
@@ -180,11 +180,11 @@ fn own_stops(run: &Staged) -> Vec<f64> {
     stops
 }
 
-fn on_line(runs: &[Staged], given: Vec<CentreLinePoint>) -> (Vec<Place>, Vec<CentreLinePoint>) {
+fn on_line(runs: &[Staged], given: Vec<CentreLinePoint>) -> (Vec<Placing>, Vec<CentreLinePoint>) {
     let all: Vec<&Staged> = runs.iter().collect();
     let line = if given.is_empty() { line::centre_line(&all).unwrap_or_default() } else { given };
     let Some(matcher) = CentreLine::new(&line) else {
-        return (vec![Place::Out("there are no positions".to_owned()); runs.len()], Vec::new());
+        return (vec![Placing::Out("there are no positions".to_owned()); runs.len()], Vec::new());
     };
     let place = |run: &Staged| {
         let fixes = line::fixes(run);
@@ -195,32 +195,32 @@ fn on_line(runs: &[Staged], given: Vec<CentreLinePoint>) -> (Vec<Place>, Vec<Cen
             .filter(|(i, fix)| matcher.locate(&mut state, *i as f64, Some(fix.0), Some(fix.1)).is_ok());
         let share = on.count() as f64 / fixes.len().max(1) as f64;
         if fixes.len() < 2 {
-            Place::Out("it has no positions".to_owned())
+            Placing::Out("it has no positions".to_owned())
         } else if share < LEAST_ON_LINE {
-            Place::Out(format!(
+            Placing::Out(format!(
                 "{:.0} % of its positions lie on the centre line, {:.0} % are needed",
                 100.0 * share,
                 100.0 * LEAST_ON_LINE
             ))
         } else {
-            Place::OnLine { share }
+            Placing::OnLine { share }
         }
     };
     (runs.iter().map(place).collect(), line)
 }
 
 /// Sign and offset of a run on what is known of the line, and why.
-type FindPlace = fn(&Known, &Staged) -> Option<(f64, f64, String)>;
+type FindPlace = fn(&KnownLine, &Staged) -> Option<(f64, f64, String)>;
 
 /// What the runs that are placed say of the line.
 #[derive(Default)]
-struct Known {
+struct KnownLine {
     stops: Vec<f64>,
     /// Sum and count of speeds, by bin.
     speeds: std::collections::BTreeMap<i64, (f64, u32)>,
 }
 
-impl Known {
+impl KnownLine {
     fn add(&mut self, run: &Staged, sign: f64, offset_m: f64) {
         for stop in own_stops(run) {
             let at_m = offset_m + sign * stop;
@@ -338,19 +338,19 @@ fn profile(run: &Staged, sign: f64) -> Vec<(i64, f64)> {
 /// A run of the length that most have stays as it is, of several the longest, of these the first; the others are placed beside those that are placed already. Runs of a length
 /// of their own come last: two that a short stop did not part, or the readings of another wheel.
 /// Where the stops of a track are known, all are placed by these.
-fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Place> {
+fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing> {
     let lengths_m: Vec<f64> = runs.iter().map(Staged::length_m).collect();
     let alike = |length_m: f64| lengths_m.iter().filter(|other| (**other - length_m).abs() < STOP_M).count();
     let mut order: Vec<(usize, usize)> = lengths_m.iter().map(|length_m| alike(*length_m)).enumerate().collect();
     let steps = |index: usize| (lengths_m[index] / STOP_M).round();
     order.sort_by(|a, b| b.1.cmp(&a.1).then(steps(b.0).total_cmp(&steps(a.0))).then(a.cmp(b)));
     let order: Vec<usize> = order.into_iter().map(|(index, _)| index).collect();
-    let mut places: Vec<Option<Place>> = vec![None; runs.len()];
-    let mut known = Known { stops: stops_m.to_vec(), ..Known::default() };
+    let mut places: Vec<Option<Placing>> = vec![None; runs.len()];
+    let mut known = KnownLine { stops: stops_m.to_vec(), ..KnownLine::default() };
     if let (Some(first), []) = (order.first(), stops_m) {
         known.add(&runs[*first], 1.0, 0.0);
         let how = "the run that the others are shifted to".to_owned();
-        places[*first] = Some(Place::Shift { sign: 1.0, offset_m: 0.0, how });
+        places[*first] = Some(Placing::Shift { sign: 1.0, offset_m: 0.0, how });
     }
     // Those that cannot be placed at first may be when more of the line is known.
     for _ in 0..3 {
@@ -361,12 +361,12 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Place> {
             let run = &runs[*index];
             if let Some((sign, offset_m, how)) = ways.iter().find_map(|way| way(&known, run)) {
                 known.add(run, sign, offset_m);
-                places[*index] = Some(Place::Shift { sign, offset_m, how });
+                places[*index] = Some(Placing::Shift { sign, offset_m, how });
             }
         }
     }
     let least = runs.iter().zip(&places).filter_map(|(run, place)| match place {
-        Some(Place::Shift { sign, offset_m, .. }) => Some(offset_m + (sign * run.ends_m.0).min(sign * run.ends_m.1)),
+        Some(Placing::Shift { sign, offset_m, .. }) => Some(offset_m + (sign * run.ends_m.0).min(sign * run.ends_m.1)),
         _ => None,
     });
     let least_m = least.min_by(f64::total_cmp).unwrap_or(0.0);
@@ -377,7 +377,7 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Place> {
         _ => 0.0,
     };
     let out = || {
-        Place::Out(
+        Placing::Out(
             "neither its stops nor its speeds over the location agree with those of the other runs at one place only"
                 .to_owned(),
         )
@@ -385,7 +385,7 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Place> {
     let placed = places.into_iter().map(|place| place.unwrap_or_else(out));
     placed
         .map(|place| match place {
-            Place::Shift { sign, offset_m, how } => Place::Shift { sign, offset_m: offset_m - zero_m, how },
+            Placing::Shift { sign, offset_m, how } => Placing::Shift { sign, offset_m: offset_m - zero_m, how },
             other => other,
         })
         .collect()

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// How a column of times is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum ClockKind {
     /// A number that goes forward, from anywhere.
     Number,
     /// Seconds (or ms, us, ns) since 1970-01-01 UTC.
@@ -24,7 +24,7 @@ pub enum Kind {
     Excel,
 }
 
-impl Kind {
+impl ClockKind {
     /// A date may stand in a column of its own.
     pub const fn is_of_day(self) -> bool {
         matches!(self, Self::TimeOfDay | Self::Hhmmss)
@@ -39,7 +39,7 @@ impl Kind {
 /// Order of day, month and year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Order {
+pub enum DateOrder {
     Ymd,
     Dmy,
     Mdy,
@@ -47,7 +47,7 @@ pub enum Order {
 
 /// A time as it is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Written {
+pub enum WrittenTime {
     /// A place in history, s since 1970-01-01 UTC.
     Instant(f64),
     /// A local date and time.
@@ -57,37 +57,37 @@ pub enum Written {
 }
 
 /// Reads a date and time, or a time of the day.
-pub fn parse(text: &str, order: Order) -> Option<Written> {
+pub fn parse(text: &str, order: DateOrder) -> Option<WrittenTime> {
     let text = text.trim();
     if let Ok(instant) = text.parse::<jiff::Timestamp>() {
-        return Some(Written::Instant(instant.as_nanosecond() as f64 / 1e9));
+        return Some(WrittenTime::Instant(instant.as_nanosecond() as f64 / 1e9));
     }
     if let Some((date, of_day)) = compact(text) {
-        return later(parse_date(date, Order::Ymd)?, of_day).map(Written::Civil);
+        return later(parse_date(date, DateOrder::Ymd)?, of_day).map(WrittenTime::Civil);
     }
     match split(text) {
         (Some(date), Some(time)) => {
             let (time, east_s) = zoned(time);
             let civil = later(parse_date(date, order)?, of_day(time)?)?;
             let east_s = east_s.map(|east_s| in_zone(civil, &TimeZone::UTC, None).map(|utc_s| utc_s - east_s));
-            east_s.map_or(Some(Written::Civil(civil)), |instant_s| instant_s.map(Written::Instant))
+            east_s.map_or(Some(WrittenTime::Civil(civil)), |instant_s| instant_s.map(WrittenTime::Instant))
         }
-        (Some(date), None) => Some(Written::Civil(parse_date(date, order)?.to_datetime(Time::midnight()))),
-        (None, Some(time)) => of_day(time).map(Written::OfDay),
+        (Some(date), None) => Some(WrittenTime::Civil(parse_date(date, order)?.to_datetime(Time::midnight()))),
+        (None, Some(time)) => of_day(time).map(WrittenTime::OfDay),
         (None, None) => None,
     }
 }
 
 /// Reads a number: digits of a time of the day, or days of a sheet.
-pub fn of_number(kind: Kind, value: f64) -> Option<Written> {
-    if kind == Kind::Hhmmss {
-        return of_digits(value).map(Written::OfDay);
+pub fn of_number(kind: ClockKind, value: f64) -> Option<WrittenTime> {
+    if kind == ClockKind::Hhmmss {
+        return of_digits(value).map(WrittenTime::OfDay);
     }
     // A double holds such a day to a microsecond.
     let milliseconds = (value * 8.64e7).round();
     let first = Date::new(1899, 12, 30).ok()?.to_datetime(Time::midnight());
     let since = jiff::SignedDuration::from_millis(milliseconds as i64);
-    first.checked_add(since).ok().filter(|_| milliseconds.is_finite()).map(Written::Civil)
+    first.checked_add(since).ok().filter(|_| milliseconds.is_finite()).map(WrittenTime::Civil)
 }
 
 /// Seconds of the day of `hhmmss`, leading zeros lost or not.
@@ -163,7 +163,7 @@ fn numbers(date: &str) -> Option<[i32; 3]> {
     parts.next().is_none().then_some(found)
 }
 
-pub fn parse_date(date: &str, order: Order) -> Option<Date> {
+pub fn parse_date(date: &str, order: DateOrder) -> Option<Date> {
     let [a, b, c] = match numbers(date) {
         Some(found) => found,
         // 20250131
@@ -173,9 +173,9 @@ pub fn parse_date(date: &str, order: Order) -> Option<Date> {
         None => return in_words(date),
     };
     match order {
-        Order::Ymd => ymd(a, b, c),
-        Order::Dmy => ymd(c, b, a),
-        Order::Mdy => ymd(c, a, b),
+        DateOrder::Ymd => ymd(a, b, c),
+        DateOrder::Dmy => ymd(c, b, a),
+        DateOrder::Mdy => ymd(c, a, b),
     }
 }
 
@@ -263,7 +263,7 @@ impl Orders {
     pub fn see(&mut self, text: &str) {
         let date = day_of(text);
         let Some([a, b, _]) = numbers(date) else {
-            self.year_first += usize::from(parse_date(date, Order::Ymd).is_some());
+            self.year_first += usize::from(parse_date(date, DateOrder::Ymd).is_some());
             return;
         };
         self.seen += 1;
@@ -274,14 +274,14 @@ impl Orders {
     }
 
     /// The order, where there is no doubt. Dots between the numbers are of countries that write the day first.
-    pub fn decided(&self) -> Option<Order> {
+    pub fn decided(&self) -> Option<DateOrder> {
         if self.seen == 0 || self.year_first > 0 {
-            return Some(Order::Ymd);
+            return Some(DateOrder::Ymd);
         }
         match (self.first_above_12 > 0, self.second_above_12 > 0) {
-            (true, false) => Some(Order::Dmy),
-            (false, true) => Some(Order::Mdy),
-            (false, false) if self.dots > 0 => Some(Order::Dmy),
+            (true, false) => Some(DateOrder::Dmy),
+            (false, true) => Some(DateOrder::Mdy),
+            (false, false) if self.dots > 0 => Some(DateOrder::Dmy),
             _ => None,
         }
     }
@@ -304,10 +304,10 @@ pub fn in_zone(civil: DateTime, zone: &TimeZone, from_before: Option<f64>) -> Op
 mod tests {
     use super::*;
 
-    fn seconds(text: &str, order: Order) -> Option<f64> {
+    fn seconds(text: &str, order: DateOrder) -> Option<f64> {
         match parse(text, order)? {
-            Written::Instant(seconds) | Written::OfDay(seconds) => Some(seconds),
-            Written::Civil(civil) => in_zone(civil, &TimeZone::UTC, None),
+            WrittenTime::Instant(seconds) | WrittenTime::OfDay(seconds) => Some(seconds),
+            WrittenTime::Civil(civil) => in_zone(civil, &TimeZone::UTC, None),
         }
     }
 
@@ -315,25 +315,25 @@ mod tests {
     fn times_are_read_in_their_orders() {
         let expected = Some(1_738_319_696.5);
         for (text, order) in [
-            ("2025-01-31T10:34:56.5Z", Order::Ymd),
-            ("2025-01-31T11:34:56.5+01:00", Order::Ymd),
-            ("2025-01-31 10:34:56,5", Order::Ymd),
-            ("31.01.2025 10:34:56.5", Order::Dmy),
-            ("01/31/2025 10:34:56.5 AM", Order::Mdy),
-            ("20250131 10:34:56:500", Order::Ymd),
-            ("31 January 2025 10:34:56.5", Order::Ymd),
-            ("Fri, 31 Jan 2025 11:34:56.5 +0100", Order::Mdy),
-            ("Freitag, 31. Januar 2025 10:34:56,5", Order::Ymd),
-            ("31-JAN-25 10:34:56.5", Order::Ymd),
-            ("Jan 31st, 2025 10:34:56.5 AM", Order::Ymd),
-            ("2025 janv. 31 10:34:56.5 UTC", Order::Ymd),
-            ("31.01.2025 08:04:56.5-02:30", Order::Dmy),
-            ("20250131103456.5", Order::Mdy),
-            ("20250131T103456.5", Order::Ymd),
+            ("2025-01-31T10:34:56.5Z", DateOrder::Ymd),
+            ("2025-01-31T11:34:56.5+01:00", DateOrder::Ymd),
+            ("2025-01-31 10:34:56,5", DateOrder::Ymd),
+            ("31.01.2025 10:34:56.5", DateOrder::Dmy),
+            ("01/31/2025 10:34:56.5 AM", DateOrder::Mdy),
+            ("20250131 10:34:56:500", DateOrder::Ymd),
+            ("31 January 2025 10:34:56.5", DateOrder::Ymd),
+            ("Fri, 31 Jan 2025 11:34:56.5 +0100", DateOrder::Mdy),
+            ("Freitag, 31. Januar 2025 10:34:56,5", DateOrder::Ymd),
+            ("31-JAN-25 10:34:56.5", DateOrder::Ymd),
+            ("Jan 31st, 2025 10:34:56.5 AM", DateOrder::Ymd),
+            ("2025 janv. 31 10:34:56.5 UTC", DateOrder::Ymd),
+            ("31.01.2025 08:04:56.5-02:30", DateOrder::Dmy),
+            ("20250131103456.5", DateOrder::Mdy),
+            ("20250131T103456.5", DateOrder::Ymd),
         ] {
             assert_eq!(seconds(text, order), expected, "{text}");
         }
-        assert_eq!(seconds("12:00:01 am", Order::Ymd), Some(1.0));
+        assert_eq!(seconds("12:00:01 am", DateOrder::Ymd), Some(1.0));
         for text in [
             "",
             ":",
@@ -348,20 +348,20 @@ mod tests {
             "20250131 106056",
             "31 Jan 025 10:00",
         ] {
-            assert_eq!(seconds(text, Order::Dmy), None, "{text}");
+            assert_eq!(seconds(text, DateOrder::Dmy), None, "{text}");
         }
     }
 
     #[test]
     fn digits_of_the_day_and_days_of_a_sheet_are_times() {
-        assert_eq!(of_number(Kind::Hhmmss, 93_456.5), Some(Written::OfDay(34_496.5)));
-        assert_eq!(of_number(Kind::Hhmmss, 5.0), Some(Written::OfDay(5.0)));
+        assert_eq!(of_number(ClockKind::Hhmmss, 93_456.5), Some(WrittenTime::OfDay(34_496.5)));
+        assert_eq!(of_number(ClockKind::Hhmmss, 5.0), Some(WrittenTime::OfDay(5.0)));
         for wrong in [93_460.0, 96_000.0, 240_000.0, -1.0, f64::NAN] {
-            assert_eq!(of_number(Kind::Hhmmss, wrong), None, "{wrong}");
+            assert_eq!(of_number(ClockKind::Hhmmss, wrong), None, "{wrong}");
         }
         let noon: DateTime = "2025-01-31T10:34:56.5".parse().unwrap();
-        assert_eq!(of_number(Kind::Excel, 45_688.440_931_713), Some(Written::Civil(noon)));
-        assert_eq!(of_number(Kind::Excel, f64::INFINITY), None);
+        assert_eq!(of_number(ClockKind::Excel, 45_688.440_931_713), Some(WrittenTime::Civil(noon)));
+        assert_eq!(of_number(ClockKind::Excel, f64::INFINITY), None);
     }
 
     #[test]
@@ -372,10 +372,10 @@ mod tests {
             orders.decided()
         };
         assert_eq!(of(&["03/04/2025 10:00", "03/04/2025 10:01"]), None);
-        assert_eq!(of(&["03/14/2025 10:00"]), Some(Order::Mdy));
-        assert_eq!(of(&["14/03/2025 10:00"]), Some(Order::Dmy));
-        assert_eq!(of(&["03.04.2025 10:00"]), Some(Order::Dmy));
-        assert_eq!(of(&["2025-03-04 10:00"]), Some(Order::Ymd));
+        assert_eq!(of(&["03/14/2025 10:00"]), Some(DateOrder::Mdy));
+        assert_eq!(of(&["14/03/2025 10:00"]), Some(DateOrder::Dmy));
+        assert_eq!(of(&["03.04.2025 10:00"]), Some(DateOrder::Dmy));
+        assert_eq!(of(&["2025-03-04 10:00"]), Some(DateOrder::Ymd));
     }
 
     #[test]

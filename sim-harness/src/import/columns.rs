@@ -1,6 +1,6 @@
 //! The columns of files with one header: which holds what, in which unit, and how that is known.
 
-use super::clock::{Kind, Order};
+use super::clock::{ClockKind, DateOrder};
 use super::mapping::{ColumnMapping, SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::source::row::Header;
@@ -48,8 +48,8 @@ pub struct Column {
 #[derive(Clone, Debug)]
 pub struct Columns {
     pub of: BTreeMap<Meaning, Column>,
-    pub kind: Kind,
-    pub order: Order,
+    pub kind: ClockKind,
+    pub order: DateOrder,
     pub zone: TimeZone,
     pub zone_name: Option<String>,
     /// The times have their zones.
@@ -121,8 +121,8 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
     }
     Ok(Columns {
         of,
-        kind: Kind::Number,
-        order: Order::Ymd,
+        kind: ClockKind::Number,
+        order: DateOrder::Ymd,
         zone,
         zone_name,
         has_zone: false,
@@ -227,7 +227,7 @@ impl Columns {
     pub fn mapped(&self) -> BTreeMap<Meaning, ColumnMapping> {
         let dated = if self.has(Meaning::Date) { Meaning::Date } else { Meaning::Time };
         let mapped = |(meaning, column): (&Meaning, &Column)| {
-            let is_dated = *meaning == dated && (self.kind == Kind::DateTime || self.kind.is_of_day());
+            let is_dated = *meaning == dated && (self.kind == ClockKind::DateTime || self.kind.is_of_day());
             let is_time = *meaning == Meaning::Time;
             let unit = column.unit.filter(|_| !is_time || self.kind.has_unit());
             let column = ColumnMapping {

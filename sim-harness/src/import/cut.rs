@@ -2,7 +2,7 @@
 
 use super::account::Account;
 use super::geo;
-use super::mapping::Runs;
+use super::mapping::RunCuts;
 use super::rows::Record;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_check::{clock, places};
@@ -81,12 +81,12 @@ fn far_readings(rows: &mut [Sample]) -> usize {
 /// Makes stretches of rows as they come.
 #[derive(Debug)]
 pub struct Cutter {
-    settings: Runs,
+    settings: RunCuts,
     held: Stretch,
 }
 
 impl Cutter {
-    pub fn new(settings: Runs) -> Self {
+    pub fn new(settings: RunCuts) -> Self {
         Self { settings, held: Stretch { reason: "the file begins".to_owned(), is_head: true, ..Stretch::default() } }
     }
 
@@ -126,7 +126,7 @@ impl Cutter {
 
 impl Stretch {
     /// Brings a stretch in order and cuts it.
-    pub fn pieces(mut self, settings: &Runs, odometer: &mut Odometer, account: &mut Account) -> Vec<Self> {
+    pub fn pieces(mut self, settings: &RunCuts, odometer: &mut Odometer, account: &mut Account) -> Vec<Self> {
         if self.rows.len() < 2 {
             account.count("single rows between gaps, left out", self.rows.len() as u64);
             return Vec::new();
@@ -376,7 +376,7 @@ impl Stretch {
     }
 
     /// Too short a piece is said and left out.
-    fn kept(self, settings: &Runs, account: &mut Account) -> Option<Self> {
+    fn kept(self, settings: &RunCuts, account: &mut Account) -> Option<Self> {
         let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else {
             return None;
         };

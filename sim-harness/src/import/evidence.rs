@@ -1,13 +1,13 @@
 //! Clock and units by what the readings say: the units whose distance by speed agrees with the distance by location.
 
-use super::clock::{self, Kind, Order, Orders, Written};
+use super::clock::{self, ClockKind, DateOrder, Orders, WrittenTime};
 use super::columns::{Columns, How};
 use super::geo;
 use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::number;
-use super::source::Source;
-use super::source::row::{Event, Field};
+use super::source::SourceFile;
+use super::source::row::{Event, RowField};
 use super::units::{self, Unit};
 use rundown_files::refusal::ReadError;
 use std::collections::BTreeMap;
@@ -28,8 +28,8 @@ const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 
 /// Rows as they are written.
 #[derive(Debug, Default)]
-pub struct Seen {
-    rows: Vec<Row>,
+pub struct SeenRows {
+    rows: Vec<WrittenRow>,
     /// The first line that is no row.
     bad: Option<String>,
     efforts: Vec<f64>,
@@ -37,18 +37,18 @@ pub struct Seen {
     behind: BTreeMap<Meaning, Unit>,
 }
 
-impl Seen {
+impl SeenRows {
     /// Looks at the first rows of a file.
     ///
     /// # Errors
-    /// As [`Source::rows`].
-    pub fn look(&mut self, source: &Source, columns: &Columns) -> Result<(), ReadError> {
+    /// As [`SourceFile::rows`].
+    pub fn look(&mut self, source: &SourceFile, columns: &Columns) -> Result<(), ReadError> {
         let mut left = ROWS;
         let index = |meaning| columns.index(meaning);
         let numbers = EXPECTED.map(index);
         let (date, effort) = (index(Meaning::Date), index(Meaning::Effort));
         // A new file is a new stretch.
-        self.rows.push(Row::default());
+        self.rows.push(WrittenRow::default());
         source.rows(&mut |event| {
             if let Event::Bad(line, message) = &event {
                 self.bad.get_or_insert_with(|| format!("line {line}: {message}"));
@@ -61,11 +61,11 @@ impl Seen {
                 // `31 January` is no number.
                 read[0] = read[0].filter(|_| at(numbers[0]).is_some_and(|field| is_plain(field, columns.decimal)));
                 for position in 3..5 {
-                    let Some(Field::Text(text)) = at(numbers[position]) else { continue };
+                    let Some(RowField::Text(text)) = at(numbers[position]) else { continue };
                     let angle = number::angle(text, columns.decimal).map(|(angle, _)| angle);
                     read[position] = angle.or(read[position]);
                 }
-                self.rows.push(Row { numbers: read, time, date });
+                self.rows.push(WrittenRow { numbers: read, time, date });
                 for (meaning, index) in EXPECTED.into_iter().zip(numbers) {
                     if let Some(unit) = unit_behind(meaning, at(index), columns.decimal) {
                         self.behind.entry(meaning).or_insert(unit);
@@ -84,7 +84,8 @@ impl Seen {
     /// There are no rows, or no times in them.
     pub fn are_there(&self) -> Result<(), String> {
         let bad = self.bad.as_ref().map_or(String::new(), |bad| format!("; {bad}"));
-        let is_row = |row: &&Row| row.time.is_some() || row.date.is_some() || row.numbers.iter().any(Option::is_some);
+        let is_row =
+            |row: &&WrittenRow| row.time.is_some() || row.date.is_some() || row.numbers.iter().any(Option::is_some);
         if !self.rows.iter().any(|row| is_row(&row)) {
             return Err(format!("expected rows with readings, found none{bad}"));
         }
@@ -113,7 +114,7 @@ impl Seen {
         dated.iter().for_each(|text| orders.see(text));
         columns.order = match order.or_else(|| orders.decided()) {
             Some(order) => order,
-            None if columns.kind.has_unit() || columns.kind == Kind::Excel => Order::Ymd,
+            None if columns.kind.has_unit() || columns.kind == ClockKind::Excel => DateOrder::Ymd,
             None => {
                 let example = dated.first().copied().cloned().unwrap_or_default();
                 let meaning = if columns.has(Meaning::Date) { Meaning::Date } else { Meaning::Time };
@@ -125,9 +126,9 @@ impl Seen {
                 ));
             }
         };
-        let has_zone = |text: &&String| matches!(clock::parse(text, columns.order), Some(Written::Instant(_)));
+        let has_zone = |text: &&String| matches!(clock::parse(text, columns.order), Some(WrittenTime::Instant(_)));
         columns.has_zone = texts.first().is_some_and(has_zone);
-        if columns.kind == Kind::Unix
+        if columns.kind == ClockKind::Unix
             && let Some(time) = columns.of.get_mut(&Meaning::Time)
             && time.how != How::Mapping
         {
@@ -143,11 +144,11 @@ impl Seen {
         }
         let example = kind.is_none().then(|| times.first()).flatten();
         Ok(example.and_then(|number| match clock::of_number(columns.kind, *number)? {
-            Written::OfDay(_) if columns.kind == Kind::Hhmmss => Some(format!(
+            WrittenTime::OfDay(_) if columns.kind == ClockKind::Hhmmss => Some(format!(
                 "column {:?} is taken for times of the day without colons: {number:06} is hhmmss",
                 columns.header(Meaning::Time)
             )),
-            Written::Civil(civil) if columns.kind == Kind::Excel => Some(format!(
+            WrittenTime::Civil(civil) if columns.kind == ClockKind::Excel => Some(format!(
                 "column {:?} is taken for dates of a sheet, days since 1899-12-30: {number} is {civil}",
                 columns.header(Meaning::Time)
             )),
@@ -333,7 +334,7 @@ impl Seen {
 
 /// A row as it is written.
 #[derive(Debug, Default)]
-struct Row {
+struct WrittenRow {
     /// Time as a number, location, speed, latitude, longitude.
     numbers: [Option<f64>; 5],
     time: Option<String>,
@@ -348,7 +349,7 @@ struct Passing {
     speed: f64,
 }
 
-impl Row {
+impl WrittenRow {
     fn passing(&self, columns: &Columns) -> Option<Passing> {
         let [_, location, speed, latitude, longitude] = self.numbers;
         let degrees = |meaning, value: Option<f64>| Some(columns.unit(meaning)?.to_si(value?));
@@ -368,13 +369,13 @@ impl Row {
             return self.numbers[0];
         }
         let written = match columns.kind {
-            Kind::Hhmmss | Kind::Excel => clock::of_number(columns.kind, self.numbers[0]?),
+            ClockKind::Hhmmss | ClockKind::Excel => clock::of_number(columns.kind, self.numbers[0]?),
             _ => clock::parse(self.time.as_deref()?, columns.order),
         };
         match written? {
-            Written::Instant(seconds) => Some(seconds),
-            Written::Civil(civil) => clock::in_zone(civil, &columns.zone, None),
-            Written::OfDay(seconds) => {
+            WrittenTime::Instant(seconds) => Some(seconds),
+            WrittenTime::Civil(civil) => clock::in_zone(civil, &columns.zone, None),
+            WrittenTime::OfDay(seconds) => {
                 let date = self.date.as_deref();
                 let date = date.and_then(|date| clock::parse_date(clock::day_of(date), columns.order));
                 let midnight = date.and_then(|day| clock::in_zone(day.at(0, 0, 0, 0), &columns.zone, None));
@@ -404,26 +405,26 @@ struct Stretches {
 }
 
 /// The kind of a clock, by its fields as numbers and as texts. With a unit of time they are numbers.
-fn kind_of(times: &[f64], texts: &[&String], has_unit: bool) -> Kind {
+fn kind_of(times: &[f64], texts: &[&String], has_unit: bool) -> ClockKind {
     if 2 * times.len() > texts.len() || texts.is_empty() {
-        let is_dated = |text: &&String| matches!(clock::parse(text, Order::Ymd), Some(Written::Civil(_)));
+        let is_dated = |text: &&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::Civil(_)));
         return match middle(times.to_vec()) {
             _ if !has_unit
                 && texts.len() > 1
-                && texts.iter().take(1000).all(|text| text.len() >= 14 && is_dated(&text)) =>
+                && texts.iter().take(1000).all(|text| text.len() >= 14 && is_dated(text)) =>
             {
-                Kind::DateTime
+                ClockKind::DateTime
             }
-            _ if !has_unit && are_digits(times) => Kind::Hhmmss,
-            Some(time) if !has_unit && SHEET_DAYS.contains(&time) && are_days(times) => Kind::Excel,
-            Some(time) if time > 3e8 => Kind::Unix,
-            _ => Kind::Number,
+            _ if !has_unit && are_digits(times) => ClockKind::Hhmmss,
+            Some(time) if !has_unit && SHEET_DAYS.contains(&time) && are_days(times) => ClockKind::Excel,
+            Some(time) if time > 3e8 => ClockKind::Unix,
+            _ => ClockKind::Number,
         };
     }
-    let of_day = |text: &&&String| matches!(clock::parse(text, Order::Ymd), Some(Written::OfDay(_)));
+    let of_day = |text: &&&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::OfDay(_)));
     let looked = texts.len().min(1000);
     let count = texts[..looked].iter().filter(of_day).count();
-    if 2 * count > looked { Kind::TimeOfDay } else { Kind::DateTime }
+    if 2 * count > looked { ClockKind::TimeOfDay } else { ClockKind::DateTime }
 }
 
 /// Dates of a sheet from 1954 to 2119, and how far apart its rows may be, days.
@@ -502,41 +503,41 @@ fn not_decided(columns: &Columns, unknown: &[Meaning], agree: &[Tried], why: &st
 }
 
 /// A field as it is written.
-pub fn text(field: &Field) -> Option<String> {
+pub fn text(field: &RowField) -> Option<String> {
     match field {
-        Field::Empty => None,
-        Field::Text(text) => Some(text.clone()),
-        Field::Number(number) => Some(number.to_string()),
+        RowField::Empty => None,
+        RowField::Text(text) => Some(text.clone()),
+        RowField::Number(number) => Some(number.to_string()),
     }
 }
 
 /// A time that has no unit.
-pub fn written(kind: Kind, field: &Field, columns: &Columns) -> Option<Written> {
+pub fn written(kind: ClockKind, field: &RowField, columns: &Columns) -> Option<WrittenTime> {
     match kind {
-        Kind::Hhmmss | Kind::Excel => clock::of_number(kind, value(Some(field), columns.decimal)?),
+        ClockKind::Hhmmss | ClockKind::Excel => clock::of_number(kind, value(Some(field), columns.decimal)?),
         _ => clock::parse(&text(field)?, columns.order),
     }
 }
 
 /// A number, with nothing but a unit of time behind it.
-fn is_plain(field: &Field, decimal: char) -> bool {
-    let Field::Text(text) = field else { return true };
+fn is_plain(field: &RowField, decimal: char) -> bool {
+    let RowField::Text(text) = field else { return true };
     let parsed = number::parse(text, decimal);
     parsed.is_some_and(|(_, rest)| rest.is_empty() || units::by_name(Meaning::Time, rest).is_some())
 }
 
 /// `km/h` of `80 km/h`.
-fn unit_behind(meaning: Meaning, field: Option<&Field>, decimal: char) -> Option<Unit> {
-    let Field::Text(text) = field? else { return None };
+fn unit_behind(meaning: Meaning, field: Option<&RowField>, decimal: char) -> Option<Unit> {
+    let RowField::Text(text) = field? else { return None };
     let (_, rest) = number::parse(text, decimal)?;
     if rest.is_empty() { None } else { units::by_name(meaning, rest) }
 }
 
-fn value(field: Option<&Field>, decimal: char) -> Option<f64> {
+fn value(field: Option<&RowField>, decimal: char) -> Option<f64> {
     match field? {
-        Field::Empty => None,
-        Field::Number(number) => Some(*number),
-        Field::Text(text) => number::parse(text, decimal)
+        RowField::Empty => None,
+        RowField::Number(number) => Some(*number),
+        RowField::Text(text) => number::parse(text, decimal)
             .filter(|(_, rest)| !rest.starts_with([':', '/', 'T']))
             .map(|(number, _)| number),
     }

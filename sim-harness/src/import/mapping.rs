@@ -1,6 +1,6 @@
 //! `import.toml`: what a person says about the files, and what an import writes down so that it can be repeated.
 
-use super::clock::{Kind, Order};
+use super::clock::{ClockKind, DateOrder};
 use super::meaning::Meaning;
 use super::source::row::Layout;
 use rundown_files::refusal::ReadError;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 #[serde(deny_unknown_fields)]
 pub struct Mapping {
     #[serde(default)]
-    pub runs: Runs,
+    pub runs: RunCuts,
     #[serde(default)]
     pub chainage: Chainage,
     #[serde(default, rename = "source", skip_serializing_if = "Vec::is_empty")]
@@ -23,7 +23,7 @@ pub struct Mapping {
 /// Where a day is cut into runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Runs {
+pub struct RunCuts {
     pub gap_s: f64,
     pub standing_s: f64,
     pub turn_m: f64,
@@ -31,7 +31,7 @@ pub struct Runs {
     pub min_duration_s: f64,
 }
 
-impl Default for Runs {
+impl Default for RunCuts {
     fn default() -> Self {
         Self { gap_s: 600.0, standing_s: 600.0, turn_m: 300.0, min_length_m: 500.0, min_duration_s: 60.0 }
     }
@@ -106,10 +106,10 @@ pub struct ColumnMapping {
     pub unit: Option<String>,
     /// Of a time.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub kind: Option<Kind>,
+    pub kind: Option<ClockKind>,
     /// Of a date.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub order: Option<Order>,
+    pub order: Option<DateOrder>,
 }
 
 impl Mapping {
@@ -117,7 +117,7 @@ impl Mapping {
     /// [`ReadError`] names file, line and column.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let file: TomlFile<Self> = TomlFile::read(path)?;
-        let Runs { gap_s, standing_s, turn_m, min_length_m, min_duration_s } = file.values.runs;
+        let RunCuts { gap_s, standing_s, turn_m, min_length_m, min_duration_s } = file.values.runs;
         let named = [
             ("gap_s", gap_s),
             ("standing_s", standing_s),

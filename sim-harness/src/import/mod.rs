@@ -31,7 +31,7 @@ mod write;
 
 use account::{Account, INVERTED, ROWS, SHIFTED};
 use analysis::Group;
-use chainage::{Given, Place, Placed};
+use chainage::{Given, Placed, Placing};
 use cut::{Cutter, Odometer, Stretch};
 use mapping::{Chainage, Mapping};
 use rows::Converter;
@@ -40,7 +40,7 @@ use rundown_files::folder::{self, Provenance};
 use rundown_files::refusal::{Place as FilePlace, ReadError};
 use rundown_files::track_file::TrackFile;
 use serde_json::{Value, json};
-use source::Source;
+use source::SourceFile;
 use source::row::Event;
 use staged::Staged;
 use std::collections::HashSet;
@@ -122,7 +122,7 @@ impl Preview {
 
 /// Files to import, and how.
 #[derive(Debug)]
-pub struct Order {
+pub struct ImportOrder {
     /// Files, or folders of files; without any those that the mapping names.
     pub files: Vec<PathBuf>,
     mapping: Mapping,
@@ -136,7 +136,7 @@ pub struct Order {
     pub strict: bool,
 }
 
-impl Order {
+impl ImportOrder {
     /// Files to import into the folder `out`, and an `import.toml` that says what they do not.
     ///
     /// # Errors
@@ -260,7 +260,7 @@ impl Order {
 
     fn read(
         &self,
-        source: &Source,
+        source: &SourceFile,
         group: &Group,
         folder: &Path,
         names: &mut HashSet<String>,
@@ -316,7 +316,7 @@ impl Order {
             (String::from("file,departure_utc,unit,direction\n"), Vec::new(), Vec::new());
         let mut account = account.clone();
         for (run, place) in staged.iter().zip(&placed.places) {
-            if let Place::Out(reason) = place {
+            if let Placing::Out(reason) = place {
                 left_out(run, reason, &mut account, &mut done);
                 runs.push(entry(run, place, "", (0.0, 0.0)));
                 run.forget().map_err(|error| crate::output::files::failed(folder, error))?;
@@ -402,8 +402,8 @@ fn departure(seconds: f64) -> String {
     instant.map_or_else(|_| String::new(), |instant| instant.to_string())
 }
 
-fn moved(place: &Place, account: &mut Account) {
-    if let Place::Shift { sign, offset_m, .. } = place {
+fn moved(place: &Placing, account: &mut Account) {
+    if let Placing::Shift { sign, offset_m, .. } = place {
         account.count(SHIFTED, u64::from(*offset_m != 0.0));
         account.count(INVERTED, u64::from(*sign < 0.0));
     }
@@ -427,11 +427,11 @@ fn line_of(run: &Staged, direction: &str, (from_m, to_m): (f64, f64)) -> String 
     )
 }
 
-fn entry(run: &Staged, place: &Place, direction: &str, ends_m: (f64, f64)) -> Value {
+fn entry(run: &Staged, place: &Placing, direction: &str, ends_m: (f64, f64)) -> Value {
     let placed = match place {
-        Place::Shift { sign, offset_m, how } => json!({"offset_m": offset_m, "inverted": *sign < 0.0, "how": how}),
-        Place::OnLine { share } => json!({"on_the_line": share}),
-        Place::Out(reason) => json!({"left_out": reason}),
+        Placing::Shift { sign, offset_m, how } => json!({"offset_m": offset_m, "inverted": *sign < 0.0, "how": how}),
+        Placing::OnLine { share } => json!({"on_the_line": share}),
+        Placing::Out(reason) => json!({"left_out": reason}),
     };
     json!({
         "run": run.name,

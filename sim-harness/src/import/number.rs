@@ -106,7 +106,7 @@ mod tests {
             ("50.102°", '.', 50.102),
         ] {
             let found = angle(text, decimal).map(|(value, _)| (1e9 * value).round());
-            assert_eq!(found, Some((1e9 * degrees).round()), "{text}");
+            assert_eq!(found, Some(f64::round(1e9 * degrees)), "{text}");
         }
         assert_eq!(angle("5006.12N", '.'), Some((5006.12, false)));
         for text in ["50.102", "", "N", "50°61'", "-50.1 S", "50.5°06'", "N50E", "8°00'O", "50°06'07\"08", "NaN N"]

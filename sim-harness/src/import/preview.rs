@@ -2,10 +2,10 @@
 
 use super::account::Account;
 use super::analysis::Group;
-use super::clock::Kind;
+use super::clock::ClockKind;
 use super::meaning::Meaning;
 use super::rows::Converter;
-use super::source::row::{Event, Field};
+use super::source::row::{Event, RowField};
 use rundown_files::sample::Sample;
 use rundown_pages::chart::{Figure, Layer, Panel, standalone};
 use rundown_pages::colours;
@@ -45,7 +45,8 @@ pub fn words(group: &Group) -> String {
                 };
                 let unit = column.unit.map_or("", |unit| unit.name);
                 // Clock times have no unit that could be unknown.
-                let is_clock = *meaning == Meaning::Time && !matches!(group.columns.kind, Kind::Number | Kind::Unix);
+                let is_clock =
+                    *meaning == Meaning::Time && !matches!(group.columns.kind, ClockKind::Number | ClockKind::Unix);
                 let how = if is_clock { String::new() } else { column.how.words() };
                 format!("{}{kind} {unit}  {how}", meaning.key())
             },
@@ -67,11 +68,11 @@ pub fn words(group: &Group) -> String {
     text
 }
 
-fn shown(field: &Field) -> String {
+fn shown(field: &RowField) -> String {
     match field {
-        Field::Empty => String::new(),
-        Field::Text(text) => text.clone(),
-        Field::Number(number) => number.to_string(),
+        RowField::Empty => String::new(),
+        RowField::Text(text) => text.clone(),
+        RowField::Number(number) => number.to_string(),
     }
 }
 

@@ -1,12 +1,12 @@
 //! Fields of a row as one sample in SI units, with all that cannot be read counted.
 
 use super::account::Account;
-use super::clock::{self, Kind, Written};
+use super::clock::{self, ClockKind, WrittenTime};
 use super::columns::Columns;
 use super::evidence;
 use super::meaning::Meaning;
 use super::number;
-use super::source::row::Field;
+use super::source::row::RowField;
 use super::units;
 use rundown_files::sample::{COLUMNS, LOCATION, Sample};
 use std::path::Path;
@@ -48,7 +48,7 @@ impl<'a> Converter<'a> {
     }
 
     /// None for a row without a time.
-    pub fn record(&mut self, line: u64, fields: &[Field], account: &mut Account) -> Option<Record> {
+    pub fn record(&mut self, line: u64, fields: &[RowField], account: &mut Account) -> Option<Record> {
         let time = self.time(line, fields, account).filter(|(time_s, _)| time_s.abs() < COLUMNS[0].range.1);
         let Some((time_s, is_dated)) = time else {
             account.place(NO_TIME, || format!("{}:{line}: expected a time, found none", self.path.display()));
@@ -82,8 +82,8 @@ impl<'a> Converter<'a> {
             *mps >= 0.0
         });
         let word = |meaning| match self.columns.index(meaning).and_then(|index| fields.get(index)) {
-            Some(Field::Text(text)) => text.trim().to_owned(),
-            Some(Field::Number(number)) => number.to_string(),
+            Some(RowField::Text(text)) => text.trim().to_owned(),
+            Some(RowField::Number(number)) => number.to_string(),
             _ => String::new(),
         };
         let unit = self.columns.unit_name.clone().unwrap_or_else(|| word(Meaning::Unit));
@@ -120,19 +120,19 @@ impl<'a> Converter<'a> {
         }
     }
 
-    fn number(&self, meaning: Meaning, line: u64, fields: &[Field], account: &mut Account) -> Option<f64> {
+    fn number(&self, meaning: Meaning, line: u64, fields: &[RowField], account: &mut Account) -> Option<f64> {
         let column = self.columns.of.get(&meaning)?;
         let unit = column.unit?;
         let decimal = self.columns.decimal;
         let angle = |text: &str| number::angle(text, decimal).filter(|_| meaning.is_angle());
         let (value, unit) = match fields.get(column.index)? {
-            Field::Empty => return None,
-            Field::Number(value) => (*value, unit),
-            Field::Text(text) if is_missing(text) => return None,
-            Field::Text(text) if let Some((value, is_whole)) = angle(text) => {
+            RowField::Empty => return None,
+            RowField::Number(value) => (*value, unit),
+            RowField::Text(text) if is_missing(text) => return None,
+            RowField::Text(text) if let Some((value, is_whole)) = angle(text) => {
                 return Some(if is_whole { value } else { unit.to_si(value) });
             }
-            Field::Text(text) => {
+            RowField::Text(text) => {
                 let parsed = number::parse(text, decimal);
                 let with_unit = parsed.and_then(|(value, rest)| {
                     if rest.is_empty() { Some((value, unit)) } else { Some((value, units::by_name(meaning, rest)?)) }
@@ -155,13 +155,13 @@ impl<'a> Converter<'a> {
         Some(unit.to_si(value) / mass).filter(|value| value.is_finite())
     }
 
-    fn time(&mut self, line: u64, fields: &[Field], account: &mut Account) -> Option<(f64, bool)> {
+    fn time(&mut self, line: u64, fields: &[RowField], account: &mut Account) -> Option<(f64, bool)> {
         let column = self.columns.of.get(&Meaning::Time)?;
         let field = fields.get(column.index)?;
         let (time_s, is_dated) = match self.columns.kind {
-            Kind::Number => (self.number(Meaning::Time, line, fields, account)?, false),
-            Kind::Unix => (self.number(Meaning::Time, line, fields, account)?, true),
-            kind @ (Kind::DateTime | Kind::TimeOfDay | Kind::Hhmmss | Kind::Excel) => {
+            ClockKind::Number => (self.number(Meaning::Time, line, fields, account)?, false),
+            ClockKind::Unix => (self.number(Meaning::Time, line, fields, account)?, true),
+            kind @ (ClockKind::DateTime | ClockKind::TimeOfDay | ClockKind::Hhmmss | ClockKind::Excel) => {
                 let Some(written) = evidence::written(kind, field, self.columns) else {
                     account.place(UNREADABLE, || {
                         format!(
@@ -175,9 +175,9 @@ impl<'a> Converter<'a> {
                     return None;
                 };
                 match written {
-                    Written::Instant(seconds) => (seconds, true),
-                    Written::Civil(civil) => (clock::in_zone(civil, &self.columns.zone, self.last_s)?, true),
-                    Written::OfDay(seconds) => self.of_day(seconds, fields, account)?,
+                    WrittenTime::Instant(seconds) => (seconds, true),
+                    WrittenTime::Civil(civil) => (clock::in_zone(civil, &self.columns.zone, self.last_s)?, true),
+                    WrittenTime::OfDay(seconds) => self.of_day(seconds, fields, account)?,
                 }
             }
         };
@@ -186,7 +186,7 @@ impl<'a> Converter<'a> {
     }
 
     /// A time of the day with the date of its row, or after the midnights so far.
-    fn of_day(&mut self, seconds: f64, fields: &[Field], account: &mut Account) -> Option<(f64, bool)> {
+    fn of_day(&mut self, seconds: f64, fields: &[RowField], account: &mut Account) -> Option<(f64, bool)> {
         if let Some(index) = self.columns.index(Meaning::Date) {
             let text = evidence::text(fields.get(index)?)?;
             let day = clock::parse_date(clock::day_of(&text), self.columns.order)?;

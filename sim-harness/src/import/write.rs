@@ -1,6 +1,6 @@
 //! The runs of an import, and where they may be written.
 
-use super::chainage::{Place, Placed};
+use super::chainage::{Placed, Placing};
 use super::cut::STOP_S;
 use super::skeleton::Passed;
 use super::staged::Staged;
@@ -36,7 +36,7 @@ pub fn may_write(to: &Path) -> Result<(), WriteError> {
 
 /// A run as it was written.
 #[derive(Debug)]
-pub struct Written {
+pub struct WrittenRun {
     pub is_up: bool,
     pub ends_m: (f64, f64),
     /// Rows whose positions gave no location.
@@ -48,7 +48,7 @@ pub struct Written {
 ///
 /// # Errors
 /// It cannot be written.
-pub fn run(run: &Staged, place: &Place, placed: &Placed, folder: &Path) -> Result<Written, WriteError> {
+pub fn run(run: &Staged, place: &Placing, placed: &Placed, folder: &Path) -> Result<WrittenRun, WriteError> {
     let path = folder.join(format!("{}.csv", run.name));
     let has = run.has;
     let matcher = CentreLine::new(&placed.line);
@@ -60,7 +60,7 @@ pub fn run(run: &Staged, place: &Place, placed: &Placed, folder: &Path) -> Resul
         writeln!(file, "{}", names.join(","))?;
         run.read(&mut |mut sample| {
             match place {
-                Place::Shift { sign, offset_m, .. } => {
+                Placing::Shift { sign, offset_m, .. } => {
                     sample.location_m = sample.location_m.map(|m| offset_m + sign * m)
                 }
                 _ => {
@@ -88,7 +88,7 @@ pub fn run(run: &Staged, place: &Place, placed: &Placed, folder: &Path) -> Resul
     written.map_err(|error| failed(&path, error))?;
     let is_up = first.zip(last).is_none_or(|(first, last)| last >= first);
     let (low, high) = if ends.0 <= ends.1 { ends } else { (0.0, 0.0) };
-    Ok(Written { is_up, ends_m: (low, high), lost, passed: passed(run, place, matcher.as_ref(), (low, high)) })
+    Ok(WrittenRun { is_up, ends_m: (low, high), lost, passed: passed(run, place, matcher.as_ref(), (low, high)) })
 }
 
 /// As few digits as the reading deserves.
@@ -102,7 +102,7 @@ fn short(name: &str, value: f64) -> String {
     (if rounded == 0.0 { 0.0 } else { rounded }).to_string()
 }
 
-fn passed(run: &Staged, place: &Place, line: Option<&CentreLine>, ends_m: (f64, f64)) -> Passed {
+fn passed(run: &Staged, place: &Placing, line: Option<&CentreLine>, ends_m: (f64, f64)) -> Passed {
     let mut state = MatchState::default();
     let located: Vec<(f64, f64, Option<f64>)> = run
         .marks()
@@ -110,7 +110,7 @@ fn passed(run: &Staged, place: &Place, line: Option<&CentreLine>, ends_m: (f64, 
         .enumerate()
         .filter_map(|(i, mark)| {
             let at_m = match place {
-                Place::Shift { sign, offset_m, .. } => offset_m + sign * mark.at_m,
+                Placing::Shift { sign, offset_m, .. } => offset_m + sign * mark.at_m,
                 _ => line?.locate(&mut state, i as f64, Some(mark.fix?.0), Some(mark.fix?.1)).ok()?.location_m,
             };
             Some((mark.at_m, at_m, mark.altitude_m))
@@ -120,7 +120,7 @@ fn passed(run: &Staged, place: &Place, line: Option<&CentreLine>, ends_m: (f64, 
         located.iter().min_by(|a, b| (a.0 - own_m).abs().total_cmp(&(b.0 - own_m).abs())).map(|found| found.1)
     };
     let stops_m = run.stops.iter().filter(|(_, seconds)| *seconds >= STOP_S).filter_map(|(at_m, _)| match place {
-        Place::Shift { sign, offset_m, .. } => Some(offset_m + sign * at_m),
+        Placing::Shift { sign, offset_m, .. } => Some(offset_m + sign * at_m),
         _ => nearest(*at_m),
     });
     Passed {

@@ -65,7 +65,7 @@ faults! {
 }
 
 #[derive(Clone, Debug)]
-struct Unit {
+struct Transit {
     due_us: u64,
     bytes: Vec<u8>,
 }
@@ -75,8 +75,8 @@ struct Unit {
 pub struct Wire {
     rates: Rates,
     rng: ChaCha8Rng,
-    queue: VecDeque<Unit>,
-    overtaken: Option<Unit>,
+    queue: VecDeque<Transit>,
+    overtaken: Option<Transit>,
     stalled_until_us: u64,
     tally: Tally,
 }
@@ -124,20 +124,20 @@ impl Wire {
         if self.happens(rates.garbage, |tally| &mut tally.garbage) {
             let mut garbage = vec![0; self.rng.random_range(1..=64)];
             self.rng.fill_bytes(&mut garbage);
-            self.queue.push_back(Unit { due_us: now_us, bytes: garbage });
+            self.queue.push_back(Transit { due_us: now_us, bytes: garbage });
         }
         let late_us = now_us.saturating_add(rates.delay_us);
         let delayed = self.happens(rates.delay, |tally| &mut tally.delay);
-        let unit = Unit { due_us: if delayed { late_us } else { now_us }, bytes };
+        let unit = Transit { due_us: if delayed { late_us } else { now_us }, bytes };
         if self.happens(rates.duplicate, |tally| &mut tally.duplicate) {
             self.queue.push_back(unit.clone());
         }
         if self.overtaken.is_none() && self.happens(rates.reorder, |tally| &mut tally.reorder) {
-            self.overtaken = Some(Unit { due_us: late_us, ..unit });
+            self.overtaken = Some(Transit { due_us: late_us, ..unit });
             return;
         }
         self.queue.push_back(unit);
-        self.queue.extend(self.overtaken.take().map(|unit| Unit { due_us: now_us, ..unit }));
+        self.queue.extend(self.overtaken.take().map(|unit| Transit { due_us: now_us, ..unit }));
     }
 
     /// The next unit that has come out by now. Units leave in the order in which they are queued.

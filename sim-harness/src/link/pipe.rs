@@ -8,29 +8,29 @@ type Shared<T> = Rc<RefCell<VecDeque<T>>>;
 
 /// One end of a pipe.
 #[derive(Clone, Debug)]
-pub struct End<T> {
+pub struct PipeEnd<T> {
     from_other: Shared<T>,
     to_other: Shared<T>,
 }
 
 /// Both ends of a pipe of bytes.
-pub fn bytes() -> (End<u8>, End<u8>) {
+pub fn bytes() -> (PipeEnd<u8>, PipeEnd<u8>) {
     ends()
 }
 
 /// Both ends of a CAN bus with two controllers. Nothing is lost and nothing takes time.
-pub fn bus() -> (End<CanFrame>, End<CanFrame>) {
+pub fn bus() -> (PipeEnd<CanFrame>, PipeEnd<CanFrame>) {
     ends()
 }
 
-fn ends<T>() -> (End<T>, End<T>) {
+fn ends<T>() -> (PipeEnd<T>, PipeEnd<T>) {
     let (a, b) = (Shared::default(), Shared::default());
-    let one = End { from_other: Rc::clone(&a), to_other: Rc::clone(&b) };
-    let other = End { from_other: b, to_other: a };
+    let one = PipeEnd { from_other: Rc::clone(&a), to_other: Rc::clone(&b) };
+    let other = PipeEnd { from_other: b, to_other: a };
     (one, other)
 }
 
-impl<T> End<T> {
+impl<T> PipeEnd<T> {
     /// Everything on its way to this end, taken off the pipe.
     pub fn take(&mut self) -> Vec<T> {
         self.from_other.borrow_mut().drain(..).collect()
@@ -42,23 +42,23 @@ impl<T> End<T> {
     }
 }
 
-impl embedded_io::ErrorType for End<u8> {
+impl embedded_io::ErrorType for PipeEnd<u8> {
     type Error = io::Error;
 }
 
-impl embedded_io::Read for End<u8> {
+impl embedded_io::Read for PipeEnd<u8> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         io::Read::read(&mut *self.from_other.borrow_mut(), buffer)
     }
 }
 
-impl embedded_io::ReadReady for End<u8> {
+impl embedded_io::ReadReady for PipeEnd<u8> {
     fn read_ready(&mut self) -> io::Result<bool> {
         Ok(!self.from_other.borrow().is_empty())
     }
 }
 
-impl embedded_io::Write for End<u8> {
+impl embedded_io::Write for PipeEnd<u8> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.put(bytes.iter().copied());
         Ok(bytes.len())
@@ -79,7 +79,7 @@ impl embedded_can::Error for BusError {
     }
 }
 
-impl Can for End<CanFrame> {
+impl Can for PipeEnd<CanFrame> {
     type Frame = CanFrame;
     type Error = BusError;
 

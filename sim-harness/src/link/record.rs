@@ -27,7 +27,7 @@ impl Way {
 
 /// One message of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Recorded {
+pub struct RecordedMessage {
     /// Time of the link's clock, µs.
     pub time_us: u64,
     /// Which way it went.
@@ -49,15 +49,15 @@ pub enum RecordError {
 }
 
 /// A line of a recording.
-pub type Row = (u64, Way, Vec<u8>);
+pub type RecordRow = (u64, Way, Vec<u8>);
 
 /// The columns of a recording.
-pub fn columns() -> Vec<Column<Row>> {
+pub fn columns() -> Vec<Column<RecordRow>> {
     let bytes = "1 to 512 bytes in hexadecimal digits; what they mean is in `WIRE.md`";
     vec![
-        Column::number("time_us", "\u{b5}s", "time on the clock of the link", |row: &Row| Cell::Count(row.0)),
-        Column::text("direction", "seen from the recorder: `sent` or `received`", |row: &Row| row.1.word()),
-        Column::text("message", bytes, |row: &Row| hex::encode(&row.2)),
+        Column::number("time_us", "\u{b5}s", "time on the clock of the link", |row: &RecordRow| Cell::Count(row.0)),
+        Column::text("direction", "seen from the recorder: `sent` or `received`", |row: &RecordRow| row.1.word()),
+        Column::text("message", bytes, |row: &RecordRow| hex::encode(&row.2)),
     ]
 }
 
@@ -66,7 +66,7 @@ pub fn columns() -> Vec<Column<Row>> {
 /// A writer that fails does not stop what is recorded: its first error is kept for [`finish`](Self::finish), and nothing more is written.
 pub struct Log<W: Write> {
     csv: csv::Writer<W>,
-    columns: Vec<Column<Row>>,
+    columns: Vec<Column<RecordRow>>,
     failed: Option<csv::Error>,
 }
 
@@ -103,12 +103,12 @@ impl<W: Write> Log<W> {
 }
 
 /// A link that is recorded in a [`Log`]. A message that the link refused is not.
-pub struct Recorder<L, W: Write> {
+pub struct RecordingLink<L, W: Write> {
     link: L,
     log: Log<W>,
 }
 
-impl<L: Link, W: Write> Recorder<L, W> {
+impl<L: Link, W: Write> RecordingLink<L, W> {
     /// Records `link` to `writer`, a header first.
     pub fn new(link: L, writer: W) -> io::Result<Self> {
         let log = Log::new(writer)?;
@@ -122,7 +122,7 @@ impl<L: Link, W: Write> Recorder<L, W> {
     }
 }
 
-impl<L: Link, W: Write> Link for Recorder<L, W> {
+impl<L: Link, W: Write> Link for RecordingLink<L, W> {
     type PortError = L::PortError;
 
     fn send(&mut self, message: &[u8], now_us: u64) -> Result<(), LinkError<L::PortError>> {
@@ -152,7 +152,7 @@ impl<L: Link, W: Write> Link for Recorder<L, W> {
 ///
 /// # Errors
 /// [`RecordError`] at the first line that cannot be read.
-pub fn read(reader: impl Read) -> Result<Vec<Recorded>, RecordError> {
+pub fn read(reader: impl Read) -> Result<Vec<RecordedMessage>, RecordError> {
     let mut csv = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(reader);
     let header = csv.headers()?;
     if !header.iter().eq(columns().iter().map(|column| column.about.name.as_str())) {
@@ -162,13 +162,13 @@ pub fn read(reader: impl Read) -> Result<Vec<Recorded>, RecordError> {
 }
 
 /// The message of one line of a recording, which may still be growing; none in an empty line or a comment.
-pub fn recorded_line(line: &[u8]) -> Result<Option<Recorded>, RecordError> {
+pub fn recorded_line(line: &[u8]) -> Result<Option<RecordedMessage>, RecordError> {
     let mut csv = csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).from_reader(line);
     let row = csv.records().next().transpose()?;
     row.map(|row| recorded(&row)).transpose()
 }
 
-fn recorded(row: &csv::StringRecord) -> Result<Recorded, RecordError> {
+fn recorded(row: &csv::StringRecord) -> Result<RecordedMessage, RecordError> {
     let line = row.position().map_or(0, csv::Position::line);
     let field = |place: usize| row.get(place).unwrap_or_default();
     let error =
@@ -182,7 +182,7 @@ fn recorded(row: &csv::StringRecord) -> Result<Recorded, RecordError> {
         .filter(|bytes| (1..=MAX_MESSAGE).contains(&bytes.len()))
         .and_then(|bytes| Message::from_slice(&bytes).ok())
         .ok_or_else(|| error(2, "message", "1 to 512 bytes in hexadecimal digits"))?;
-    Ok(Recorded { time_us: field(0).parse().map_err(|_| error(0, "time_us", "microseconds"))?, way, message })
+    Ok(RecordedMessage { time_us: field(0).parse().map_err(|_| error(0, "time_us", "microseconds"))?, way, message })
 }
 
 #[cfg(test)]
@@ -195,7 +195,7 @@ mod tests {
     fn a_recording_is_these_lines_and_reads_back() {
         let (here, there) = pipe::bytes();
         let mut file = Vec::new();
-        let mut recorder = Recorder::new(SerialLink::new(here), &mut file).unwrap();
+        let mut recorder = RecordingLink::new(SerialLink::new(here), &mut file).unwrap();
         let mut board = SerialLink::new(there);
         recorder.send(&[0, 0xAB], 10).unwrap();
         assert!(recorder.send(&[], 11).is_err(), "refused, not recorded");
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(messages.len(), 2);
         assert_eq!(
             messages[1],
-            Recorded { time_us: 20, way: Way::Received, message: Message::from_slice(b"ok").unwrap() }
+            RecordedMessage { time_us: 20, way: Way::Received, message: Message::from_slice(b"ok").unwrap() }
         );
     }
 
@@ -240,7 +240,7 @@ mod tests {
             }
         }
         let (here, _there) = pipe::bytes();
-        let mut recorder = Recorder::new(SerialLink::new(here), Full(30)).unwrap();
+        let mut recorder = RecordingLink::new(SerialLink::new(here), Full(30)).unwrap();
         for time in 0..5 {
             recorder.send(b"message", time).unwrap();
         }

@@ -12,7 +12,7 @@ pub fn stem(run: &ReplayedRun) -> String {
 
 /// A tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct EstimateRow {
     estimate: Estimate,
     confirmed: Regime,
 }
@@ -29,19 +29,21 @@ const NO_READING: &str = "a reading was missing, or the run begins here";
 const NOT_MEASURED: &str = "the reading was missing, or nothing was expected";
 
 /// The columns of the file.
-pub fn columns() -> Vec<Column<Row>> {
-    let mut columns = vec![Column::number("time_s", "s", "time of the measurement", |row: &Row| row.estimate.time_s)];
-    columns
-        .extend(STATE.map(|(at, name, unit, meaning)| Column::number(name, unit, meaning, move |r: &Row| r.mean(at))));
+pub fn columns() -> Vec<Column<EstimateRow>> {
+    let mut columns =
+        vec![Column::number("time_s", "s", "time of the measurement", |row: &EstimateRow| row.estimate.time_s)];
+    columns.extend(
+        STATE.map(|(at, name, unit, meaning)| Column::number(name, unit, meaning, move |r: &EstimateRow| r.mean(at))),
+    );
     columns.extend(STATE.map(|(at, name, unit, _)| {
         let meaning = format!("standard deviation of `{name}`");
-        Column::number(&format!("sd_{name}"), unit, &meaning, move |r: &Row| r.estimate.belief.sd(at))
+        Column::number(&format!("sd_{name}"), unit, &meaning, move |r: &EstimateRow| r.estimate.belief.sd(at))
     }));
     columns.extend(upper_triangle().map(|at| {
         let names = [STATE[at.0].1, STATE[at.1].1];
         let meaning = format!("covariance of `{}` and `{}`, product of their units", names[0], names[1]);
         let name = format!("P_{}{}", at.0, at.1);
-        Column::number(&name, "", &meaning, move |r: &Row| r.estimate.belief.covariance[at])
+        Column::number(&name, "", &meaning, move |r: &EstimateRow| r.estimate.belief.covariance[at])
     }));
     columns.extend(motion());
     columns.extend(innovations());
@@ -53,30 +55,36 @@ fn upper_triangle() -> impl Iterator<Item = (usize, usize)> {
     (0..SIZE).flat_map(|row| (row..SIZE).map(move |column| (row, column)))
 }
 
-fn motion() -> [Column<Row>; 4] {
+fn motion() -> [Column<EstimateRow>; 4] {
     let effort = "applied effort F/(γ m), mean since the tick before; traction positive, brake negative";
     let learning = "1 where the resistance was learned from this measurement";
     [
-        Column::number("effort_n_per_kg", "N/kg", effort, |r: &Row| r.estimate.effort_n_per_kg).empty_when(NO_READING),
-        Column::number("acceleration_mps2", "m/s²", "mean since the tick before", |r: &Row| {
+        Column::number("effort_n_per_kg", "N/kg", effort, |r: &EstimateRow| r.estimate.effort_n_per_kg)
+            .empty_when(NO_READING),
+        Column::number("acceleration_mps2", "m/s²", "mean since the tick before", |r: &EstimateRow| {
             r.estimate.acceleration_mps2
         })
         .empty_when(NO_READING),
-        Column::text("regime", "regime as known at this tick", |r: &Row| r.estimate.regime.as_str()),
-        Column::count("learning", learning, |r: &Row| r.estimate.learning),
+        Column::text("regime", "regime as known at this tick", |r: &EstimateRow| r.estimate.regime.as_str()),
+        Column::count("learning", learning, |r: &EstimateRow| r.estimate.learning),
     ]
 }
 
 /// A reading that was missing has no innovation, and keeps its expected variance.
-fn innovations() -> [Column<Row>; 5] {
-    let variance =
-        |at: (usize, usize)| move |r: &Row| r.estimate.innovation.as_ref().map(|innovation| innovation.covariance[at]);
+fn innovations() -> [Column<EstimateRow>; 5] {
+    let variance = |at: (usize, usize)| {
+        move |r: &EstimateRow| r.estimate.innovation.as_ref().map(|innovation| innovation.covariance[at])
+    };
     let nothing = "nothing was expected: the run begins here";
     [
-        Column::number("innovation_location_m", "m", "measured less expected location", |r: &Row| r.innovation(0))
-            .empty_when(NOT_MEASURED),
-        Column::number("innovation_speed_mps", "m/s", "measured less expected speed", |r: &Row| r.innovation(1))
-            .empty_when(NOT_MEASURED),
+        Column::number("innovation_location_m", "m", "measured less expected location", |r: &EstimateRow| {
+            r.innovation(0)
+        })
+        .empty_when(NOT_MEASURED),
+        Column::number("innovation_speed_mps", "m/s", "measured less expected speed", |r: &EstimateRow| {
+            r.innovation(1)
+        })
+        .empty_when(NOT_MEASURED),
         Column::number("S_ss", "m²", "expected variance of the innovation of the location", variance((0, 0)))
             .empty_when(nothing),
         Column::number("S_sv", "m²/s", "expected covariance of both innovations", variance((0, 1))).empty_when(nothing),
@@ -85,23 +93,23 @@ fn innovations() -> [Column<Row>; 5] {
     ]
 }
 
-fn trust() -> [Column<Row>; 3] {
+fn trust() -> [Column<EstimateRow>; 3] {
     let confirmed = "regime of this row's sample as known one sample later; the last row keeps its `regime`";
     [
         Column::text(
             "validity",
             "`valid`, `held` or `invalid`: how far location and speed may be trusted",
-            |r: &Row| r.estimate.validity.as_str(),
+            |r: &EstimateRow| r.estimate.validity.as_str(),
         ),
-        Column::text("cause", "why they are not valid", |r: &Row| {
+        Column::text("cause", "why they are not valid", |r: &EstimateRow| {
             r.estimate.validity.cause().map(|cause| cause.as_str())
         })
         .empty_when("they are valid"),
-        Column::text("regime_confirmed", confirmed, |r: &Row| r.confirmed.as_str()),
+        Column::text("regime_confirmed", confirmed, |r: &EstimateRow| r.confirmed.as_str()),
     ]
 }
 
-impl Row {
+impl EstimateRow {
     fn mean(&self, component: usize) -> f64 {
         self.estimate.belief.mean[component]
     }
@@ -113,9 +121,9 @@ impl Row {
 }
 
 /// The ticks of a run.
-pub fn rows(run: &ReplayedRun) -> impl Iterator<Item = Row> + '_ {
+pub fn rows(run: &ReplayedRun) -> impl Iterator<Item = EstimateRow> + '_ {
     let pairs = run.estimates.iter().zip(&run.regimes);
-    pairs.map(|(estimate, confirmed)| Row { estimate: *estimate, confirmed: *confirmed })
+    pairs.map(|(estimate, confirmed)| EstimateRow { estimate: *estimate, confirmed: *confirmed })
 }
 
 #[cfg(test)]

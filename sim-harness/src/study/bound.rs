@@ -68,7 +68,7 @@ pub fn information(
     if let Known::Measured { gain_sd } = known {
         of_run[(3, 3)] = gain_sd.powi(-2);
     }
-    let mut stretch: Option<Stretch> = None;
+    let mut stretch: Option<KnownStretch> = None;
     for index in 1..truth.len().min(samples.len()) {
         let (before, now) = (&truth[index - 1], &truth[index]);
         let moves = before.speed_mps > STANDING_MPS && now.speed_mps > STANDING_MPS;
@@ -81,7 +81,7 @@ pub fn information(
             of_run += stretch.take().map_or_else(SMatrix::zeros, |s| s.information());
             continue;
         }
-        let open = stretch.get_or_insert_with(|| Stretch::begin(&samples[index - 1], worth));
+        let open = stretch.get_or_insert_with(|| KnownStretch::begin(&samples[index - 1], worth));
         open.advance(before, now, davis);
         open.read(&samples[index], worth);
     }
@@ -94,12 +94,12 @@ pub fn information(
     }
 }
 
-struct Stretch {
+struct KnownStretch {
     sensitivity: Jacobian,
     information: SMatrix<f64, SIZE, SIZE>,
 }
 
-impl Stretch {
+impl KnownStretch {
     fn begin(sample: &Sample, worth: Worth) -> Self {
         let mut begun = Self { sensitivity: Jacobian::identity(), information: SMatrix::zeros() };
         begun.read(sample, worth);

@@ -5,7 +5,7 @@
 //!
 //! What is a direction only counts from a size on that a reader of the paper could see: [`super::visible`].
 //!
-//! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth: [`Kind`].
+//! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth: [`ClaimKind`].
 
 mod driving;
 pub mod markdown;
@@ -26,7 +26,7 @@ use rundown_pages::numbers::{NOTHING, number};
 
 /// What a claim that holds on simulated runs is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ClaimKind {
     /// Put into the scenario or into the description: it says that they are the paper's.
     Input,
     /// Put into the scenario, and found again by the extractor with the error that is said.
@@ -35,7 +35,7 @@ pub enum Kind {
     Predicted,
 }
 
-impl Kind {
+impl ClaimKind {
     pub const ALL: [Self; 3] = [Self::Input, Self::Recovered, Self::Predicted];
 
     pub const fn as_str(self) -> &'static str {
@@ -49,7 +49,7 @@ impl Kind {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    pub kind: Kind,
+    pub kind: ClaimKind,
     /// Figure or section of the paper: `2` to `9`, or `3.1`, `3.2`, `4.1`, `4.2`.
     pub place: &'static str,
     pub statement: &'static str,
@@ -119,7 +119,7 @@ pub fn records(claims: &[Claim]) -> Vec<Record> {
 }
 
 /// What the paper's mode says of a claim, the gated mode, and the truth; a dash where there is nothing.
-type Columns = [Option<String>; 3];
+type ClaimColumns = [Option<String>; 3];
 
 /// A claim of which nothing is known yet.
 fn claim(place: &'static str, statement: &'static str) -> Claim {
@@ -127,7 +127,7 @@ fn claim(place: &'static str, statement: &'static str) -> Claim {
     let [paper, gated, truth, error] = std::array::from_fn(|_| nothing());
     let (verdict, why) = (Verdict::NoData, String::new());
     Claim {
-        kind: Kind::Predicted,
+        kind: ClaimKind::Predicted,
         place,
         statement,
         paper,
@@ -142,7 +142,7 @@ fn claim(place: &'static str, statement: &'static str) -> Claim {
 }
 
 impl Claim {
-    fn columns(self, columns: Columns) -> Self {
+    fn columns(self, columns: ClaimColumns) -> Self {
         let [paper, gated, truth] = columns.map(|text| text.unwrap_or_else(|| NOTHING.to_owned()));
         Self { paper, gated, truth, ..self }
     }
@@ -169,13 +169,13 @@ impl Claim {
 
     /// The scenario was made so.
     fn input(self) -> Self {
-        Self { kind: Kind::Input, ..self }
+        Self { kind: ClaimKind::Input, ..self }
     }
 
     /// The scenario was made so, and the extractor must find it: what the paper's mode found and what was true differ by no more than the margin.
     /// Comes after the criterion; without a truth that alone decides.
     fn recovered(self, found: Option<f64>, truth: Option<f64>, margin: f64, words: impl Fn(f64) -> String) -> Self {
-        let claim = Self { kind: Kind::Recovered, ..self };
+        let claim = Self { kind: ClaimKind::Recovered, ..self };
         let Some((found, truth)) = found.zip(truth) else {
             return claim;
         };
@@ -191,12 +191,12 @@ impl Claim {
 }
 
 /// The columns of a claim on the description, or on the paper's mode alone.
-fn alone(text: Option<String>) -> Columns {
+fn alone(text: Option<String>) -> ClaimColumns {
     [text, None, None]
 }
 
 /// The columns of one quantity.
-fn three(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<String>) -> Columns {
+fn three(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<String>) -> ClaimColumns {
     let truth = (gathered.truth.runs > 0).then(|| of(&gathered.truth));
     [of(&gathered.paper), of(&gathered.gated), truth.flatten()]
 }
@@ -330,7 +330,7 @@ mod tests {
             let claim = claims.into_iter().find(|c| c.statement.contains("2.5 to 10 min")).unwrap();
             (claim.kind, claim.verdict, claim.error)
         };
-        assert_eq!(of(310.0), (Kind::Recovered, Verdict::Reproduced, "10 s".to_owned()));
+        assert_eq!(of(310.0), (ClaimKind::Recovered, Verdict::Reproduced, "10 s".to_owned()));
         assert_eq!(of(380.0).1, Verdict::Not);
     }
 

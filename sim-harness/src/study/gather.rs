@@ -10,7 +10,7 @@
 
 use super::case::{Case, CaseTruth};
 use super::tallies::{LIMIT_KMH, Tallies};
-use super::view::{NOTHING, Outcome, Seen};
+use super::view::{NOTHING, Seen, ViewOutcome};
 use super::{Refused, moments::Moments, source::RunSource};
 use crate::logs::Failed;
 use rayon::prelude::*;
@@ -147,7 +147,7 @@ pub struct Listed {
     /// Largest measured speed, km/h.
     pub top_kmh: f64,
     /// As the gated mode saw it.
-    pub gated: Outcome,
+    pub gated: ViewOutcome,
 }
 
 /// Runs of a chunk with their rows of results.
@@ -285,7 +285,7 @@ impl LookedAt {
     }
 
     /// One that nobody knows, where the truth is not there.
-    fn true_outcome(&self) -> &Outcome {
+    fn true_outcome(&self) -> &ViewOutcome {
         self.truth.as_ref().map_or(&NOTHING, |truth| &truth.outcome)
     }
 }
@@ -308,11 +308,12 @@ pub fn columns() -> Vec<Column<LookedAt>> {
     for (index, (prefix, by)) in
         [("paper", "by the paper's mode"), ("gated", "by the gated mode")].into_iter().enumerate()
     {
-        let seen = Outcome::columns(prefix, by).into_iter();
+        let seen = ViewOutcome::columns(prefix, by).into_iter();
         columns.extend(seen.map(|column| column.of_part(move |one: &LookedAt| &one.seen[index].outcome)));
     }
-    columns
-        .extend(Outcome::columns("true", "in truth").into_iter().map(|column| column.of_part(LookedAt::true_outcome)));
+    columns.extend(
+        ViewOutcome::columns("true", "in truth").into_iter().map(|column| column.of_part(LookedAt::true_outcome)),
+    );
     columns
 }
 
@@ -402,7 +403,7 @@ impl Gathered {
 
 /// How far a run is from that of Figs. 3, 5 and 6: root of the sum of squares of the shares, and 1 more for each thing that section 4.2 says of it and
 /// that is not so.
-fn off_papers_run(paper: &Outcome, top_kmh: f64, max_brake_mps2: f64) -> f64 {
+fn off_papers_run(paper: &ViewOutcome, top_kmh: f64, max_brake_mps2: f64) -> f64 {
     let Some(shares) = paper.shares else {
         return f64::INFINITY;
     };

@@ -2,7 +2,7 @@
 
 use super::claims::{Claim, Verdict, summary};
 use super::{
-    figures::Picture, gather::Gathered, moments::Moments, slope::Answer, tallies::Tallies, trials::Sensitivity,
+    figures::Picture, gather::Gathered, moments::Moments, slope::SlopeAnswer, tallies::Tallies, trials::Sensitivity,
 };
 use maud::{Markup, PreEscaped, html};
 use rundown::tick::paper::{Difference, PaperConfig};
@@ -18,7 +18,7 @@ pub struct StudyPage<'a> {
     pub gathered: &'a Gathered,
     pub pictures: &'a [Picture],
     pub slopes: &'a [Picture],
-    pub answers: &'a [Answer],
+    pub answers: &'a [SlopeAnswer],
     pub claims: &'a [Claim],
     pub sensitivity: &'a [Sensitivity],
     /// The filter of the paper's mode.
@@ -148,7 +148,7 @@ fn truth(page: &StudyPage) -> Markup {
     }
 }
 
-fn answers(answers: &[Answer]) -> Markup {
+fn answers(answers: &[SlopeAnswer]) -> Markup {
     let head = [
         text_column("mode"),
         column("runs", ""),
@@ -269,8 +269,8 @@ pub fn initial(sensitivity: &[Sensitivity]) -> Markup {
 }
 
 fn fleet(gathered: &Gathered) -> Markup {
-    type Of = fn(&Tallies) -> &Moments;
-    let rows: [(&str, f64, usize, Of); 12] = [
+    type OfTallies = fn(&Tallies) -> &Moments;
+    let rows: [(&str, f64, usize, OfTallies); 12] = [
         ("r0, 10\u{207b}\u{b3} N/kg", 1e-3, 3, |t| &t.davis[0]),
         ("r1, 10\u{207b}\u{2074} N/(kg m/s)", 1e-4, 3, |t| &t.davis[1]),
         ("r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})", 1e-5, 3, |t| &t.davis[2]),
@@ -284,7 +284,7 @@ fn fleet(gathered: &Gathered) -> Markup {
         ("mean power 50 to 130 km/h, kW", 1.0, 0, |t| &t.power_kw),
         ("largest power 50 to 90 km/h, kW", 1.0, 0, |t| &t.max_power_kw),
     ];
-    let cells = |tallies: &Tallies, of: Of, unit: f64, digits: usize| {
+    let cells = |tallies: &Tallies, of: OfTallies, unit: f64, digits: usize| {
         let moments = of(tallies);
         let in_unit = |value: Option<f64>| number(value.map(|v| v / unit), digits);
         let ends = (moments.count > 0).then_some((moments.least, moments.largest));

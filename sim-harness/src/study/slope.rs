@@ -37,7 +37,7 @@ pub const MODES: [Mode; 3] = [Mode::Paper, Mode::Gated, Mode::Measured];
 const STAGES: [usize; 2] = [1, 10];
 
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct SlopePlan {
     /// The vehicles' line, driver and sensors; without wind, load or effects, or the bound is none.
     pub simulation: Simulation,
     pub vehicles: usize,
@@ -45,7 +45,7 @@ pub struct Plan {
     pub seed: u64,
 }
 
-impl Plan {
+impl SlopePlan {
     /// True over described r0, r1, r2 of a vehicle: as a whole evenly from the smallest to the largest, and each coefficient beyond that by
     /// as much as the memory believes vehicles to differ ([`SHAPE_SD`]). Without the latter the bound, which knows the prior, would be too high.
     pub fn scales(&self, vehicle: usize) -> [f64; 3] {
@@ -70,7 +70,7 @@ impl Plan {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Look {
+pub struct SlopeLook {
     pub mode: Mode,
     pub vehicle: usize,
     pub scales: [f64; 3],
@@ -82,7 +82,7 @@ pub struct Look {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer {
+pub struct SlopeAnswer {
     pub mode: &'static str,
     pub runs: usize,
     pub vehicles: usize,
@@ -99,14 +99,14 @@ pub struct Answer {
 
 #[derive(Clone, Debug)]
 pub struct SelfTest {
-    pub looks: Vec<Look>,
+    pub looks: Vec<SlopeLook>,
     /// One for each mode and stage.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<SlopeAnswer>,
     pub stated: Davis,
 }
 
 /// Simulates and replays every vehicle, side by side. `done` is called once a run.
-pub fn self_test(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<SelfTest, Refused> {
+pub fn self_test(plan: &SlopePlan, config: Config, done: impl Fn() + Sync) -> Result<SelfTest, Refused> {
     let Believed { train, track } = super::description::of(&plan.simulation)?;
     let of_mode = |mode| Estimator::try_new(Config { mode, ..config }, train, track.clone());
     let estimators = MODES.into_iter().map(of_mode).collect::<Result<Vec<_>, _>>()?;
@@ -117,11 +117,11 @@ pub fn self_test(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<
 }
 
 fn of_vehicle(
-    plan: &Plan,
+    plan: &SlopePlan,
     estimators: &[Estimator],
     vehicle: usize,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Look>, DriveError> {
+) -> Result<Vec<SlopeLook>, DriveError> {
     let scales = plan.scales(vehicle);
     let scenario = Scenario { davis_scale: scales, ..plan.simulation.scenario.clone() };
     let of_vehicle = scenario.train.davis.scaled(scenario.davis_scale);
@@ -151,7 +151,7 @@ fn of_vehicle(
         if stages.contains(&(index + 1)) {
             for (slot, mode) in MODES.into_iter().enumerate() {
                 let inverse = informations[slot].try_inverse();
-                looks.push(Look {
+                looks.push(SlopeLook {
                     mode,
                     vehicle,
                     scales,
@@ -175,7 +175,7 @@ fn prior(estimator: &Estimator) -> Matrix3<f64> {
     covariance.try_inverse().unwrap_or_else(Matrix3::zeros)
 }
 
-impl Look {
+impl SlopeLook {
     /// True and estimated deviation from the description at a speed, and the reported standard deviation, as shares of the description.
     pub fn deviations(&self, described: &Davis, speed_kmh: f64) -> Option<[f64; 3]> {
         let v = KmPerHour(speed_kmh).to_mps();
@@ -185,19 +185,19 @@ impl Look {
     }
 }
 
-fn answers(plan: &Plan, looks: &[Look], described: &Davis) -> Vec<Answer> {
+fn answers(plan: &SlopePlan, looks: &[SlopeLook], described: &Davis) -> Vec<SlopeAnswer> {
     let mut answers = Vec::new();
     for mode in MODES {
         for runs in plan.stages() {
-            let of = |look: &&Look| look.mode == mode && look.runs == runs;
-            let looks: Vec<&Look> = looks.iter().filter(of).collect();
+            let of = |look: &&SlopeLook| look.mode == mode && look.runs == runs;
+            let looks: Vec<&SlopeLook> = looks.iter().filter(of).collect();
             answers.push(answer(mode, runs, &looks, described));
         }
     }
     answers
 }
 
-fn answer(mode: Mode, runs: usize, looks: &[&Look], described: &Davis) -> Answer {
+fn answer(mode: Mode, runs: usize, looks: &[&SlopeLook], described: &Davis) -> SlopeAnswer {
     let fits = SLOPE_KMH.map(|kmh| {
         let pairs = looks.iter().filter_map(|l| l.deviations(described, kmh));
         fit(&pairs.map(|[x, y, _]| (x, y)).collect::<Vec<_>>())
@@ -219,7 +219,7 @@ fn answer(mode: Mode, runs: usize, looks: &[&Look], described: &Davis) -> Answer
             }
         }
     }
-    Answer {
+    SlopeAnswer {
         mode: crate::output::json::mode_word(mode),
         runs,
         vehicles: looks.len(),
@@ -257,37 +257,41 @@ pub fn fit(points: &[(f64, f64)]) -> Fit {
 }
 
 /// The columns of `slope.csv`.
-pub fn columns() -> Vec<Column<Answer>> {
+pub fn columns() -> Vec<Column<SlopeAnswer>> {
     let mut columns = vec![
-        Column::text("mode", "`paper`, `gated` or `measured`", |answer: &Answer| answer.mode),
-        Column::count("runs", "runs of each vehicle that were learned from", |answer: &Answer| answer.runs),
-        Column::count("vehicles", "simulated vehicles", |answer: &Answer| answer.vehicles),
+        Column::text("mode", "`paper`, `gated` or `measured`", |answer: &SlopeAnswer| answer.mode),
+        Column::count("runs", "runs of each vehicle that were learned from", |answer: &SlopeAnswer| answer.runs),
+        Column::count("vehicles", "simulated vehicles", |answer: &SlopeAnswer| answer.vehicles),
     ];
     for (index, kmh) in SLOPE_KMH.into_iter().enumerate() {
         let slope = format!("slope of the estimated on the true deviation of r({kmh} km/h) from the description");
         let spread = "standard deviation about that line, of the described resistance";
-        columns.push(Column::number(&format!("slope_{kmh}"), "1", &slope, move |answer: &Answer| answer.slope[index]));
-        let percent = move |answer: &Answer| answer.spread_percent[index];
+        columns.push(Column::number(&format!("slope_{kmh}"), "1", &slope, move |answer: &SlopeAnswer| {
+            answer.slope[index]
+        }));
+        let percent = move |answer: &SlopeAnswer| answer.spread_percent[index];
         columns.push(Column::number(&format!("spread_{kmh}_percent"), "%", spread, percent));
     }
     let rmse = format!("root mean square error of r(v) at {} km/h", ERROR_KMH.map(|kmh| kmh.to_string()).join(", "));
     let bound = "root mean square of the Cramér-Rao bound over the same";
     let efficiency = "square of the bound over that of the error";
     columns.extend([
-        Column::number("rmse_percent", "%", &rmse, |answer: &Answer| answer.rmse_percent),
-        Column::number("bound_percent", "%", bound, |answer: &Answer| answer.bound_percent),
-        Column::number("efficiency", "1", efficiency, |answer: &Answer| answer.efficiency),
-        Column::number("coverage", "1", "share of the truths in the 95 % interval", |answer: &Answer| answer.coverage),
+        Column::number("rmse_percent", "%", &rmse, |answer: &SlopeAnswer| answer.rmse_percent),
+        Column::number("bound_percent", "%", bound, |answer: &SlopeAnswer| answer.bound_percent),
+        Column::number("efficiency", "1", efficiency, |answer: &SlopeAnswer| answer.efficiency),
+        Column::number("coverage", "1", "share of the truths in the 95 % interval", |answer: &SlopeAnswer| {
+            answer.coverage
+        }),
     ]);
     columns
 }
 
-pub fn records(answers: &[Answer]) -> Vec<Record> {
+pub fn records(answers: &[SlopeAnswer]) -> Vec<Record> {
     let columns = columns();
     answers.iter().map(|answer| record(&columns, answer)).collect()
 }
 
-pub fn table(answers: &[Answer]) -> String {
+pub fn table(answers: &[SlopeAnswer]) -> String {
     let mut text = format!(
         "{:9} {:>4}  {:>22}  {:>20}  {:>7} {:>7} {:>10}  {:>9}\n",
         "mode", "runs", "slope 60/100/140 km/h", "spread, %", "rmse, %", "bound,%", "efficiency", "in 95 %"
@@ -310,7 +314,7 @@ pub fn table(answers: &[Answer]) -> String {
 }
 
 /// `slope.md`: a row a mode, the slope after one run and the rest after each stage.
-pub fn markdown(answers: &[Answer]) -> String {
+pub fn markdown(answers: &[SlopeAnswer]) -> String {
     let mut stages: Vec<usize> = answers.iter().map(|answer| answer.runs).collect();
     stages.sort_unstable();
     stages.dedup();
@@ -320,8 +324,8 @@ pub fn markdown(answers: &[Answer]) -> String {
     let head = ["mode".to_owned(), slope, error, "bound".to_owned(), "in the 95 % interval".to_owned()];
     let row = |mode: &Mode| {
         let word = crate::output::json::mode_word(*mode);
-        let of_mode: Vec<&Answer> = answers.iter().filter(|answer| answer.mode == word).collect();
-        let all = |of: &dyn Fn(&Answer) -> String| of_mode.iter().map(|a| of(a)).collect::<Vec<_>>().join(" / ");
+        let of_mode: Vec<&SlopeAnswer> = answers.iter().filter(|answer| answer.mode == word).collect();
+        let all = |of: &dyn Fn(&SlopeAnswer) -> String| of_mode.iter().map(|a| of(a)).collect::<Vec<_>>().join(" / ");
         let first = of_mode.first().map(|a| a.slope.map(|slope| format!("{slope:.2}")).join(" / "));
         vec![
             format!("`{word}`"),
@@ -343,13 +347,13 @@ mod tests {
     fn the_table_of_the_document_has_the_rows_that_are_written() {
         let document = crate::output::markdown::page("study.md");
         let theirs = crate::output::markdown::found(&document, "| mode | slope at");
-        let plan = |runs| Plan { simulation: crate::study::case::calm().unwrap(), vehicles: 3, runs, seed: 1 };
+        let plan = |runs| SlopePlan { simulation: crate::study::case::calm().unwrap(), vehicles: 3, runs, seed: 1 };
         let mut test = self_test(&plan(2), Config::default(), || ()).unwrap();
         // As if after the stages of the command's default: what is compared are heading and labels, not values.
         test.answers.retain(|answer| answer.runs == 1);
         let one = test.answers.clone();
         for runs in &plan(67).stages()[1..] {
-            test.answers.extend(one.iter().map(|answer| Answer { runs: *runs, ..answer.clone() }));
+            test.answers.extend(one.iter().map(|answer| SlopeAnswer { runs: *runs, ..answer.clone() }));
         }
         let ours = crate::output::markdown::found(&markdown(&test.answers), "| mode |");
         assert_eq!(theirs.first(), ours.first());

@@ -45,7 +45,7 @@ pub struct Recorded {
 
 #[derive(Debug)]
 enum Files {
-    Logs(Logs),
+    Logs(StudyLogs),
     Parquet(ParquetRuns),
 }
 
@@ -61,7 +61,7 @@ pub struct Simulated {
 }
 
 #[derive(Clone, Debug)]
-struct Logs {
+struct StudyLogs {
     files: Vec<RunFile>,
     line: Option<CentreLine>,
     /// By the folder of the logs.
@@ -192,7 +192,7 @@ impl Files {
             }
         }
         let files = set.paths();
-        Ok((Self::Logs(Logs { files: set.files, line, truths, next: 0 }), files))
+        Ok((Self::Logs(StudyLogs { files: set.files, line, truths, next: 0 }), files))
     }
 
     fn next_chunk(&mut self) -> Result<Vec<Result<Case, Failed>>, Refused> {
@@ -285,7 +285,7 @@ fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
     from..*next
 }
 
-impl Logs {
+impl StudyLogs {
     fn read(&self, file: &RunFile) -> Result<Case, Failed> {
         let recording = logs::read(file, BadRows::Refuse, self.line.as_ref(), DirectionChoice::Auto)?;
         let failed = |error| Failed { file: file.path.clone(), error, refusal: None };

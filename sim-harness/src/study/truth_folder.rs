@@ -37,7 +37,7 @@ impl TruthFolder {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(file_error(&path, error)),
         };
-        let key: Key = serde_json::from_str(&text).map_err(|error| file_error(&path, error))?;
+        let key: TruthKey = serde_json::from_str(&text).map_err(|error| file_error(&path, error))?;
         Ok(Some(Self { runs: key.runs.into_iter().map(|run| (run.file, run.truth)).collect(), folder }))
     }
 
@@ -71,7 +71,7 @@ fn samples(path: &Path) -> Result<Vec<TruthSample>, String> {
 }
 
 #[derive(Deserialize)]
-struct Key {
+struct TruthKey {
     runs: Vec<KeyRun>,
 }
 

@@ -35,7 +35,7 @@ pub struct Drag {
 }
 
 #[derive(Clone, Debug)]
-pub struct Answer {
+pub struct TunnelAnswer {
     /// Location, m, and r0 with over without the tunnel less 1, backward and forward, of each stretch.
     pub r0: Vec<(f64, [f64; 2])>,
     pub truth: Drag,
@@ -50,7 +50,12 @@ pub struct Answer {
 ///
 /// # Errors
 /// What cannot be driven, written or investigated.
-pub fn answer(out: &Path, seed: Option<u64>, runs: Option<usize>, tell: impl Fn(&str)) -> Result<Answer, Refused> {
+pub fn answer(
+    out: &Path,
+    seed: Option<u64>,
+    runs: Option<usize>,
+    tell: impl Fn(&str),
+) -> Result<TunnelAnswer, Refused> {
     let mut with = Simulation::parse(Path::new("tunnel_best.toml"), WITH_TUNNEL)?;
     with.seed = seed.unwrap_or(with.seed);
     with.runs = runs.unwrap_or(with.runs);
@@ -75,7 +80,7 @@ pub fn answer(out: &Path, seed: Option<u64>, runs: Option<usize>, tell: impl Fn(
         let [from_m, to_m, k] = ["from_m", "to_m", "k"].map(|name| one.value(name));
         (Drag { from_m, to_m, k }, one.confidence)
     };
-    Ok(Answer {
+    Ok(TunnelAnswer {
         r0,
         truth,
         found: tunnels.map(drag).collect(),
@@ -115,7 +120,7 @@ fn mean_r0(simulation: &Simulation) -> Result<Vec<[Moments; 2]>, Refused> {
     Ok(stretches)
 }
 
-impl Answer {
+impl TunnelAnswer {
     /// Largest difference of r0 from the tunnel on, as a share, backward and forward.
     pub fn largest(&self) -> [f64; 2] {
         let behind = || self.r0.iter().filter(|(m, _)| *m >= self.truth.from_m);
@@ -194,8 +199,9 @@ impl Answer {
     }
 
     fn numbers(&self) -> Filled {
-        let r0 = self.r0.iter().map(|(m, shares)| Row { kind: "r0", location_m: *m, drag: None, r0: Some(*shares) });
-        let drag = |kind, d: &Drag| Row { kind, location_m: d.from_m, drag: Some(*d), r0: None };
+        let r0 =
+            self.r0.iter().map(|(m, shares)| TunnelRow { kind: "r0", location_m: *m, drag: None, r0: Some(*shares) });
+        let drag = |kind, d: &Drag| TunnelRow { kind, location_m: d.from_m, drag: Some(*d), r0: None };
         let found = self.found.iter().map(|(d, _)| drag("found", d));
         filled(columns(), r0.chain([drag("true", &self.truth)]).chain(found))
     }
@@ -203,7 +209,7 @@ impl Answer {
 
 /// A stretch of the line, or a tunnel.
 #[derive(Debug)]
-pub struct Row {
+pub struct TunnelRow {
     kind: &'static str,
     location_m: f64,
     drag: Option<Drag>,
@@ -211,26 +217,30 @@ pub struct Row {
 }
 
 /// The columns of `tunnel.csv`.
-pub fn columns() -> Vec<Column<Row>> {
+pub fn columns() -> Vec<Column<TunnelRow>> {
     let (r0, tunnel) = ("`kind` is not `r0`", "`kind` is `r0`");
     let kind = "`r0`: what the tunnel does to r0 of the paper's mode, `true`: the tunnel, `found`: one that \
         `rundown gap` names";
     let share = "r0 with over without the tunnel, less 1, by the";
     vec![
-        Column::text("kind", kind, |row: &Row| row.kind),
-        Column::number("location_m", "m", "middle of the stretch, or where the tunnel begins", |row: &Row| {
+        Column::text("kind", kind, |row: &TunnelRow| row.kind),
+        Column::number("location_m", "m", "middle of the stretch, or where the tunnel begins", |row: &TunnelRow| {
             row.location_m
         }),
-        Column::number("to_m", "m", "where the tunnel ends", |row: &Row| row.drag.map(|drag| drag.to_m))
+        Column::number("to_m", "m", "where the tunnel ends", |row: &TunnelRow| row.drag.map(|drag| drag.to_m))
             .empty_when(tunnel),
-        Column::number("k", "N/kg per (m/s)\u{b2}", "extra drag by the square of speed", |row: &Row| {
+        Column::number("k", "N/kg per (m/s)\u{b2}", "extra drag by the square of speed", |row: &TunnelRow| {
             row.drag.map(|drag| drag.k)
         })
         .empty_when(tunnel),
-        Column::number("backward", "1", &format!("{share} backward effort"), |row: &Row| row.r0.map(|both| both[0]))
-            .empty_when(r0),
-        Column::number("forward", "1", &format!("{share} forward effort"), |row: &Row| row.r0.map(|both| both[1]))
-            .empty_when(r0),
+        Column::number("backward", "1", &format!("{share} backward effort"), |row: &TunnelRow| {
+            row.r0.map(|both| both[0])
+        })
+        .empty_when(r0),
+        Column::number("forward", "1", &format!("{share} forward effort"), |row: &TunnelRow| {
+            row.r0.map(|both| both[1])
+        })
+        .empty_when(r0),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! One run through one pair of eyes: what the estimator in one mode says of it, or what was true.
 //!
-//! The same quantities whoever looks, so that a table can set them side by side: [`Outcome`] is the run in a few numbers, [`Points`] is what
+//! The same quantities whoever looks, so that a table can set them side by side: [`ViewOutcome`] is the run in a few numbers, [`Points`] is what
 //! the figures draw.
 
 use super::{case::CaseTruth, moments::Moments, visible};
@@ -37,7 +37,7 @@ const OVER_SAMPLES: usize = 2;
 const OVER_KMH: f64 = 50.0;
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outcome {
+pub struct ViewOutcome {
     /// Median of the speeds held at the fastest level.
     pub cruise_kmh: Option<f64>,
     /// Plain median of the filtered speeds of all cruising, as section 3.3 takes it; as it was: the speed that was to be kept.
@@ -89,7 +89,7 @@ pub struct PowerPoint {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seen {
-    pub outcome: Outcome,
+    pub outcome: ViewOutcome,
     pub points: Points,
 }
 
@@ -179,7 +179,7 @@ impl Seen {
         let of = |phase: &Option<rundown::features::Phase>| phase.as_ref().map(|p| p.duration_s);
         let duration_s: f64 = run.estimates.iter().map(|estimate| estimate.dt_s).sum();
         let learned_s = run.estimates.iter().filter(|estimate| estimate.learning).map(|estimate| estimate.dt_s);
-        let outcome = Outcome {
+        let outcome = ViewOutcome {
             cruise_kmh: features.cruise_speed_median_mps.map(|v| 3.6 * v),
             plain_cruise_kmh: median(cruising.map(|estimate| 3.6 * speed_mps(estimate)).collect()),
             brake_steps_mps2: features.brake_rate_mps2.each_ref().map(|step| (step.count > 0).then_some(step.mean)),
@@ -202,8 +202,8 @@ impl Seen {
     /// With what the filter says, as it is of a replay of other readings of the same run.
     pub fn with_filter(mut self, filter: Self) -> Self {
         self.points.davis = filter.points.davis;
-        let Outcome { davis, speed_rms_kmh, learned_share, .. } = filter.outcome;
-        self.outcome = Outcome { davis, speed_rms_kmh, learned_share, ..self.outcome };
+        let ViewOutcome { davis, speed_rms_kmh, learned_share, .. } = filter.outcome;
+        self.outcome = ViewOutcome { davis, speed_rms_kmh, learned_share, ..self.outcome };
         self
     }
 
@@ -236,7 +236,7 @@ impl Seen {
         }
         let moving = |regime: Regime| times_s[regime as usize];
         let coast = facts.final_coast.as_ref();
-        let outcome = Outcome {
+        let outcome = ViewOutcome {
             cruise_kmh: Some(3.6 * facts.cruise_mps),
             plain_cruise_kmh: Some(3.6 * facts.cruise_mps),
             brake_steps_mps2: step_means(&points.brake),
@@ -338,9 +338,10 @@ pub fn atb_step(speed_kmh: f64) -> usize {
 }
 
 /// An outcome that nobody knows.
-pub static NOTHING: LazyLock<Outcome> = LazyLock::new(|| Outcome { davis: [f64::NAN; 3], ..Outcome::default() });
+pub static NOTHING: LazyLock<ViewOutcome> =
+    LazyLock::new(|| ViewOutcome { davis: [f64::NAN; 3], ..ViewOutcome::default() });
 
-impl Outcome {
+impl ViewOutcome {
     /// The columns of an outcome, each name after the prefix. `by`: who says so.
     pub fn columns(prefix: &str, by: &str) -> Vec<Column<Self>> {
         let unknown = if prefix == "true" { "the truth is not known, or has none" } else { "the run has none" };

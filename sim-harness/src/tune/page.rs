@@ -2,8 +2,8 @@
 
 use super::parameters::{PARAMETERS, Place, values};
 use super::runs::{self, ScoredRun, TITLE};
-use super::{score::FilterScore, search::Found};
-use crate::{study::figures::Picture, study::page::initial, study::slope::Answer, study::trials::Sensitivity};
+use super::{score::FilterScore, search::Minimum};
+use crate::{study::figures::Picture, study::page::initial, study::slope::SlopeAnswer, study::trials::Sensitivity};
 use maud::{Markup, html};
 use rundown_pages::numbers::number;
 use rundown_pages::shell::{Section, column, document, figure, table, text_column};
@@ -13,7 +13,7 @@ use rundown_pages::shell::{Section, column, document, figure, table, text_column
 pub struct Tuning {
     pub source: String,
     pub table1: Place,
-    pub found: Found,
+    pub found: Minimum,
     pub scores: [FilterScore; 2],
     pub pictures: [Picture; 2],
     pub runs: Vec<ScoredRun>,
@@ -21,7 +21,7 @@ pub struct Tuning {
     /// The remark of section 4.2, with Table 1.
     pub sensitivity: Vec<Sensitivity>,
     /// Of the paper's mode.
-    pub slopes: [Answer; 2],
+    pub slopes: [SlopeAnswer; 2],
 }
 
 pub fn page(page: &Tuning) -> String {

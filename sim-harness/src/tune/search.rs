@@ -12,7 +12,7 @@ const STEP: f64 = 0.5;
 const TOLERANCE: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct Minimum {
     pub place: Place,
     pub cost: f64,
     pub evaluations: u64,
@@ -56,11 +56,11 @@ pub fn starts() -> [Place; 2] {
 }
 
 /// Searches from each start with about this many evaluations in all; `done` is called at each.
-pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Found, SearchError> {
+pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Minimum, SearchError> {
     let failed = |error: Error| SearchError(error.to_string());
     let starts = starts();
     let of_start = evaluations / starts.len() as u64;
-    let mut best: Option<Found> = None;
+    let mut best: Option<Minimum> = None;
     let mut all = 0;
     for start in starts {
         let simplex = (0..=COUNT).map(|corner| {
@@ -89,10 +89,10 @@ pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Found,
         let place = place.ok_or_else(|| SearchError("no best place".to_owned()))?;
         let cost = state.get_best_cost();
         if best.is_none_or(|best| cost < best.cost) {
-            best = Some(Found { place, cost, evaluations: 0 });
+            best = Some(Minimum { place, cost, evaluations: 0 });
         }
     }
-    best.map(|best| Found { evaluations: all, ..best }).ok_or_else(|| SearchError("no start".to_owned()))
+    best.map(|best| Minimum { evaluations: all, ..best }).ok_or_else(|| SearchError("no start".to_owned()))
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ struct Spot {
 
 /// A place on a profile.
 #[derive(Debug)]
-pub struct Row {
+pub struct SurfaceRow {
     parameter: &'static str,
     value: f64,
     above: f64,
@@ -40,14 +40,14 @@ pub struct Row {
 }
 
 /// The columns of `tune_profiles.csv`.
-pub fn profile_columns() -> Vec<Column<Row>> {
+pub fn profile_columns() -> Vec<Column<SurfaceRow>> {
     let unit = "that of the parameter";
     let negative = "`yes` where a coefficient is negative somewhere, or `no`";
     vec![
-        Column::text("parameter", "name of the parameter, as in `tune.json`", |row: &Row| row.parameter),
-        Column::number("value", unit, "its value, the others as at the optimum", |row: &Row| row.value),
-        Column::number("cost_above_optimum", "nat", LOSS, |row: &Row| row.above).empty_when(NO_FILTER),
-        Column::text("negative_coefficient", negative, |row: &Row| if row.negative { "yes" } else { "no" }),
+        Column::text("parameter", "name of the parameter, as in `tune.json`", |row: &SurfaceRow| row.parameter),
+        Column::number("value", unit, "its value, the others as at the optimum", |row: &SurfaceRow| row.value),
+        Column::number("cost_above_optimum", "nat", LOSS, |row: &SurfaceRow| row.above).empty_when(NO_FILTER),
+        Column::text("negative_coefficient", negative, |row: &SurfaceRow| if row.negative { "yes" } else { "no" }),
     ]
 }
 
@@ -91,7 +91,7 @@ pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn())
             .collect();
         for spot in &spots {
             let value = parameter.value(spot.value);
-            rows.push(Row { parameter: parameter.name, value, above: spot.above, negative: spot.negative });
+            rows.push(SurfaceRow { parameter: parameter.name, value, above: spot.above, negative: spot.negative });
         }
         figures.push(panel(index, &spots, optimum[index], table1[index]));
     }

@@ -60,7 +60,7 @@ pub struct Facts {
 
 /// Gathers the facts.
 #[derive(Debug, Default)]
-pub struct Recorder {
+pub struct FactsRecorder {
     last: Regime,
     coast: Option<Mark>,
     final_coast: Option<Mark>,
@@ -75,7 +75,7 @@ pub struct Recorder {
     max: f64,
 }
 
-impl Recorder {
+impl FactsRecorder {
     /// One step, from the row before to its own. `plateau`: between the approach brake and the stop.
     pub fn observe(&mut self, from: &TruthSample, to: &TruthSample, plateau: bool) {
         let mark = |at: &TruthSample| Mark { time_s: at.time_s, location_m: at.location_m, speed_mps: at.speed_mps };

@@ -5,7 +5,7 @@
 
 pub use crate::conditions::{Scenario, UnscheduledStop};
 use crate::driver::{Driver, Stop};
-use crate::facts::{Facts, Recorder};
+use crate::facts::{Facts, FactsRecorder};
 use crate::habits::{DriverKind, Habits};
 use crate::motion::Motion;
 use crate::plan::{RunPlan, plan};
@@ -166,7 +166,7 @@ pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> Result<(Vec<TruthSa
     habits.brake_test_mps = brake_test_mps(scenario.brake_test_share, &mut stream(seed, 10));
     let mut driver = Driver::new(habits, &world, stops, stream(seed, 2));
 
-    let mut recorder = Recorder::default();
+    let mut recorder = FactsRecorder::default();
     let mut motion = Motion::default();
     let mut history = History::default();
     let mut from = row(&world, plan, history, motion, [0.0; 2], Regime::Standstill);

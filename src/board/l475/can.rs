@@ -11,7 +11,7 @@ use embedded_hal_nb::serial::ErrorKind;
 use heapless::spsc::{Consumer, Producer};
 use rundown::link::can_link::TO_BOARD;
 use rundown::onboard::can::Mailbox;
-use rundown::onboard::can::bxcan::{Bxcan, CanRegisters, Register};
+use rundown::onboard::can::bxcan::{Bxcan, CanRegister, CanRegisters};
 use rundown::onboard::can::timing::BitTiming;
 use rundown::onboard::clock::FAST_HZ;
 use rundown::onboard::serial::LineErrors;
@@ -23,13 +23,13 @@ const _: () = assert!(BitTiming::new(FAST_HZ, CAN_BIT_S).is_ok());
 pub struct Registers(CAN1);
 
 impl CanRegisters for Registers {
-    fn register(&mut self, register: Register) -> u32 {
+    fn register(&mut self, register: CanRegister) -> u32 {
         let at = CAN1::ptr().cast::<u32>().wrapping_byte_add(register.offset().into());
         // SAFETY: a register of the block, aligned; `self` owns it.
         unsafe { at.read_volatile() }
     }
 
-    fn set_register(&mut self, register: Register, bits: u32) {
+    fn set_register(&mut self, register: CanRegister, bits: u32) {
         let at = CAN1::ptr().cast::<u32>().cast_mut().wrapping_byte_add(register.offset().into());
         // SAFETY: as above.
         unsafe { at.write_volatile(bits) }

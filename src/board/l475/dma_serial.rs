@@ -4,7 +4,9 @@ use super::super::BAUD;
 use super::device::{DMA1, Interrupt, RCC, USART1, unmask_as_line};
 use core::cell::UnsafeCell;
 use cortex_m::peripheral::NVIC;
-use rundown::onboard::stm32l4_serial::{Block, Channel, RECEIVE, Register, SEND, SerialController, Stm32l4Serial};
+use rundown::onboard::stm32l4_serial::{
+    Block, Channel, RECEIVE, SEND, SerialController, SerialRegister, Stm32l4Serial,
+};
 
 pub type DmaPort = Stm32l4Serial<Controller>;
 
@@ -37,7 +39,7 @@ pub fn start(rcc: &RCC, usart: USART1, dma: DMA1, nvic: &mut NVIC, bus_hz: u32) 
 }
 
 impl Controller {
-    fn at(register: Register) -> *mut u32 {
+    fn at(register: SerialRegister) -> *mut u32 {
         let (block, offset) = register.place();
         let base = match block {
             Block::Usart => USART1::ptr().cast::<u32>(),
@@ -48,12 +50,12 @@ impl Controller {
 }
 
 impl SerialController for Controller {
-    fn register(&mut self, register: Register) -> u32 {
+    fn register(&mut self, register: SerialRegister) -> u32 {
         // SAFETY: a register of one of the two blocks, aligned; `self` owns them.
         unsafe { Self::at(register).read_volatile() }
     }
 
-    fn set_register(&mut self, register: Register, bits: u32) {
+    fn set_register(&mut self, register: SerialRegister, bits: u32) {
         // What was collected is in memory before a channel is enabled.
         cortex_m::asm::dmb();
         // SAFETY: as above; the sequence gives a channel no other memory than the buffers here, and no more than their length.

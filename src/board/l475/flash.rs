@@ -3,7 +3,7 @@
 use super::L475;
 use super::device::FLASH;
 use rundown::onboard::board::Board;
-use rundown::onboard::stm32l4_flash::{FlashController, PAGE, Register, Stm32l4Flash};
+use rundown::onboard::stm32l4_flash::{FlashController, FlashRegister, PAGE, Stm32l4Flash};
 
 /// Pages for records; `memory.x` has the same.
 const PAGES: u32 = 8;
@@ -29,24 +29,24 @@ impl Controller {
 impl FlashController for Controller {
     const CAPACITY: usize = (PAGE * PAGES) as usize;
 
-    fn register(&mut self, register: Register) -> u32 {
+    fn register(&mut self, register: FlashRegister) -> u32 {
         match register {
-            Register::Access => self.0.acr().read().bits(),
+            FlashRegister::Access => self.0.acr().read().bits(),
             // It reads zero.
-            Register::Key => 0,
-            Register::Status => self.0.sr().read().bits(),
-            Register::Control => self.0.cr().read().bits(),
+            FlashRegister::Key => 0,
+            FlashRegister::Status => self.0.sr().read().bits(),
+            FlashRegister::Control => self.0.cr().read().bits(),
         }
     }
 
-    fn set_register(&mut self, register: Register, bits: u32) {
+    fn set_register(&mut self, register: FlashRegister, bits: u32) {
         // SAFETY: caches, keys, flags, and pages for records only: the sequence takes its page numbers from `first_page` and `CAPACITY`.
         unsafe {
             match register {
-                Register::Access => drop(self.0.acr().write(|w| w.bits(bits))),
-                Register::Key => drop(self.0.keyr().write(|w| w.bits(bits))),
-                Register::Status => drop(self.0.sr().write(|w| w.bits(bits))),
-                Register::Control => drop(self.0.cr().write(|w| w.bits(bits))),
+                FlashRegister::Access => drop(self.0.acr().write(|w| w.bits(bits))),
+                FlashRegister::Key => drop(self.0.keyr().write(|w| w.bits(bits))),
+                FlashRegister::Status => drop(self.0.sr().write(|w| w.bits(bits))),
+                FlashRegister::Control => drop(self.0.cr().write(|w| w.bits(bits))),
             }
         }
     }

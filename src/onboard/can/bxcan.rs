@@ -24,9 +24,9 @@ use rundown_wire::errors;
 
 /// A register, by its offset in the controller's block, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Register(u16);
+pub struct CanRegister(u16);
 
-impl Register {
+impl CanRegister {
     /// MCR: master control.
     pub const CONTROL: Self = Self(0x000);
     /// MSR: master status.
@@ -135,17 +135,17 @@ const MOST_RELEASE_POLLS: usize = 100;
 /// The registers of a controller.
 pub trait CanRegisters {
     /// Reads one.
-    fn register(&mut self, register: Register) -> u32;
+    fn register(&mut self, register: CanRegister) -> u32;
     /// Writes one as a whole.
-    fn set_register(&mut self, register: Register, bits: u32);
+    fn set_register(&mut self, register: CanRegister, bits: u32);
 }
 
 impl<R: CanRegisters> CanRegisters for &mut R {
-    fn register(&mut self, register: Register) -> u32 {
+    fn register(&mut self, register: CanRegister) -> u32 {
         (**self).register(register)
     }
 
-    fn set_register(&mut self, register: Register, bits: u32) {
+    fn set_register(&mut self, register: CanRegister, bits: u32) {
         (**self).set_register(register, bits);
     }
 }
@@ -168,19 +168,19 @@ impl<R: CanRegisters> Bxcan<R> {
     /// # Errors
     /// [`NoController`]. It is left as it was found, but for the request.
     pub fn start(mut registers: R, timing: BitTiming, accept: StandardId) -> Result<Self, NoController> {
-        let found = registers.register(Register::CONTROL);
+        let found = registers.register(CanRegister::CONTROL);
         let awake = found & !(control::SLEEP | control::ONCE | control::TIME_TRIGGERED) | control::INITIALISE;
-        registers.set_register(Register::CONTROL, awake);
+        registers.set_register(CanRegister::CONTROL, awake);
         let ready = |registers: &mut R| {
-            registers.register(Register::STATUS) & (status::INITIALISING | status::ASLEEP) == status::INITIALISING
+            registers.register(CanRegister::STATUS) & (status::INITIALISING | status::ASLEEP) == status::INITIALISING
         };
         bounded(|| ready(&mut registers)).ok_or(NoController)?;
         let set_up = awake | control::RECOVER | control::IN_ORDER | control::KEEP_OLDEST;
-        registers.set_register(Register::CONTROL, set_up);
-        registers.set_register(Register::TIMING, timing.bits());
+        registers.set_register(CanRegister::CONTROL, set_up);
+        registers.set_register(CanRegister::TIMING, timing.bits());
         filter(&mut registers, accept);
-        registers.set_register(Register::INTERRUPTS, INTERRUPTS);
-        registers.set_register(Register::CONTROL, set_up & !control::INITIALISE);
+        registers.set_register(CanRegister::INTERRUPTS, INTERRUPTS);
+        registers.set_register(CanRegister::CONTROL, set_up & !control::INITIALISE);
         Ok(Self { registers })
     }
 
@@ -196,8 +196,8 @@ impl<R: CanRegisters> Bxcan<R> {
         outgoing: &mut Consumer<'_, Mailbox>,
         errors: &LineErrors,
     ) -> bool {
-        if self.registers.register(Register::STATUS) & status::ERROR != 0 {
-            self.registers.set_register(Register::STATUS, status::ERROR);
+        if self.registers.register(CanRegister::STATUS) & status::ERROR != 0 {
+            self.registers.set_register(CanRegister::STATUS, status::ERROR);
             // Bus-off: of the errors the only one that interrupts.
             errors.count(ErrorKind::Other);
         }
@@ -209,24 +209,24 @@ impl<R: CanRegisters> Bxcan<R> {
     fn take(&mut self, incoming: &mut Producer<'_, Mailbox>, errors: &LineErrors) -> bool {
         let mut came = false;
         for _ in 0..MOST_PER_CALL {
-            let fifo = self.registers.register(Register::RECEIVE);
+            let fifo = self.registers.register(CanRegister::RECEIVE);
             if fifo & receive::OVERRUN != 0 {
-                self.registers.set_register(Register::RECEIVE, receive::OVERRUN);
+                self.registers.set_register(CanRegister::RECEIVE, receive::OVERRUN);
                 errors.count(ErrorKind::Overrun);
             }
             if fifo & receive::PENDING == 0 {
                 break;
             }
-            let mut word = |place| self.registers.register(Register::RECEIVE_MAILBOX.plus(place));
+            let mut word = |place| self.registers.register(CanRegister::RECEIVE_MAILBOX.plus(place));
             let mailbox = Mailbox { identifier: word(0), length: word(1), data: [word(2), word(3)] };
-            self.registers.set_register(Register::RECEIVE, receive::RELEASE);
+            self.registers.set_register(CanRegister::RECEIVE, receive::RELEASE);
             came = true;
             if incoming.enqueue(mailbox).is_err() {
                 errors.count_full();
             }
             // Until then the same frame would be read again.
             let released =
-                (0..MOST_RELEASE_POLLS).any(|_| self.registers.register(Register::RECEIVE) & receive::RELEASE == 0);
+                (0..MOST_RELEASE_POLLS).any(|_| self.registers.register(CanRegister::RECEIVE) & receive::RELEASE == 0);
             if !released {
                 break;
             }
@@ -236,9 +236,9 @@ impl<R: CanRegisters> Bxcan<R> {
 
     /// Fills the mailboxes that are free.
     fn send(&mut self, outgoing: &mut Consumer<'_, Mailbox>) -> bool {
-        let transmit = self.registers.register(Register::TRANSMIT);
+        let transmit = self.registers.register(CanRegister::TRANSMIT);
         // Only those that were seen: one that ends now interrupts again.
-        self.registers.set_register(Register::TRANSMIT, transmit & transmit::OVER);
+        self.registers.set_register(CanRegister::TRANSMIT, transmit & transmit::OVER);
         let mut went = false;
         for number in 0..MAILBOXES {
             if transmit & (transmit::FREE << number) == 0 {
@@ -247,7 +247,7 @@ impl<R: CanRegisters> Bxcan<R> {
             let Some(mailbox) = outgoing.dequeue() else {
                 break;
             };
-            let first = Register::TRANSMIT_MAILBOX.plus(4 * number);
+            let first = CanRegister::TRANSMIT_MAILBOX.plus(4 * number);
             let [low, high] = mailbox.data;
             self.registers.set_register(first.plus(1), mailbox.length);
             self.registers.set_register(first.plus(2), low);
@@ -260,18 +260,18 @@ impl<R: CanRegisters> Bxcan<R> {
 }
 
 fn filter(registers: &mut impl CanRegisters, accept: StandardId) {
-    let master = registers.register(Register::FILTER);
-    registers.set_register(Register::FILTER, master | FILTER_SETUP);
-    registers.set_register(Register::FILTER_ACTIVE, 0);
+    let master = registers.register(CanRegister::FILTER);
+    registers.set_register(CanRegister::FILTER, master | FILTER_SETUP);
+    registers.set_register(CanRegister::FILTER_ACTIVE, 0);
     for (register, bits) in [
-        (Register::FILTER_LIST, 0),
-        (Register::FILTER_WIDE, BANK_0),
-        (Register::FILTER_FIFO, 0),
-        (Register::FILTER_BANK, u32::from(accept.as_raw()) << super::STANDARD_SHIFT),
-        (Register::FILTER_BANK.plus(1), WHOLE_IDENTIFIER),
-        (Register::FILTER_ACTIVE, BANK_0),
+        (CanRegister::FILTER_LIST, 0),
+        (CanRegister::FILTER_WIDE, BANK_0),
+        (CanRegister::FILTER_FIFO, 0),
+        (CanRegister::FILTER_BANK, u32::from(accept.as_raw()) << super::STANDARD_SHIFT),
+        (CanRegister::FILTER_BANK.plus(1), WHOLE_IDENTIFIER),
+        (CanRegister::FILTER_ACTIVE, BANK_0),
     ] {
         registers.set_register(register, bits);
     }
-    registers.set_register(Register::FILTER, master & !FILTER_SETUP);
+    registers.set_register(CanRegister::FILTER, master & !FILTER_SETUP);
 }

@@ -130,63 +130,63 @@ impl Mock {
 }
 
 impl SerialController for Mock {
-    fn register(&mut self, register: Register) -> u32 {
+    fn register(&mut self, register: SerialRegister) -> u32 {
         match register {
-            Register::Control => self.control,
-            Register::Dma => self.by_dma,
-            Register::Divider => self.divider,
-            Register::Status => {
+            SerialRegister::Control => self.control,
+            SerialRegister::Dma => self.by_dma,
+            SerialRegister::Divider => self.divider,
+            SerialRegister::Status => {
                 let sends = self.channel(Channel::Send).left > 0;
                 self.status | if sends { 0 } else { usart::GONE }
             }
-            Register::Clear | Register::ClearFlags => 0,
-            Register::Flags => {
+            SerialRegister::Clear | SerialRegister::ClearFlags => 0,
+            SerialRegister::Flags => {
                 self.any();
                 let seen = self.flags;
                 // Between this look and the clearing of what it saw.
                 self.flags |= self.meanwhile.take().unwrap_or_default();
                 seen
             }
-            Register::Requests => self.requests,
-            Register::ChannelControl(channel) => self.channel(channel).control,
-            Register::Left(channel) => self.channel(channel).left,
-            Register::Device(channel) => self.channel(channel).device,
-            Register::Memory(channel) => self.channel(channel).memory,
+            SerialRegister::Requests => self.requests,
+            SerialRegister::ChannelControl(channel) => self.channel(channel).control,
+            SerialRegister::Left(channel) => self.channel(channel).left,
+            SerialRegister::Device(channel) => self.channel(channel).device,
+            SerialRegister::Memory(channel) => self.channel(channel).memory,
         }
     }
 
-    fn set_register(&mut self, register: Register, bits: u32) {
+    fn set_register(&mut self, register: SerialRegister, bits: u32) {
         let locked = |mock: &mut Self, channel: Channel| mock.channel(channel).control & dma::ENABLE != 0;
         match register {
-            Register::Control => self.control = bits,
-            Register::Dma => self.by_dma = bits,
-            Register::Divider => self.divider = bits,
-            Register::Clear => self.status &= !bits,
-            Register::ClearFlags => {
+            SerialRegister::Control => self.control = bits,
+            SerialRegister::Dma => self.by_dma = bits,
+            SerialRegister::Divider => self.divider = bits,
+            SerialRegister::Clear => self.status &= !bits,
+            SerialRegister::ClearFlags => {
                 for channel in [Channel::Send, Channel::Receive] {
                     let all = bits & channel.flag(dma::ANY) != 0;
                     self.flags &= !if all { channel.flag(dma::ALL) } else { bits & channel.flag(dma::ALL) };
                 }
                 self.any();
             }
-            Register::Requests => self.requests = bits,
-            Register::Status | Register::Flags => panic!("read only"),
-            Register::ChannelControl(channel) => {
+            SerialRegister::Requests => self.requests = bits,
+            SerialRegister::Status | SerialRegister::Flags => panic!("read only"),
+            SerialRegister::ChannelControl(channel) => {
                 let channel = self.channel(channel);
                 channel.control = bits;
                 if bits & dma::ENABLE != 0 {
                     channel.whole = channel.left;
                 }
             }
-            Register::Left(channel) | Register::Device(channel) | Register::Memory(channel)
+            SerialRegister::Left(channel) | SerialRegister::Device(channel) | SerialRegister::Memory(channel)
                 if locked(self, channel) =>
             {
                 panic!("{register:?} is written while its channel runs")
             }
-            Register::Left(channel) => self.channel(channel).left = bits,
-            Register::Device(channel) => self.channel(channel).device = bits,
-            Register::Memory(_) if self.absent => {}
-            Register::Memory(channel) => self.channel(channel).memory = bits,
+            SerialRegister::Left(channel) => self.channel(channel).left = bits,
+            SerialRegister::Device(channel) => self.channel(channel).device = bits,
+            SerialRegister::Memory(_) if self.absent => {}
+            SerialRegister::Memory(channel) => self.channel(channel).memory = bits,
         }
     }
 

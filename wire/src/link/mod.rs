@@ -21,7 +21,7 @@
 //! and does not know who sent them; sequence, age and origin are matters of the message's content.
 //!
 //! Nothing here waits, allocates or reads a clock. Time comes in as `now_us`, microseconds of any clock that only goes forward; with 64 bits it never wraps. The state machines
-//! ([`serial::Decoder`], [`slcan::Decoder`], [`isotp::Sender`], [`isotp::Receiver`]) know of no port; [`serial::SerialLink`] and [`can_link::CanLink`] tie them to one.
+//! ([`serial::Decoder`], [`slcan::LineDecoder`], [`isotp::Sender`], [`isotp::Receiver`]) know of no port; [`serial::SerialLink`] and [`can_link::CanLink`] tie them to one.
 //!
 //! An empty message does not exist: ISO-TP has no frame for it, and its CRC-32C is four zero bytes, so that a single flipped bit in front of a run of zeros would make one.
 //!

@@ -168,12 +168,12 @@ pub fn parse(line: &[u8]) -> Result<Line, SlcanError> {
 
 /// Takes bytes one by one and gives lines.
 #[derive(Debug, Default)]
-pub struct Decoder {
+pub struct LineDecoder {
     line: Vec<u8, MAX_LINE>,
     overflow: bool,
 }
 
-impl Decoder {
+impl LineDecoder {
     /// A decoder at the begin of a line.
     pub const fn new() -> Self {
         Self { line: Vec::new(), overflow: false }
@@ -219,7 +219,7 @@ impl Decoder {
 #[derive(Debug)]
 pub struct Slcan<P> {
     port: P,
-    decoder: Decoder,
+    decoder: LineDecoder,
     answers: bool,
     // A line was cut by a port that was full: the next begins with its end.
     cut: bool,
@@ -234,7 +234,7 @@ impl<P> Slcan<P> {
     }
 
     const fn new(port: P, answers: bool) -> Self {
-        Self { port, decoder: Decoder::new(), answers, cut: false, damaged: 0, refused: 0 }
+        Self { port, decoder: LineDecoder::new(), answers, cut: false, damaged: 0, refused: 0 }
     }
 
     /// Lines that were none. The messages they were part of are counted by the link.
@@ -439,7 +439,7 @@ mod tests {
 
     #[test]
     fn an_endless_line_is_refused_and_the_next_is_read() {
-        let mut decoder = Decoder::new();
+        let mut decoder = LineDecoder::new();
         for _ in 0..1000 {
             assert_eq!(decoder.push(b't'), Ok(None));
         }

@@ -11,7 +11,7 @@ const STEP: &str = "filter_step::image::filter_step";
 const NS_PER_COUNT: u64 = 40;
 
 /// A step.
-pub struct Step {
+pub struct FilterStep {
     pub instructions: u64,
     /// Of the filter of a tick of the learning modes: four sub-steps and an update.
     pub tick_instructions: u64,
@@ -23,7 +23,7 @@ pub struct Step {
 }
 
 /// Builds the image, reads it, and lets it run.
-pub fn measure() -> Result<Step, String> {
+pub fn measure() -> Result<FilterStep, String> {
     let path = firmware::filter_step()?;
     let image = Image::read(&path).map_err(|error| error.to_string())?;
     let graph = Graph::read(&image);
@@ -45,5 +45,5 @@ pub fn measure() -> Result<Step, String> {
     };
     let (instructions, tick_instructions) = (taken()?, taken()?);
     let wrong_doubles = said()?;
-    Ok(Step { instructions, tick_instructions, stack_bytes: deepest.bytes, code_bytes, wrong_doubles })
+    Ok(FilterStep { instructions, tick_instructions, stack_bytes: deepest.bytes, code_bytes, wrong_doubles })
 }

@@ -39,7 +39,7 @@ struct Mixture {
 
 /// A version of the gradients, fitted.
 #[derive(Clone, Debug)]
-pub struct Fit {
+pub struct MixtureFit {
     /// Scatter of coasted stretches, N/kg.
     pub sd_n_per_kg: f64,
     /// Log-likelihood of each stretch; those that overlap count once.
@@ -99,7 +99,7 @@ impl Mixture {
     }
 }
 
-impl Fit {
+impl MixtureFit {
     /// Coasts scatter by no more than `most_sd`, N/kg. None where there are too few stretches.
     pub fn of(stretches: &[Stretch], climbs_n_per_kg: &[f64], most_sd: f64) -> Option<Self> {
         (stretches.len() >= FEWEST).then_some(())?;
@@ -189,8 +189,8 @@ mod tests {
                 run: number as usize % 20,
             });
         }
-        let described = Fit::of(&stretches, &climbs, MOST_SD_N_PER_KG).unwrap();
-        let level = Fit::of(&stretches, &vec![0.0; 1000], MOST_SD_N_PER_KG).unwrap();
+        let described = MixtureFit::of(&stretches, &climbs, MOST_SD_N_PER_KG).unwrap();
+        let level = MixtureFit::of(&stretches, &vec![0.0; 1000], MOST_SD_N_PER_KG).unwrap();
         assert!(described.log_likelihood() > level.log_likelihood() + 24.0);
         assert!((described.coasted() - 200.0).abs() < 60.0, "{}", described.coasted());
     }

@@ -22,7 +22,7 @@ pub use doubt::Doubt;
 pub use version::Version;
 
 use doubt::explains;
-use mixture::{Fit, MOST_SD_N_PER_KG};
+use mixture::{MOST_SD_N_PER_KG, MixtureFit};
 use places::Locked;
 use rundown::model::direction::Direction;
 use rundown::model::track::Track;
@@ -96,7 +96,7 @@ impl Coasts {
     /// Another version explains the coasts better.
     fn other_version(&self, train: &Train, track: &Track, described_n_per_kg: &[f64]) -> Option<Doubt> {
         let climbs = |version| self.climbs(version, train, track);
-        let fit = |climbs_n_per_kg: &[f64]| Fit::of(&self.stretches, climbs_n_per_kg, MOST_SD_N_PER_KG);
+        let fit = |climbs_n_per_kg: &[f64]| MixtureFit::of(&self.stretches, climbs_n_per_kg, MOST_SD_N_PER_KG);
         let described = fit(described_n_per_kg)?;
         let tried = versions().filter_map(|version| Some((version, fit(&climbs(version))?)));
         // Between the described slopes and none there is always something that fits a little better.
@@ -124,7 +124,7 @@ impl Coasts {
     }
 
     /// Log-likelihood of a version less that of another one, in each half of the runs.
-    fn gains(&self, better: &Fit, other: &Fit) -> [f64; 2] {
+    fn gains(&self, better: &MixtureFit, other: &MixtureFit) -> [f64; 2] {
         let mut gains = [0.0; 2];
         for (stretch, (a, b)) in self.stretches.iter().zip(better.log_likelihoods.iter().zip(&other.log_likelihoods)) {
             gains[stretch.half()] += a - b;
@@ -135,7 +135,7 @@ impl Coasts {
     /// Coasts at the same place in different runs agree on a slope that is not described.
     fn by_place(&self, train: &Train, described_n_per_kg: &[f64], is_level: bool) -> Option<Doubt> {
         let locked = |climbs: &[f64]| {
-            let fit = Fit::of(&self.stretches, climbs, MOST_LOCKED_SD_N_PER_KG)?;
+            let fit = MixtureFit::of(&self.stretches, climbs, MOST_LOCKED_SD_N_PER_KG)?;
             Locked::of(&self.stretches, &fit, climbs)
         };
         let found = locked(described_n_per_kg)?;

@@ -7,7 +7,7 @@
 //!
 //! Wind, load and readings differ from run to run and leave no product; a slope that is not described does, and no shape of it is asked for.
 
-use super::mixture::Fit;
+use super::mixture::MixtureFit;
 use super::stretch::Stretch;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ fn standard_errors(places: impl Iterator<Item = f64> + Clone) -> f64 {
 }
 
 /// By how many standard errors a version of the gradients explains the stretches better than another one (Vuong's test, clustered by place).
-pub fn better_by(stretches: &[Stretch], better: &Fit, other: &Fit) -> f64 {
+pub fn better_by(stretches: &[Stretch], better: &MixtureFit, other: &MixtureFit) -> f64 {
     let mut places: BTreeMap<i64, f64> = BTreeMap::new();
     for (stretch, (a, b)) in stretches.iter().zip(better.log_likelihoods.iter().zip(&other.log_likelihoods)) {
         *places.entry(stretch.cell(PLACE_M)).or_default() += a - b;
@@ -47,7 +47,7 @@ pub struct Locked {
 
 impl Locked {
     /// Of stretches that lose speed, where powering does not come in. None from too few places.
-    pub fn of(stretches: &[Stretch], fit: &Fit, climbs_n_per_kg: &[f64]) -> Option<Self> {
+    pub fn of(stretches: &[Stretch], fit: &MixtureFit, climbs_n_per_kg: &[f64]) -> Option<Self> {
         let losing = |(stretch, share): (&Stretch, &f64)| if stretch.gain_n_per_kg < 0.0 { *share } else { 0.0 };
         let shares: Vec<f64> = stretches.iter().zip(&fit.shares).map(losing).collect();
         let residuals = without_resistance(stretches, &shares, &fit.residuals(stretches, climbs_n_per_kg));
@@ -131,7 +131,7 @@ mod tests {
 
     fn locked(slope_n_per_kg: f64) -> Locked {
         let (stretches, level) = (coasts(slope_n_per_kg), [0.0; 400]);
-        let fit = Fit::of(&stretches, &level, MOST_SD_N_PER_KG).unwrap();
+        let fit = MixtureFit::of(&stretches, &level, MOST_SD_N_PER_KG).unwrap();
         Locked::of(&stretches, &fit, &level).unwrap()
     }
 
@@ -147,7 +147,7 @@ mod tests {
     fn one_place_alone_makes_no_version_better() {
         let stretches = coasts(0.0);
         let fit = |gain: &dyn Fn(&Stretch) -> f64| {
-            let mut fit = Fit::of(&stretches, &[0.0; 400], MOST_SD_N_PER_KG).unwrap();
+            let mut fit = MixtureFit::of(&stretches, &[0.0; 400], MOST_SD_N_PER_KG).unwrap();
             fit.log_likelihoods = stretches.iter().map(gain).collect();
             fit
         };

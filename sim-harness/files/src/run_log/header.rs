@@ -1,7 +1,7 @@
 //! The header of a run log: which column is where, and what that makes of a row.
 
 use crate::refusal::{Place, Refusal};
-use crate::sample::{self, COLUMNS, Column, LOCATION, Sample, TIME};
+use crate::sample::{self, COLUMNS, LOCATION, NumberColumn, Sample, TIME};
 use csv::StringRecord;
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ pub(super) struct Header {
     path: PathBuf,
     names: Vec<String>,
     /// The known columns that are there, in the order of [`COLUMNS`], with their positions in a row.
-    columns: Vec<(&'static Column, usize)>,
+    columns: Vec<(&'static NumberColumn, usize)>,
 }
 
 impl Header {

@@ -115,7 +115,7 @@ pub struct Repaired<'a> {
 
 /// The repaired model in one window.
 #[derive(Clone, Debug)]
-pub struct Model {
+pub struct RepairedModel {
     /// With the wind of this run, if winds are the effect.
     pub effects: Effects,
     /// Random effects of the run, which no model of other runs can know.
@@ -124,23 +124,23 @@ pub struct Model {
 
 impl Repaired<'_> {
     /// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows show.
-    pub fn model(&self, effects: &Effects, rows: &[Row], window: Range<usize>) -> Result<Model, EffectError> {
+    pub fn model(&self, effects: &Effects, rows: &[Row], window: Range<usize>) -> Result<RepairedModel, EffectError> {
         let mut own = self.calibrated.own;
         let spread_mps =
             effects.iter().find_map(|e| if let Effect::RunWind(wind) = e { Some(wind.sd_mps) } else { None });
         let (Some(spread_mps), Some(first)) = (spread_mps, rows.get(window.start)) else {
-            return Ok(Model { effects: effects.clone(), own });
+            return Ok(RepairedModel { effects: effects.clone(), own });
         };
         let others = rows[..window.start].iter().chain(&rows[window.end..]);
         let others = others.filter(|row| row.interval.run == first.interval.run);
         let noise = &self.calibrated.noise;
         let (headwind_mps, sd) = own_wind(others, &self.context.believed, effects, noise, spread_mps);
         own.wind_mps = sd;
-        Ok(Model { effects: in_wind(effects, first.direction.sign() * headwind_mps)?, own })
+        Ok(RepairedModel { effects: in_wind(effects, first.direction.sign() * headwind_mps)?, own })
     }
 
     /// Resistance by the run's own constant, wind and mass, one standard deviation of each, N/kg.
-    pub fn own_n_per_kg(&self, model: &Model, row: &Row) -> [f64; 3] {
+    pub fn own_n_per_kg(&self, model: &RepairedModel, row: &Row) -> [f64; 3] {
         let (r2, speed) = (self.context.believed.train().davis().r2, row.interval.mean_speed_mps());
         [
             model.own.constant_n_per_kg,
@@ -151,7 +151,7 @@ impl Repaired<'_> {
 
     /// Variances that a perfect model would leave of the speed at the end of each row of a window, (m/s)²: without what drivers may have done between two
     /// readings, and with all of it. The second is too much where a reading makes good what the one before missed.
-    fn floors(&self, model: &Model, window: &[Row]) -> Vec<[f64; 2]> {
+    fn floors(&self, model: &RepairedModel, window: &[Row]) -> Vec<[f64; 2]> {
         let reading = 2.0 * self.calibrated.noise.reading_mps.powi(2);
         let (mut walks, mut own) = ([0.0; 2], [0.0; 3]);
         let floors = |row: &Row| {

@@ -10,7 +10,7 @@
 use crate::config::HoldoutConfig;
 use crate::data::{believed::Believed, interval::Point, rows::Row};
 use crate::explained::extra;
-use crate::holdout::forward::{Model, Repaired, acceleration_mps2, begin_m, end_m, windows};
+use crate::holdout::forward::{Repaired, RepairedModel, acceleration_mps2, begin_m, end_m, windows};
 use crate::holdout::share::{Share, Squares, quantile};
 use rundown::model::effects::{EffectError, Effects};
 
@@ -115,7 +115,7 @@ impl Repaired<'_> {
     }
 
     /// Variance of the time over a window without the run's random effects, which are added to `own`. A change of speed at t moves the end of the window by (T - t) times it.
-    fn time_floor(&self, model: &Model, window: &[Row], own: &mut [f64; 3]) -> f64 {
+    fn time_floor(&self, model: &RepairedModel, window: &[Row], own: &mut [f64; 3]) -> f64 {
         let noise = &self.calibrated.noise;
         let Some(last) = window.last() else {
             return 0.0;

@@ -18,7 +18,7 @@ const STEPS: usize = 41;
 const STEP: f64 = 0.05;
 
 /// What each multiple of a limit adds to the log-likelihood of a run.
-struct OfRun {
+struct RunMultiples {
     run: usize,
     gains: [f64; STEPS],
 }
@@ -32,9 +32,9 @@ pub fn halves(found: &FoundLimit, powering: &[Vec<SteadyPower>], runs: &[Run], c
         let factor = |i: usize| 1.0 - i as f64 * STEP * (1.0 - found.factor);
         let gains = core::array::from_fn(|i| gain(&shares, &found.effect, factor(i)));
         // A run that powers nowhere where the limit acts says nothing.
-        gains.iter().any(|gain| *gain != 0.0).then_some(OfRun { run, gains })
+        gains.iter().any(|gain| *gain != 0.0).then_some(RunMultiples { run, gains })
     };
-    let each: Vec<OfRun> = powering.iter().filter_map(of_run).collect();
+    let each: Vec<RunMultiples> = powering.iter().filter_map(of_run).collect();
     By::ALL.into_iter().filter_map(|by| split(&each, by, runs)).collect()
 }
 
@@ -54,16 +54,16 @@ fn gain(run: &Shares<'_>, effect: &Effect, factor: f64) -> f64 {
 }
 
 /// Both halves. `None`: one of them says nothing.
-fn split(each: &[OfRun], by: By, runs: &[Run]) -> Option<Halves> {
+fn split(each: &[RunMultiples], by: By, runs: &[Run]) -> Option<Halves> {
     let half_of = by.halves_of(runs);
     let of = |wanted: usize| each.iter().filter(|one| half_of[one.run] == Some(wanted)).collect();
-    let [first, second]: [Vec<&OfRun>; 2] = [of(0), of(1)];
+    let [first, second]: [Vec<&RunMultiples>; 2] = [of(0), of(1)];
     let freedom = (first.len() + second.len()) as f64 - 2.0;
     Some(Halves { by, multiples: [likeliest(&first)?, likeliest(&second)?], freedom: freedom.max(0.0) })
 }
 
 /// The likeliest multiple in some runs, the nearest to 1 of those that are alike.
-fn likeliest(runs: &[&OfRun]) -> Option<Figure> {
+fn likeliest(runs: &[&RunMultiples]) -> Option<Figure> {
     let gain = |i: &usize| runs.iter().map(|run| run.gains[*i]).sum::<f64>();
     let off = |i: &usize| (STEP * *i as f64 - 1.0).abs();
     let better = |a: &usize, b: &usize| gain(a).total_cmp(&gain(b)).then(off(b).total_cmp(&off(a)));

@@ -104,7 +104,7 @@ pub fn powering(
         let after = ratios.get(i + 1).is_some_and(|next| near(&power, next));
         // Calculated from the change of speed, the interval in which the power is raised looks like less power.
         let raised = effort_sd > 0.0 && (i == 0 || ratios[i - 1].is_none());
-        ((before || after) && !raised).then_some(Part {
+        ((before || after) && !raised).then_some(PhasePart {
             time_s: intervals[i].begin_s,
             speeds_mps: intervals[i].speed_mps,
             floats: floating[i],
@@ -115,7 +115,7 @@ pub fn powering(
 }
 
 /// A part of a powering phase with its time and the speeds around it, m/s.
-struct Part {
+struct PhasePart {
     time_s: f64,
     speeds_mps: [f64; 2],
     /// The power stays for long while the speed floats: a limit, not a driver who has reached his speed.
@@ -124,8 +124,8 @@ struct Part {
 }
 
 /// With the numbers of their phases. A phase that gains little speed keeps a speed rather than reaching one, and says what the driver likes, not what the train gives.
-fn numbered(parts: impl Iterator<Item = Part>, config: &TractionConfig) -> Vec<SteadyPower> {
-    let parts: Vec<Part> = parts.collect();
+fn numbered(parts: impl Iterator<Item = PhasePart>, config: &TractionConfig) -> Vec<SteadyPower> {
+    let parts: Vec<PhasePart> = parts.collect();
     let of_phases = parts.chunk_by(|a, b| b.time_s - a.time_s <= config.apart_s);
     let wanted = of_phases.filter(|parts| match parts {
         parts if parts.iter().any(|part| part.floats) => true,
@@ -141,11 +141,11 @@ fn numbered(parts: impl Iterator<Item = Part>, config: &TractionConfig) -> Vec<S
 }
 
 /// Without its end, where a driver who has nearly reached the speed takes power back.
-fn without_end<'a>(parts: &'a [Part], config: &TractionConfig) -> &'a [Part] {
+fn without_end<'a>(parts: &'a [PhasePart], config: &TractionConfig) -> &'a [PhasePart] {
     let reached = parts.iter().map(|part| part.speeds_mps[1]);
     let reached = reached.fold(0.0, f64::max);
     let most = parts.iter().map(|part| part.power.ratio).fold(0.0, f64::max);
-    let ends = |part: &Part| {
+    let ends = |part: &PhasePart| {
         let taken_back = part.power.ratio < config.taken_back * most && !part.floats;
         taken_back && reached - part.speeds_mps[0] < config.left_mps
     };
@@ -186,7 +186,7 @@ pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &Tractio
         Some((s.time_s, SteadyPower::read(at, s.effort_n_per_kg?, limits, sd, config)))
     };
     let read: Vec<(f64, SteadyPower)> = run.samples.iter().filter_map(read).collect();
-    let mut powering: Vec<Part> = Vec::new();
+    let mut powering: Vec<PhasePart> = Vec::new();
     let mut last_s = f64::NEG_INFINITY;
     for (i, (time_s, power)) in read.iter().enumerate() {
         // Neighbours far enough for a rounded speed to have changed, and for a rising effort to have risen.
@@ -212,7 +212,7 @@ pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &Tractio
             && time_s - last_s >= config.least_s
         {
             let weight = ((time_s - last_s) / config.decision_s).min(1.0);
-            powering.push(Part {
+            powering.push(PhasePart {
                 time_s: *time_s,
                 speeds_mps: [before.1.speed_mps, after.1.speed_mps],
                 floats,

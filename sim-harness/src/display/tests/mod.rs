@@ -4,7 +4,7 @@ mod screen;
 mod sources;
 mod state;
 
-use super::{demo, hub::Hub, setup::Setup, source::Source};
+use super::{demo, hub::Hub, setup::Setup, source::FrameSource};
 use rundown::link::serial;
 use rundown_wire::{Body, Downlink};
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ fn file(bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
 fn shown(bytes: &[u8]) -> Arc<Hub> {
     let (_folder, path) = file(bytes);
     let hub = hub();
-    let source = Source::File { path, follow: false };
+    let source = FrameSource::File { path, follow: false };
     source.open().unwrap().run(&hub, None);
     hub
 }

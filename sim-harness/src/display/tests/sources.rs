@@ -2,7 +2,7 @@
 
 use super::{MESSAGES, file, hub, on_the_line, shown};
 use crate::display::hub::{Connection, Hub};
-use crate::{desk::Description, display::demo, display::setup::Setup, display::source::Source};
+use crate::{desk::Description, display::demo, display::setup::Setup, display::source::FrameSource};
 use rundown::onboard::uplink::{self, Command, Request, SECURED, Uplink};
 use rundown::{estimator::config::Config, model::direction::Direction, onboard::auth::TRAILER};
 use rundown_files::track_file::TrackFile;
@@ -75,7 +75,7 @@ fn a_file_that_grows_is_followed() {
     let (half, rest) = line.split_at(line.len() / 2);
     let (_folder, path) = file(half);
     let hub = hub();
-    let source = Source::File { path: path.clone(), follow: true };
+    let source = FrameSource::File { path: path.clone(), follow: true };
     let (feed, open) = (Arc::clone(&hub), source.open().unwrap());
     std::thread::spawn(move || open.run(&feed, None));
     wait(&hub, |frames| frames > MESSAGES.len() / 3);
@@ -90,7 +90,7 @@ fn a_file_that_comes_later_and_is_written_anew_is_followed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames");
     let hub = hub();
-    let source = Source::File { path: path.clone(), follow: true };
+    let source = FrameSource::File { path: path.clone(), follow: true };
     let (feed, open) = (Arc::clone(&hub), source.open().unwrap());
     std::thread::spawn(move || open.run(&feed, None));
     let begin = Instant::now();
@@ -109,7 +109,7 @@ fn a_board_that_goes_and_comes_is_found_again() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("tcp:{}", listener.local_addr().unwrap());
     let hub = hub();
-    let source = Source::Board { address: address.parse().unwrap(), listen_only: false };
+    let source = FrameSource::Board { address: address.parse().unwrap(), listen_only: false };
     let (feed, open) = (Arc::clone(&hub), source.open().unwrap());
     std::thread::spawn(move || open.run(&feed, None));
     let mut sent = 0;

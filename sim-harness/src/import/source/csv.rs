@@ -1,6 +1,6 @@
 //! Tables as text: the encoding, the delimiter and the header are found in the first lines, the rows are streamed.
 
-use super::row::{self, Each, Event, Field, Header, Layout};
+use super::row::{self, Each, Event, Header, Layout, RowField};
 use crate::import::number;
 use encoding_rs_io::DecodeReaderBytesBuilder;
 use rundown_files::refusal::ReadError;
@@ -213,7 +213,7 @@ pub fn rows(path: &Path, layout: &Layout, each: &mut Each) -> Result<(), ReadErr
     let quoting = has_quoted_fields(path, encoding)?;
     let mut table = builder.comment(Some(b'#')).quoting(quoting).from_reader(reader);
     let mut record = ::csv::ByteRecord::new();
-    let mut row: Vec<Field> = Vec::new();
+    let mut row: Vec<RowField> = Vec::new();
     let mut first = true;
     loop {
         match table.read_byte_record(&mut record) {
@@ -231,8 +231,8 @@ pub fn rows(path: &Path, layout: &Layout, each: &mut Each) -> Result<(), ReadErr
         }
         row.clear();
         row.extend(record.iter().map(|field| match String::from_utf8_lossy(field) {
-            text if text.is_empty() => Field::Empty,
-            text => Field::Text(text.into_owned()),
+            text if text.is_empty() => RowField::Empty,
+            text => RowField::Text(text.into_owned()),
         }));
         if std::mem::take(&mut first) {
             let texts: Vec<String> = record.iter().map(|field| String::from_utf8_lossy(field).into_owned()).collect();

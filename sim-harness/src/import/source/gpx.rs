@@ -1,6 +1,6 @@
 //! Track points of GPX: time, position, height, and the speed where the recorder wrote one.
 
-use super::row::{self, Each, Event, Field, Header};
+use super::row::{self, Each, Event, Header, RowField};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event as Xml};
 use rundown_files::refusal::ReadError;
@@ -14,16 +14,16 @@ pub fn headers() -> Vec<Header> {
         .to_vec()
 }
 
-fn attribute(tag: &BytesStart, name: &str) -> Field {
+fn attribute(tag: &BytesStart, name: &str) -> RowField {
     let found = tag.try_get_attribute(name).ok().flatten();
-    found.map_or(Field::Empty, |value| Field::Text(String::from_utf8_lossy(&value.value).into_owned()))
+    found.map_or(RowField::Empty, |value| RowField::Text(String::from_utf8_lossy(&value.value).into_owned()))
 }
 
 pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
     let file = File::open(path).map_err(|error| row::io(path, error))?;
     let mut reader = Reader::from_reader(BufReader::new(file));
     let (mut buffer, mut text) = (Vec::new(), String::new());
-    let (mut point, mut number, mut tracks): (Option<Vec<Field>>, u64, u64) = (None, 0, 0);
+    let (mut point, mut number, mut tracks): (Option<Vec<RowField>>, u64, u64) = (None, 0, 0);
     loop {
         buffer.clear();
         match reader.read_event_into(&mut buffer) {
@@ -32,9 +32,10 @@ pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
                 match tag.local_name().as_ref() {
                     b"trk" => tracks += 1,
                     b"trkpt" => {
-                        let track = if tracks > 1 { Field::Text(tracks.to_string()) } else { Field::Empty };
+                        let track = if tracks > 1 { RowField::Text(tracks.to_string()) } else { RowField::Empty };
                         let (latitude, longitude) = (attribute(&tag, "lat"), attribute(&tag, "lon"));
-                        point = Some(vec![Field::Empty, latitude, longitude, Field::Empty, Field::Empty, track]);
+                        point =
+                            Some(vec![RowField::Empty, latitude, longitude, RowField::Empty, RowField::Empty, track]);
                     }
                     _ => {}
                 }
@@ -48,7 +49,7 @@ pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
                     _ => None,
                 };
                 if let (Some(index), Some(point)) = (of_point, &mut point) {
-                    point[index] = Field::Text(text.trim().to_owned());
+                    point[index] = RowField::Text(text.trim().to_owned());
                 }
                 if tag.local_name().as_ref() == b"trkpt"
                     && let Some(point) = point.take()

@@ -3,7 +3,7 @@
 //! The first line that is not empty decides which: where it holds an object, every line does, so that one that is torn off costs no other.
 
 use super::csv;
-use super::row::{self, Each, Event, Field, Header};
+use super::row::{self, Each, Event, Header, RowField};
 use rundown_files::refusal::ReadError;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::path::Path;
 /// Lines that decide the names of the columns.
 const SNIFFED: u64 = 500;
 
-fn flat(prefix: &str, object: &Map<String, Value>, into: &mut Named) {
+fn flat(prefix: &str, object: &Map<String, Value>, into: &mut NamedFields) {
     for (key, value) in object {
         let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
         let field = match value {
@@ -19,21 +19,21 @@ fn flat(prefix: &str, object: &Map<String, Value>, into: &mut Named) {
                 flat(&name, inner, into);
                 continue;
             }
-            Value::Number(number) => number.as_f64().map_or(Field::Empty, Field::Number),
-            Value::String(text) if !text.trim().is_empty() => Field::Text(text.clone()),
-            _ => Field::Empty,
+            Value::Number(number) => number.as_f64().map_or(RowField::Empty, RowField::Number),
+            Value::String(text) if !text.trim().is_empty() => RowField::Text(text.clone()),
+            _ => RowField::Empty,
         };
         into.push((name, field));
     }
 }
 
 /// The fields of an object with their names.
-type Named = Vec<(String, Field)>;
+type NamedFields = Vec<(String, RowField)>;
 
 /// What is to be done with an object, or with what is none, and the line that it begins in; false: no more of them.
-type Take<'a> = dyn FnMut(u64, Result<Named, String>) -> bool + 'a;
+type Take<'a> = dyn FnMut(u64, Result<NamedFields, String>) -> bool + 'a;
 
-fn object(text: &str) -> Result<Named, String> {
+fn object(text: &str) -> Result<NamedFields, String> {
     let object = serde_json::from_str::<Map<String, Value>>(text);
     let object = object.map_err(|error| format!("expected an object, found: {error}"))?;
     let mut fields = Vec::new();
@@ -159,7 +159,7 @@ pub fn rows(path: &Path, headers: &[Header], each: &mut Each) -> Result<(), Read
             row.clear();
             row.extend(headers.iter().map(|header| {
                 let field = fields.iter_mut().find(|(name, _)| *name == header.written);
-                field.map_or(Field::Empty, |(_, field)| std::mem::replace(field, Field::Empty))
+                field.map_or(RowField::Empty, |(_, field)| std::mem::replace(field, RowField::Empty))
             }));
             each(Event::Row(number, &row))
         }

@@ -8,7 +8,7 @@ mod parquet;
 pub mod row;
 mod sheet;
 
-use row::{Each, Format, Header, Layout};
+use row::{Each, Header, Layout, SourceFormat};
 use rundown_files::refusal::ReadError;
 use std::fs::File;
 use std::io::Read;
@@ -16,21 +16,21 @@ use std::path::{Path, PathBuf};
 
 /// A file whose layout is known.
 #[derive(Clone, Debug)]
-pub struct Source {
+pub struct SourceFile {
     pub path: PathBuf,
     pub layout: Layout,
     pub headers: Vec<Header>,
 }
 
 /// The kind of a file: by its name, else by its first bytes.
-fn format_of(path: &Path) -> Result<Format, ReadError> {
+fn format_of(path: &Path) -> Result<SourceFormat, ReadError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let by_name = match extension.as_str() {
-        "xlsx" | "xls" | "xlsm" | "xlsb" | "ods" => Some(Format::Sheet),
-        "gpx" => Some(Format::Gpx),
-        "nmea" | "nma" | "ubx" => Some(Format::Nmea),
-        "jsonl" | "ndjson" | "json" => Some(Format::JsonLines),
-        "parquet" | "pq" => Some(Format::Parquet),
+        "xlsx" | "xls" | "xlsm" | "xlsb" | "ods" => Some(SourceFormat::Sheet),
+        "gpx" => Some(SourceFormat::Gpx),
+        "nmea" | "nma" | "ubx" => Some(SourceFormat::Nmea),
+        "jsonl" | "ndjson" | "json" => Some(SourceFormat::JsonLines),
+        "parquet" | "pq" => Some(SourceFormat::Parquet),
         _ => None,
     };
     if let Some(format) = by_name {
@@ -42,16 +42,16 @@ fn format_of(path: &Path) -> Result<Format, ReadError> {
     let text = String::from_utf8_lossy(&head).into_owned();
     let text = text.trim_start_matches('\u{feff}').trim_start();
     Ok(match text {
-        text if text.starts_with("PAR1") => Format::Parquet,
-        text if text.starts_with("PK\u{3}\u{4}") || head.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) => Format::Sheet,
-        text if text.contains("<gpx") => Format::Gpx,
-        text if text.starts_with('{') => Format::JsonLines,
-        text if ["$GP", "$GN", "$GL", "$GA"].iter().any(|talker| text.starts_with(talker)) => Format::Nmea,
-        _ => Format::Csv,
+        text if text.starts_with("PAR1") => SourceFormat::Parquet,
+        text if text.starts_with("PK\u{3}\u{4}") || head.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) => SourceFormat::Sheet,
+        text if text.contains("<gpx") => SourceFormat::Gpx,
+        text if text.starts_with('{') => SourceFormat::JsonLines,
+        text if ["$GP", "$GN", "$GL", "$GA"].iter().any(|talker| text.starts_with(talker)) => SourceFormat::Nmea,
+        _ => SourceFormat::Csv,
     })
 }
 
-impl Source {
+impl SourceFile {
     /// Finds what the file does not say. `named` are columns that the mapping names.
     ///
     /// # Errors
@@ -61,12 +61,12 @@ impl Source {
         let format = wanted.format.map_or_else(|| format_of(path), Ok)?;
         let plain = Layout { format: Some(format), ..wanted.clone() };
         let (layout, headers) = match format {
-            Format::Csv => csv::open(path, &plain, named)?,
-            Format::Sheet => sheet::open(path, &plain, named)?,
-            Format::Gpx => (plain, gpx::headers()),
-            Format::Nmea => (plain, nmea::headers()),
-            Format::JsonLines => (plain, json::headers(path)?),
-            Format::Parquet => (plain, parquet::headers(path)?),
+            SourceFormat::Csv => csv::open(path, &plain, named)?,
+            SourceFormat::Sheet => sheet::open(path, &plain, named)?,
+            SourceFormat::Gpx => (plain, gpx::headers()),
+            SourceFormat::Nmea => (plain, nmea::headers()),
+            SourceFormat::JsonLines => (plain, json::headers(path)?),
+            SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
         Ok(Self { path: path.to_owned(), layout, headers })
     }
@@ -77,13 +77,13 @@ impl Source {
     /// [`ReadError`] when the file cannot be read any further.
     pub fn rows(&self, each: &mut Each) -> Result<(), ReadError> {
         let path = &self.path;
-        match self.layout.format.unwrap_or(Format::Csv) {
-            Format::Csv => csv::rows(path, &self.layout, each),
-            Format::Sheet => sheet::rows(path, &self.layout, each),
-            Format::Gpx => gpx::rows(path, each),
-            Format::Nmea => nmea::rows(path, each),
-            Format::JsonLines => json::rows(path, &self.headers, each),
-            Format::Parquet => parquet::rows(path, each),
+        match self.layout.format.unwrap_or(SourceFormat::Csv) {
+            SourceFormat::Csv => csv::rows(path, &self.layout, each),
+            SourceFormat::Sheet => sheet::rows(path, &self.layout, each),
+            SourceFormat::Gpx => gpx::rows(path, each),
+            SourceFormat::Nmea => nmea::rows(path, each),
+            SourceFormat::JsonLines => json::rows(path, &self.headers, each),
+            SourceFormat::Parquet => parquet::rows(path, each),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Sentences of satellite receivers: RMC for time, position and speed, GGA for the height; checksums are checked.
 
 use super::csv;
-use super::row::{Each, Event, Field, Header};
+use super::row::{Each, Event, Header, RowField};
 use nmea::ParseResult;
 use rundown_files::refusal::ReadError;
 use std::path::Path;
@@ -25,8 +25,8 @@ impl Epoch {
             return true;
         }
         let time = if self.date.is_empty() { self.of_day.clone() } else { format!("{}T{}Z", self.date, self.of_day) };
-        let mut row = vec![Field::Text(time)];
-        row.extend(self.fields.map(|value| value.map_or(Field::Empty, Field::Number)));
+        let mut row = vec![RowField::Text(time)];
+        row.extend(self.fields.map(|value| value.map_or(RowField::Empty, RowField::Number)));
         each(Event::Row(self.line, &row))
     }
 }

@@ -1,6 +1,6 @@
 //! Parquet with flat columns; times become text or numbers as they are.
 
-use super::row::{self, Each, Event, Field, Header};
+use super::row::{self, Each, Event, Header, RowField};
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field as Value;
 use rundown_files::refusal::ReadError;
@@ -18,13 +18,13 @@ pub fn headers(path: &Path) -> Result<Vec<Header>, ReadError> {
     Ok(fields.iter().map(|field| Header::new(field.name())).collect())
 }
 
-fn instant(microseconds: i64) -> Field {
+fn instant(microseconds: i64) -> RowField {
     let instant = jiff::Timestamp::from_microsecond(microseconds);
-    instant.map_or(Field::Empty, |instant| Field::Text(instant.to_string()))
+    instant.map_or(RowField::Empty, |instant| RowField::Text(instant.to_string()))
 }
 
-fn field(value: &Value) -> Field {
-    let number = |number: f64| if number.is_finite() { Field::Number(number) } else { Field::Empty };
+fn field(value: &Value) -> RowField {
+    let number = |number: f64| if number.is_finite() { RowField::Number(number) } else { RowField::Empty };
     match value {
         Value::Byte(n) => number((*n).into()),
         Value::Short(n) => number((*n).into()),
@@ -36,11 +36,11 @@ fn field(value: &Value) -> Field {
         Value::ULong(n) => number(*n as f64),
         Value::Float(n) => number((*n).into()),
         Value::Double(n) => number(*n),
-        Value::Str(text) if !text.trim().is_empty() => Field::Text(text.clone()),
-        Value::TimestampMillis(n) => n.checked_mul(1000).map_or(Field::Empty, instant),
+        Value::Str(text) if !text.trim().is_empty() => RowField::Text(text.clone()),
+        Value::TimestampMillis(n) => n.checked_mul(1000).map_or(RowField::Empty, instant),
         Value::TimestampMicros(n) => instant(*n),
-        Value::Null => Field::Empty,
-        other => Field::Text(other.to_string()),
+        Value::Null => RowField::Empty,
+        other => RowField::Text(other.to_string()),
     }
 }
 
@@ -51,7 +51,7 @@ pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
         let number = index as u64 + 1;
         let goes_on = match found {
             Ok(found) => {
-                let fields: Vec<Field> = found.get_column_iter().map(|(_, value)| field(value)).collect();
+                let fields: Vec<RowField> = found.get_column_iter().map(|(_, value)| field(value)).collect();
                 each(Event::Row(number, &fields))
             }
             Err(error) => {

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// One field of a row.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Field {
+pub enum RowField {
     Empty,
     Text(String),
     Number(f64),
@@ -17,7 +17,7 @@ pub enum Field {
 /// What comes out of a file, line by line.
 #[derive(Debug)]
 pub enum Event<'a> {
-    Row(u64, &'a [Field]),
+    Row(u64, &'a [RowField]),
     /// Something that is no row: line, what was expected and found.
     Bad(u64, String),
 }
@@ -28,7 +28,7 @@ pub type Each<'e> = dyn FnMut(Event) -> bool + 'e;
 /// The kinds of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Format {
+pub enum SourceFormat {
     Csv,
     Sheet,
     Gpx,
@@ -42,7 +42,7 @@ pub enum Format {
 #[serde(deny_unknown_fields)]
 pub struct Layout {
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub format: Option<Format>,
+    pub format: Option<SourceFormat>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]

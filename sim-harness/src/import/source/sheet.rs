@@ -1,6 +1,6 @@
 //! Excel and OpenDocument sheets, as the same rows of text.
 
-use super::row::{self, Each, Event, Field, Header, Layout};
+use super::row::{self, Each, Event, Header, Layout, RowField};
 use calamine::{Data, Range, Reader, open_workbook_auto};
 use rundown_files::refusal::ReadError;
 use std::path::Path;
@@ -9,28 +9,28 @@ const MOST_PREAMBLE: usize = 400;
 
 fn text(cell: &Data) -> String {
     match field(cell) {
-        Field::Empty => String::new(),
-        Field::Text(text) => text,
-        Field::Number(number) => number.to_string(),
+        RowField::Empty => String::new(),
+        RowField::Text(text) => text,
+        RowField::Number(number) => number.to_string(),
     }
 }
 
 /// Dates become text, as a person would see them; times of the day too.
-fn field(cell: &Data) -> Field {
+fn field(cell: &Data) -> RowField {
     match cell {
-        Data::Empty | Data::Error(_) => Field::Empty,
-        Data::Int(number) => Field::Number(*number as f64),
-        Data::Float(number) => Field::Number(*number),
-        Data::Bool(is) => Field::Number(f64::from(u8::from(*is))),
+        Data::Empty | Data::Error(_) => RowField::Empty,
+        Data::Int(number) => RowField::Number(*number as f64),
+        Data::Float(number) => RowField::Number(*number),
+        Data::Bool(is) => RowField::Number(f64::from(u8::from(*is))),
         Data::String(text) | Data::DateTimeIso(text) | Data::DurationIso(text) if text.trim().is_empty() => {
-            Field::Empty
+            RowField::Empty
         }
-        Data::String(text) | Data::DateTimeIso(text) | Data::DurationIso(text) => Field::Text(text.clone()),
+        Data::String(text) | Data::DateTimeIso(text) | Data::DurationIso(text) => RowField::Text(text.clone()),
         Data::DateTime(time) => {
             let (year, month, day, hour, minute, second, milli) = time.to_ymd_hms_milli();
             let of_day = format!("{hour:02}:{minute:02}:{second:02}.{milli:03}");
             let is_day = (0.0..1.0).contains(&time.as_f64()) || time.is_duration();
-            Field::Text(if is_day { of_day } else { format!("{year:04}-{month:02}-{day:02}T{of_day}") })
+            RowField::Text(if is_day { of_day } else { format!("{year:04}-{month:02}-{day:02}T{of_day}") })
         }
     }
 }
@@ -88,7 +88,7 @@ pub fn rows(path: &Path, layout: &Layout, each: &mut Each) -> Result<(), ReadErr
         if index == header && row::units_below(&texts).is_some() {
             continue;
         }
-        let fields: Vec<Field> = cells.iter().map(field).collect();
+        let fields: Vec<RowField> = cells.iter().map(field).collect();
         if !each(Event::Row(above + index as u64 + 1, &fields)) {
             break;
         }

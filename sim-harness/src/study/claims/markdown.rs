@@ -38,7 +38,7 @@ fn by_kind(all: &[(&str, Vec<Claim>)], first: &[Claim]) -> String {
     head.extend([format!("all, of {}", first.len()), "not visible".to_owned()]);
     let row = |(name, claims): &(&str, Vec<Claim>)| {
         let counts = counts(claims);
-        let sum = |of: fn(&summary::Count) -> usize| counts.iter().map(of).sum::<usize>().to_string();
+        let sum = |of: fn(&summary::ClaimCount) -> usize| counts.iter().map(of).sum::<usize>().to_string();
         let mut row = cells([name]);
         row.extend(counts.map(|count| count.reproduced.to_string()));
         row.extend([sum(|count| count.reproduced), sum(|count| count.not_visible)]);

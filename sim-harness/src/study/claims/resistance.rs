@@ -1,6 +1,6 @@
 //! Claims on the filter and the resistance: section 4.2.
 
-use super::{Claim, Columns, Verdict, alone, claim, from_to, mean, near, percent, points, three};
+use super::{Claim, ClaimColumns, Verdict, alone, claim, from_to, mean, near, percent, points, three};
 use crate::study::gather::{Example, Gathered, PAPERS_LARGEST_BRAKE};
 use crate::study::tallies::{R0_BAND, Tallies};
 use crate::{
@@ -29,7 +29,7 @@ fn of_example(
     words: impl Fn(Option<f64>) -> Option<String>,
     of: impl Fn(&ReplayedRun) -> Option<f64>,
     truth: impl FnOnce(&CaseTruth) -> Option<f64>,
-) -> Columns {
+) -> ClaimColumns {
     let mode = |run: fn(&Example) -> &ReplayedRun| words(example.and_then(|example| of(run(example))));
     let truth = example.and_then(|example| truth(example.truth.as_ref()?));
     [mode(paper), mode(|example| &example.gated), words(truth)]

@@ -1,12 +1,12 @@
 //! How many claims hold, by kind: what the screen, the report and the JSON say first.
 
-use super::{Claim, Kind, Sets, Verdict};
+use super::{Claim, ClaimKind, Sets, Verdict};
 use rundown_pages::numbers::counted;
 use serde::Serialize;
 
 /// Claims of a kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Count {
+pub struct ClaimCount {
     pub kind: &'static str,
     pub claims: usize,
     pub reproduced: usize,
@@ -16,10 +16,10 @@ pub struct Count {
 }
 
 /// Over all sets of runs.
-pub fn counts(claims: &[Claim]) -> [Count; 3] {
-    Kind::ALL.map(|kind| {
+pub fn counts(claims: &[Claim]) -> [ClaimCount; 3] {
+    ClaimKind::ALL.map(|kind| {
         let of = |verdict| claims.iter().filter(|c| c.kind == kind && c.verdict == verdict).count();
-        Count {
+        ClaimCount {
             kind: kind.as_str(),
             claims: claims.iter().filter(|claim| claim.kind == kind).count(),
             reproduced: of(Verdict::Reproduced),
@@ -32,7 +32,7 @@ pub fn counts(claims: &[Claim]) -> [Count; 3] {
 
 /// `input 7 of 9, recovered 9 of 16, predicted 10 of 18`.
 pub fn by_kind(claims: &[Claim]) -> String {
-    let words = |count: Count| format!("{} {} of {}", count.kind, count.reproduced, count.claims);
+    let words = |count: ClaimCount| format!("{} {} of {}", count.kind, count.reproduced, count.claims);
     counts(claims).map(words).join(", ")
 }
 

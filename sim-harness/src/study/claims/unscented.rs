@@ -5,7 +5,7 @@
 
 use super::{Claim, alone, claim};
 use nalgebra::SVector;
-use rundown::filter::elimination::Column;
+use rundown::filter::elimination::FactorColumn;
 use rundown::filter::gaussian::Gaussian;
 use rundown::filter::ukf::{Pair, Process, Spread, Ukf};
 use rundown::model::state::SIZE;
@@ -30,7 +30,7 @@ impl Process<SIZE, 1> for Power {
         slope
     }
 
-    fn pair(&self, x: &SVector<f64, SIZE>, column: &Column<SIZE, 1>, c: f64) -> Pair {
+    fn pair(&self, x: &SVector<f64, SIZE>, column: &FactorColumn<SIZE, 1>, c: f64) -> Pair {
         let step = (c * column.d).sqrt();
         let [plus, centre, minus] = [1.0, 0.0, -1.0].map(|side| (x[0] + side * step * column.l[0]).powi(self.0));
         let odd = 0.5 * (plus - minus) / step - self.slope(x)[0] * column.l[0];

@@ -32,7 +32,7 @@ impl Arm {
 
 /// What an arm says of a set of runs; a value for each column.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct ArmRow {
     pub variant: String,
     pub x: f64,
     pub arm: Arm,
@@ -48,7 +48,7 @@ pub struct Answer {
     pub axis: &'static str,
     /// Name with its unit, and label of the axis.
     pub columns: Vec<(&'static str, &'static str)>,
-    pub rows: Vec<Row>,
+    pub rows: Vec<ArmRow>,
     /// What is said besides, each a sentence.
     pub notes: Vec<String>,
     sets: usize,
@@ -61,7 +61,7 @@ impl Answer {
         plan: &Plan<'_>,
         axis: &'static str,
         columns: Vec<(&'static str, &'static str)>,
-        rows: Vec<Row>,
+        rows: Vec<ArmRow>,
     ) -> Self {
         let Plan { name, question, sets, runs, seed, .. } = *plan;
         Self { name, question, axis, columns, rows, notes: Vec::new(), sets, runs, seed }
@@ -185,17 +185,17 @@ impl Answer {
 }
 
 /// The columns of an experiment's CSV; `measured` has a name and a label that ends with its unit, if it has one.
-pub fn columns(measured: &[(&'static str, &'static str)]) -> Vec<Column<Row>> {
+pub fn columns(measured: &[(&'static str, &'static str)]) -> Vec<Column<ArmRow>> {
     let of_axis = "that of the axis";
     let mut columns = vec![
-        Column::text("variant", "what is varied", |row: &Row| row.variant.clone()),
-        Column::number("x", of_axis, "where the variant stands on the axis of the picture", |row: &Row| row.x),
-        Column::text("mode", "a mode, a filter of the experiment, or `truth`", |row: &Row| row.arm.name),
-        Column::count("set", "number of the set of runs, from 1", |row: &Row| row.set + 1),
+        Column::text("variant", "what is varied", |row: &ArmRow| row.variant.clone()),
+        Column::number("x", of_axis, "where the variant stands on the axis of the picture", |row: &ArmRow| row.x),
+        Column::text("mode", "a mode, a filter of the experiment, or `truth`", |row: &ArmRow| row.arm.name),
+        Column::count("set", "number of the set of runs, from 1", |row: &ArmRow| row.set + 1),
     ];
     columns.extend(measured.iter().enumerate().map(|(index, (name, label))| {
         let (meaning, unit) = label.rsplit_once(", ").unwrap_or((label, "1"));
-        Column::number(name, unit, meaning, move |row: &Row| row.values[index]).empty_when("nothing is known of it")
+        Column::number(name, unit, meaning, move |row: &ArmRow| row.values[index]).empty_when("nothing is known of it")
     }));
     columns
 }

@@ -3,7 +3,7 @@
 use super::look::{Driven, Look, Miss};
 use crate::accuracy_bench::score::regime;
 use crate::study::moments::Moments;
-use crate::study::view::{Outcome, Seen};
+use crate::study::view::{Seen, ViewOutcome};
 use rundown::model::state;
 use rundown_files::replay::ReplayedRun;
 use rundown_truth::regime::Regime;
@@ -195,20 +195,20 @@ fn moments(values: impl Iterator<Item = f64>) -> Moments {
 }
 
 /// What was seen and what was, of the judged runs that have both.
-fn outcomes(look: &Look<'_>, of: fn(&Outcome) -> Option<f64>) -> impl Iterator<Item = (f64, f64)> {
+fn outcomes(look: &Look<'_>, of: fn(&ViewOutcome) -> Option<f64>) -> impl Iterator<Item = (f64, f64)> {
     look.driven.judged().filter_map(move |run| of(&look.seen[run].outcome).zip(of(&look.driven.truth[run].outcome)))
 }
 
-fn absolute(look: &Look<'_>, of: fn(&Outcome) -> Option<f64>) -> Option<f64> {
+fn absolute(look: &Look<'_>, of: fn(&ViewOutcome) -> Option<f64>) -> Option<f64> {
     mean(outcomes(look, of).map(|(seen, was)| (seen - was).abs()))
 }
 
 /// Coefficient of variation over the runs, %.
-fn variation(runs: &[Seen], of: fn(&Outcome) -> Option<f64>) -> Option<f64> {
+fn variation(runs: &[Seen], of: fn(&ViewOutcome) -> Option<f64>) -> Option<f64> {
     moments(runs.iter().filter_map(|seen| of(&seen.outcome))).variation().map(|share| 100.0 * share)
 }
 
-fn largest(runs: &[Seen], of: fn(&Outcome) -> Option<f64>) -> Option<f64> {
+fn largest(runs: &[Seen], of: fn(&ViewOutcome) -> Option<f64>) -> Option<f64> {
     runs.iter().filter_map(|seen| of(&seen.outcome)).reduce(f64::max)
 }
 

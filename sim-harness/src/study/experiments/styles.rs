@@ -9,12 +9,12 @@ use super::plan::Plan;
 use super::sweep::{Estimated, over_sets};
 use super::variant::Variant;
 use crate::study::Refused;
-use crate::study::view::{Outcome, Seen};
+use crate::study::view::{Seen, ViewOutcome};
 use rundown_files::recording::Recording;
 
 const DRIVERS: usize = 5;
 
-type Feature = fn(&Outcome) -> Option<f64>;
+type Feature = fn(&ViewOutcome) -> Option<f64>;
 
 /// Columns with what is tested.
 const FEATURES: [(&str, &str, Feature); 4] = [

@@ -1,6 +1,6 @@
 //! Many variants in several modes: the frame of most experiments.
 
-use super::answer::{Answer, Arm, Row};
+use super::answer::{Answer, Arm, ArmRow};
 use super::look::Driven;
 use super::metrics::Metric;
 use super::plan::Plan;
@@ -86,15 +86,15 @@ pub fn over_sets(
     plan: &Plan<'_>,
     variants: &[Variant],
     rows: impl Fn(&Variant, &Driven) -> Result<Vec<(Arm, Vec<Option<f64>>)>, Refused> + Sync,
-) -> Result<Vec<Row>, Refused> {
+) -> Result<Vec<ArmRow>, Refused> {
     let all = variants.len() * plan.sets;
     let one = |index: usize| {
         let (variant, set) = (&variants[index / plan.sets], index % plan.sets);
         let driven = Driven::new(variant, plan.runs, plan.seed, set)?;
         let found = rows(variant, &driven)?;
         (plan.done)(all);
-        let row = |(arm, values)| Row { variant: variant.name.clone(), x: variant.x, arm, set, values };
-        Ok(found.into_iter().map(row).collect::<Vec<Row>>())
+        let row = |(arm, values)| ArmRow { variant: variant.name.clone(), x: variant.x, arm, set, values };
+        Ok(found.into_iter().map(row).collect::<Vec<ArmRow>>())
     };
     let found = (0..all).into_par_iter().map(one).collect::<Result<Vec<_>, Refused>>()?;
     Ok(found.concat())

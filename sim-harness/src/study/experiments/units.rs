@@ -4,7 +4,7 @@
 //! itself, so that runs of a unit are no more alike than others unless the unit makes them so, and r at 100 km/h is tested between units.
 //! Beside it the spread of what is carried from run to run, against the true one.
 
-use super::answer::{Answer, Arm, Row};
+use super::answer::{Answer, Arm, ArmRow};
 use super::groups::{PERMUTATIONS, p_value};
 use super::look::{Driven, Look};
 use super::plan::Plan;
@@ -52,7 +52,7 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
     Ok(Answer::new(plan, "true half-spread between units, %", MEASURED.to_vec(), rows).noting(note))
 }
 
-fn of_set(plan: &Plan<'_>, variant: &Variant, spread: f64, set: usize) -> Result<Vec<Row>, Refused> {
+fn of_set(plan: &Plan<'_>, variant: &Variant, spread: f64, set: usize) -> Result<Vec<ArmRow>, Refused> {
     let drive = |unit: usize| {
         let scale = 1.0 + spread * (2.0 * unit as f64 / (UNITS - 1) as f64 - 1.0);
         let variant = variant.clone().driven_by(|scenario| scenario.davis_scale = [scale; 3]);
@@ -65,7 +65,7 @@ fn of_set(plan: &Plan<'_>, variant: &Variant, spread: f64, set: usize) -> Result
             scale * variant.train.davis().resistance_n_per_kg(AT_MPS)
         })
         .collect();
-    let row = |arm: Arm, values| Row { variant: variant.name.clone(), x: variant.x, arm, set, values };
+    let row = |arm: Arm, values| ArmRow { variant: variant.name.clone(), x: variant.x, arm, set, values };
     let mut rows = Vec::new();
     for Estimated { arm, config } in [Estimated::PAPER, Estimated::GATED] {
         let config = config(variant.config);

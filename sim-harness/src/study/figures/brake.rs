@@ -16,7 +16,7 @@ const END_KMH: f64 = 150.0;
 
 /// A brake rate, of one interval or of many.
 #[derive(Debug)]
-pub struct Row {
+pub struct BrakeRow {
     kind: &'static str,
     run: String,
     speed_kmh: f64,
@@ -26,18 +26,19 @@ pub struct Row {
 }
 
 /// The columns of `fig8_brake_rates_*.csv`.
-pub fn columns() -> Vec<Column<Row>> {
+pub fn columns() -> Vec<Column<BrakeRow>> {
     let kind = "`step`: mean over the runs, `true_step`: the same in truth, `run`: mean of a run in a step, `sample`: \
         between two samples";
     let one = "it is one value";
     vec![
-        Column::text("kind", kind, |row: &Row| row.kind),
-        Column::text("run", "name of the run, or of the step", |row: &Row| row.run.clone()),
-        Column::number("speed_kmh", "km/h", "speed; of a step its middle", |row: &Row| row.speed_kmh),
-        Column::number("brake_rate_mps2", "m/s²", "brake rate, positive", |row: &Row| row.rate_mps2)
+        Column::text("kind", kind, |row: &BrakeRow| row.kind),
+        Column::text("run", "name of the run, or of the step", |row: &BrakeRow| row.run.clone()),
+        Column::number("speed_kmh", "km/h", "speed; of a step its middle", |row: &BrakeRow| row.speed_kmh),
+        Column::number("brake_rate_mps2", "m/s²", "brake rate, positive", |row: &BrakeRow| row.rate_mps2)
             .empty_when("nobody braked in the step"),
-        Column::number("sd_mps2", "m/s²", "standard deviation over the runs", |row: &Row| row.sd_mps2).empty_when(one),
-        Column::count("count", "runs", |row: &Row| row.count.map_or(Cell::Missing, Cell::Count)).empty_when(one),
+        Column::number("sd_mps2", "m/s²", "standard deviation over the runs", |row: &BrakeRow| row.sd_mps2)
+            .empty_when(one),
+        Column::count("count", "runs", |row: &BrakeRow| row.count.map_or(Cell::Missing, Cell::Count)).empty_when(one),
     ]
 }
 
@@ -59,7 +60,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
     let mut rows = Vec::new();
     for (index, moments) in tallies.brake_steps.iter().enumerate().rev() {
         let (from, to) = (edges[index + 1], edges[index]);
-        let of_step = |kind, moments: &Moments| Row {
+        let of_step = |kind, moments: &Moments| BrakeRow {
             sd_mps2: moments.sd(),
             count: Some(moments.count),
             ..row(kind, ATB_NAMES[index], 0.5 * (from + to), moments.mean())
@@ -114,6 +115,6 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
 }
 
 /// Of one value.
-fn row(kind: &'static str, run: &str, speed_kmh: f64, rate_mps2: Option<f64>) -> Row {
-    Row { kind, run: run.to_owned(), speed_kmh, rate_mps2, sd_mps2: None, count: None }
+fn row(kind: &'static str, run: &str, speed_kmh: f64, rate_mps2: Option<f64>) -> BrakeRow {
+    BrakeRow { kind, run: run.to_owned(), speed_kmh, rate_mps2, sd_mps2: None, count: None }
 }

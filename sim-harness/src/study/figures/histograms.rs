@@ -1,7 +1,7 @@
 //! Fig. 4: histograms of r0, r1, r2 at all samples, and Fig. 7: of cruise speed, final coast and final brake.
 
 use super::{Drawn, Eyes, Picture};
-use crate::study::view::{Outcome, Seen};
+use crate::study::view::{Seen, ViewOutcome};
 use rundown::model::resistance::Davis;
 use rundown_files::column::{Column, filled};
 use rundown_files::table::Cell;
@@ -13,7 +13,7 @@ const BINS: usize = 40;
 
 /// A bin of a histogram.
 #[derive(Debug)]
-pub struct Row {
+pub struct BinRow {
     quantity: String,
     bin: Range<f64>,
     count: u64,
@@ -21,16 +21,16 @@ pub struct Row {
 }
 
 /// The columns of `fig4_davis_*.csv` and `fig7_style_*.csv`.
-pub fn columns() -> Vec<Column<Row>> {
+pub fn columns() -> Vec<Column<BinRow>> {
     let unit = "that of the quantity";
     let quantity = "`r0` (N/kg), `r1` (N/kg per m/s), `r2` (N/kg per (m/s)²), or in Fig. 7 a name with its unit, \
         `true_` before it in truth";
     vec![
-        Column::text("quantity", quantity, |row: &Row| row.quantity.clone()),
-        Column::number("from", unit, "lower edge of the bin, which belongs to it", |row: &Row| row.bin.start),
-        Column::number("to", unit, "upper edge", |row: &Row| row.bin.end),
-        Column::count("count", "how many lie in the bin", |row: &Row| Cell::Count(row.count)),
-        Column::text("of", "of what: `samples` or `runs`", |row: &Row| row.of),
+        Column::text("quantity", quantity, |row: &BinRow| row.quantity.clone()),
+        Column::number("from", unit, "lower edge of the bin, which belongs to it", |row: &BinRow| row.bin.start),
+        Column::number("to", unit, "upper edge", |row: &BinRow| row.bin.end),
+        Column::count("count", "how many lie in the bin", |row: &BinRow| Cell::Count(row.count)),
+        Column::text("of", "of what: `samples` or `runs`", |row: &BinRow| row.of),
     ]
 }
 
@@ -101,7 +101,7 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
 }
 
 pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
-    type Pick = fn(&Outcome) -> Option<f64>;
+    type Pick = fn(&ViewOutcome) -> Option<f64>;
     let quantities: [(&str, &str, f64, Pick); 3] = [
         ("cruise_speed_kmh", "cruise speed, km/h", 1.0, |o| o.cruise_kmh),
         ("final_coast_min", "final coast, min", 0.5, |o| o.coast_s.map(|s| s / 60.0)),
@@ -146,8 +146,8 @@ fn grid(title: &str, figures: Vec<Figure>) -> Drawing {
     Grid::new(title, "Histograms side by side", 3, figures).into()
 }
 
-fn counts(name: &str, of: &'static str, bins: &[(Range<f64>, f64)], unit: f64) -> impl Iterator<Item = Row> {
-    bins.iter().map(move |(bin, count)| Row {
+fn counts(name: &str, of: &'static str, bins: &[(Range<f64>, f64)], unit: f64) -> impl Iterator<Item = BinRow> {
+    bins.iter().map(move |(bin, count)| BinRow {
         quantity: name.to_owned(),
         bin: bin.start * unit..bin.end * unit,
         count: *count as u64,

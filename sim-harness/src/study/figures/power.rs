@@ -16,31 +16,31 @@ const EFFORT_KMH: std::ops::Range<f64> = 10.0..30.0;
 
 /// An interval of the first acceleration, or several as one.
 #[derive(Debug)]
-pub struct Row {
+pub struct PowerRow {
     kind: &'static str,
     run: String,
     point: PowerPoint,
 }
 
-fn points(kinds: &str) -> Vec<Column<Row>> {
+fn points(kinds: &str) -> Vec<Column<PowerRow>> {
     vec![
-        Column::text("kind", kinds, |row: &Row| row.kind),
-        Column::number("speed_kmh", "km/h", "speed", |row: &Row| row.point.speed_kmh),
-        Column::number("power_kw", "kW", "tractive power at the wheel", |row: &Row| row.point.power_kw),
+        Column::text("kind", kinds, |row: &PowerRow| row.kind),
+        Column::number("speed_kmh", "km/h", "speed", |row: &PowerRow| row.point.speed_kmh),
+        Column::number("power_kw", "kW", "tractive power at the wheel", |row: &PowerRow| row.point.power_kw),
     ]
 }
 
 /// The columns of `fig9_power_*.csv`.
-pub fn columns() -> Vec<Column<Row>> {
+pub fn columns() -> Vec<Column<PowerRow>> {
     let kinds = "`observed`, `true`, or `largest_50_90`: the run's largest from 50 to 90 km/h, of means over 30 s";
     let mut columns = points(kinds);
-    columns.insert(1, Column::text("run", "name of the run", |row: &Row| row.run.clone()));
-    columns.push(Column::number("location_m", "m", "location at its end", |row: &Row| row.point.location_m));
+    columns.insert(1, Column::text("run", "name of the run", |row: &PowerRow| row.run.clone()));
+    columns.push(Column::number("location_m", "m", "location at its end", |row: &PowerRow| row.point.location_m));
     columns
 }
 
 /// The columns of `fig9_below_40_*.csv`.
-pub fn low_columns() -> Vec<Column<Row>> {
+pub fn low_columns() -> Vec<Column<PowerRow>> {
     points("`observed` or `true`")
 }
 
@@ -53,7 +53,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let crosses: Vec<(f64, f64)> = drawn.iter().filter_map(largest).map(|p| place(&p)).collect();
     let mut rows = Vec::new();
     for run in drawn {
-        let row = |kind, point: &PowerPoint| Row { kind, run: run.name().to_owned(), point: *point };
+        let row = |kind, point: &PowerPoint| PowerRow { kind, run: run.name().to_owned(), point: *point };
         let truth = run.truth.iter().flat_map(|truth| &truth.points.power);
         rows.extend(truth.map(|point| row("true", point)));
         rows.extend(eyes.of(run).points.power.iter().map(|point| row("observed", point)));
@@ -94,14 +94,14 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
 pub fn low_speeds(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let kw_per_n_kg = train.rotating_mass_kg() / 1000.0;
     let limit = |kmh: f64| (kmh, kw_per_n_kg * train.max_effort_n_per_kg(kmh / 3.6) * kmh / 3.6);
-    let of = |run: &Drawn, kind: &'static str, points: &[PowerPoint]| -> Vec<Row> {
+    let of = |run: &Drawn, kind: &'static str, points: &[PowerPoint]| -> Vec<PowerRow> {
         let low = points.iter().filter(|point| point.speed_kmh <= LOW_END_KMH);
-        low.map(|point| Row { kind, run: run.name().to_owned(), point: *point }).collect()
+        low.map(|point| PowerRow { kind, run: run.name().to_owned(), point: *point }).collect()
     };
-    let seen: Vec<Row> = drawn.iter().flat_map(|run| of(run, "observed", &eyes.of(run).points.power)).collect();
+    let seen: Vec<PowerRow> = drawn.iter().flat_map(|run| of(run, "observed", &eyes.of(run).points.power)).collect();
     let with_truth = drawn.iter().filter_map(|run| Some((run, run.truth.as_ref()?)));
-    let truths: Vec<Row> = with_truth.flat_map(|(run, truth)| of(run, "true", &truth.points.power)).collect();
-    let dots = |rows: &[Row]| rows.iter().map(|row| (row.point.speed_kmh, row.point.power_kw)).collect::<Vec<_>>();
+    let truths: Vec<PowerRow> = with_truth.flat_map(|(run, truth)| of(run, "true", &truth.points.power)).collect();
+    let dots = |rows: &[PowerRow]| rows.iter().map(|row| (row.point.speed_kmh, row.point.power_kw)).collect::<Vec<_>>();
     let mut layers = vec![Layer::spans("largest effort is read here", colours::LEARNING, 0.2, vec![EFFORT_KMH])];
     if !truths.is_empty() {
         layers.push(Layer::dots("true", colours::TRUTH, 0.35, dots(&truths)));

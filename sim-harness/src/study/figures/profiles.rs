@@ -7,18 +7,18 @@ use rundown_pages::colours;
 
 /// A measured sample.
 #[derive(Debug)]
-pub struct Row {
+pub struct ProfileRow {
     run: String,
     location_m: f64,
     speed_kmh: f64,
 }
 
 /// The columns of `fig2_speed_profiles.csv`.
-pub fn columns() -> Vec<Column<Row>> {
+pub fn columns() -> Vec<Column<ProfileRow>> {
     vec![
-        Column::text("run", "name of the run", |row: &Row| row.run.clone()),
-        Column::number("location_m", "m", "measured location", |row: &Row| row.location_m),
-        Column::number("speed_kmh", "km/h", "measured speed", |row: &Row| row.speed_kmh),
+        Column::text("run", "name of the run", |row: &ProfileRow| row.run.clone()),
+        Column::number("location_m", "m", "measured location", |row: &ProfileRow| row.location_m),
+        Column::number("speed_kmh", "km/h", "measured speed", |row: &ProfileRow| row.speed_kmh),
     ]
 }
 
@@ -45,7 +45,7 @@ pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {
         .within(0.0..range_of(points().map(|p| p.1)).end.max(10.0) * 1.05)],
     );
     let rows = drawn.iter().flat_map(|run| {
-        let of = |(location_m, speed_kmh)| Row { run: run.name().to_owned(), location_m, speed_kmh };
+        let of = |(location_m, speed_kmh)| ProfileRow { run: run.name().to_owned(), location_m, speed_kmh };
         run.profile().flatten().map(of)
     });
     Picture {

@@ -18,12 +18,13 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
     let [view, view_of_regimes] = [run, with_regimes].map(|run| RunView::of(run, truth.as_ref()));
     let word = eyes.word();
     let [rows, rows_of_regimes] = [run, with_regimes].map(|run| rows(run, example.truth.as_ref(), train));
-    let picture = |name: &str, caption: String, drawing: Drawing, columns: Vec<Column<Row>>, rows: &[Row]| Picture {
-        name: format!("{name}_{word}"),
-        caption,
-        drawing,
-        numbers: filled(columns, rows),
-    };
+    let picture =
+        |name: &str, caption: String, drawing: Drawing, columns: Vec<Column<SampleRow>>, rows: &[SampleRow]| Picture {
+            name: format!("{name}_{word}"),
+            caption,
+            drawing,
+            numbers: filled(columns, rows),
+        };
     let of = format!("{}, {word} mode", run.name);
     [
         picture(
@@ -73,7 +74,7 @@ pub fn truth_view(truth: &CaseTruth) -> TruthView {
 
 /// What is drawn of a sample, and what was true.
 #[derive(Debug)]
-pub struct Row {
+pub struct SampleRow {
     estimate: Estimate,
     measured_mps: Option<f64>,
     regime: Regime,
@@ -81,7 +82,7 @@ pub struct Row {
     truth: Option<(Option<TruthSample>, Davis)>,
 }
 
-impl Row {
+impl SampleRow {
     fn speed_mps(&self) -> f64 {
         self.estimate.belief.mean[state::SPEED]
     }
@@ -99,8 +100,8 @@ impl Row {
     }
 }
 
-fn rows(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train) -> Vec<Row> {
-    let row = |(index, estimate): (usize, &Estimate)| Row {
+fn rows(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train) -> Vec<SampleRow> {
+    let row = |(index, estimate): (usize, &Estimate)| SampleRow {
         estimate: *estimate,
         measured_mps: run.measurements.get(index).and_then(|measurement| measurement.speed_mps),
         regime: *run.regimes.get(index).unwrap_or(&estimate.regime),
@@ -110,39 +111,46 @@ fn rows(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train) -> Vec<Row>
     run.estimates.iter().enumerate().map(row).collect()
 }
 
-fn place() -> Vec<Column<Row>> {
+fn place() -> Vec<Column<SampleRow>> {
     vec![
-        Column::number("time_s", "s", "time of the sample", |row: &Row| row.estimate.time_s),
-        Column::number("location_m", "m", "estimated location", |row: &Row| row.estimate.belief.mean[state::LOCATION]),
+        Column::number("time_s", "s", "time of the sample", |row: &SampleRow| row.estimate.time_s),
+        Column::number("location_m", "m", "estimated location", |row: &SampleRow| {
+            row.estimate.belief.mean[state::LOCATION]
+        }),
     ]
 }
 
-fn estimated_kmh() -> Column<Row> {
-    Column::number("estimated_kmh", "km/h", "estimated speed", |row: &Row| 3.6 * row.speed_mps())
+fn estimated_kmh() -> Column<SampleRow> {
+    Column::number("estimated_kmh", "km/h", "estimated speed", |row: &SampleRow| 3.6 * row.speed_mps())
 }
 
 /// The columns of `fig3_run_*.csv`.
-pub fn motion_columns() -> Vec<Column<Row>> {
+pub fn motion_columns() -> Vec<Column<SampleRow>> {
     let missing = "a reading was missing, or the run begins here";
-    let true_effort = |row: &Row| row.sample().map(|sample| sample.mean_effort_n_per_kg);
+    let true_effort = |row: &SampleRow| row.sample().map(|sample| sample.mean_effort_n_per_kg);
     let mut columns = place();
     columns.extend([
-        Column::number("measured_kmh", "km/h", "measured speed", |row: &Row| row.measured_mps.map(|mps| 3.6 * mps))
-            .empty_when("the reading was missing"),
+        Column::number("measured_kmh", "km/h", "measured speed", |row: &SampleRow| {
+            row.measured_mps.map(|mps| 3.6 * mps)
+        })
+        .empty_when("the reading was missing"),
         estimated_kmh(),
-        Column::number("acceleration_mps2", "m/s\u{b2}", "mean since the sample before", |row: &Row| {
+        Column::number("acceleration_mps2", "m/s\u{b2}", "mean since the sample before", |row: &SampleRow| {
             row.estimate.acceleration_mps2
         })
         .empty_when(missing),
-        Column::number("effort_n_per_kg", "N/kg", "estimated effort, mean since the sample before", |row: &Row| {
-            row.estimate.effort_n_per_kg
-        })
+        Column::number(
+            "effort_n_per_kg",
+            "N/kg",
+            "estimated effort, mean since the sample before",
+            |row: &SampleRow| row.estimate.effort_n_per_kg,
+        )
         .empty_when(missing),
         Column::number(
             "max_effort_n_per_kg",
             "N/kg",
             "described largest tractive effort at this speed",
-            |row: &Row| row.max_effort_n_per_kg,
+            |row: &SampleRow| row.max_effort_n_per_kg,
         ),
     ]);
     columns.extend(coefficients("", "estimated", |row| Some(row.estimate.davis()), ""));
@@ -150,50 +158,53 @@ pub fn motion_columns() -> Vec<Column<Row>> {
         Column::number("true_effort_n_per_kg", "N/kg", "true effort, mean since the sample before", true_effort)
             .empty_when(NO_TRUTH),
     );
-    columns.extend(coefficients("true_", "true", Row::true_davis, NO_TRUTH));
+    columns.extend(coefficients("true_", "true", SampleRow::true_davis, NO_TRUTH));
     columns
 }
 
 fn coefficients(
     prefix: &str,
     word: &str,
-    davis: fn(&Row) -> Option<Davis>,
+    davis: fn(&SampleRow) -> Option<Davis>,
     empty: &'static str,
-) -> impl Iterator<Item = Column<Row>> {
+) -> impl Iterator<Item = Column<SampleRow>> {
     let units = ["N/kg", "N/kg per m/s", "N/kg per (m/s)\u{b2}"];
     let column = |(index, unit): (usize, &'static str)| {
         let meaning = format!("{word} Davis coefficient");
-        let of = move |row: &Row| davis(row).map(|davis| [davis.r0, davis.r1, davis.r2][index]);
+        let of = move |row: &SampleRow| davis(row).map(|davis| [davis.r0, davis.r1, davis.r2][index]);
         Column::number(&format!("{prefix}r{index}"), unit, &meaning, of).empty_when(empty)
     };
     units.into_iter().enumerate().map(column).collect::<Vec<_>>().into_iter()
 }
 
 /// The columns of `fig5_resistance_*.csv`.
-pub fn term_columns() -> Vec<Column<Row>> {
+pub fn term_columns() -> Vec<Column<SampleRow>> {
     let mut columns = place();
     let terms = [("constant", "r0"), ("linear", "r1 v"), ("quadratic", "r2 v\u{b2}")];
     columns.extend(terms.into_iter().enumerate().map(|(index, (name, term))| {
-        let of = move |row: &Row| row.terms_n_per_kg()[index];
+        let of = move |row: &SampleRow| row.terms_n_per_kg()[index];
         Column::number(&format!("{name}_n_per_kg"), "N/kg", &format!("term {term} of the running resistance"), of)
     }));
-    let of_truth = |row: &Row| row.sample().map(|sample| sample.resistance_n_per_kg);
+    let of_truth = |row: &SampleRow| row.sample().map(|sample| sample.resistance_n_per_kg);
     columns.extend([
-        Column::number("gradient_n_per_kg", "N/kg", "resistance of the gradient, uphill positive", |row: &Row| {
-            row.estimate.gradient_n_per_kg
-        }),
+        Column::number(
+            "gradient_n_per_kg",
+            "N/kg",
+            "resistance of the gradient, uphill positive",
+            |row: &SampleRow| row.estimate.gradient_n_per_kg,
+        ),
         Column::number("true_resistance_n_per_kg", "N/kg", "true running resistance", of_truth).empty_when(NO_TRUTH),
     ]);
     columns
 }
 
 /// The columns of `fig6_regimes_*.csv`.
-pub fn regime_columns() -> Vec<Column<Row>> {
-    let of_truth = |row: &Row| row.sample().map(|sample| sample.regime.as_str());
+pub fn regime_columns() -> Vec<Column<SampleRow>> {
+    let of_truth = |row: &SampleRow| row.sample().map(|sample| sample.regime.as_str());
     let mut columns = place();
     columns.extend([
         estimated_kmh(),
-        Column::text("regime", "regime as known one sample later", |row: &Row| row.regime.as_str()),
+        Column::text("regime", "regime as known one sample later", |row: &SampleRow| row.regime.as_str()),
         Column::text("true_regime", "what the driver did", of_truth).empty_when(NO_TRUTH),
     ]);
     columns

@@ -2,7 +2,7 @@
 
 use super::Picture;
 use crate::output::json::mode_word;
-use crate::study::slope::{Look, MODES, SelfTest, fit};
+use crate::study::slope::{MODES, SelfTest, SlopeLook, fit};
 use rundown::estimator::config::Mode;
 use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
@@ -13,7 +13,7 @@ const ENDS: std::ops::Range<f64> = -40.0..40.0;
 
 /// A vehicle as a mode sees it.
 #[derive(Debug)]
-pub struct Row {
+pub struct SlopeRow {
     mode: &'static str,
     vehicle: usize,
     runs: usize,
@@ -23,16 +23,18 @@ pub struct Row {
 }
 
 /// The columns of `slope_after_*.csv`.
-pub fn columns() -> Vec<Column<Row>> {
+pub fn columns() -> Vec<Column<SlopeRow>> {
     let of = "deviation of r(v) from its description, as a share of it";
     vec![
-        Column::text("mode", "`paper`, `gated` or `measured`", |row: &Row| row.mode),
-        Column::count("vehicle", "number of the simulated vehicle, from 0", |row: &Row| row.vehicle),
-        Column::count("runs", "runs that were learned from", |row: &Row| row.runs),
-        Column::number("speed_kmh", "km/h", "speed v", |_: &Row| KMH),
-        Column::number("true_deviation", "1", &format!("true {of}"), |row: &Row| row.true_deviation),
-        Column::number("estimated_deviation", "1", &format!("estimated {of}"), |row: &Row| row.estimated_deviation),
-        Column::number("reported_sd", "1", "its standard deviation as the mode reports it", |row: &Row| {
+        Column::text("mode", "`paper`, `gated` or `measured`", |row: &SlopeRow| row.mode),
+        Column::count("vehicle", "number of the simulated vehicle, from 0", |row: &SlopeRow| row.vehicle),
+        Column::count("runs", "runs that were learned from", |row: &SlopeRow| row.runs),
+        Column::number("speed_kmh", "km/h", "speed v", |_: &SlopeRow| KMH),
+        Column::number("true_deviation", "1", &format!("true {of}"), |row: &SlopeRow| row.true_deviation),
+        Column::number("estimated_deviation", "1", &format!("estimated {of}"), |row: &SlopeRow| {
+            row.estimated_deviation
+        }),
+        Column::number("reported_sd", "1", "its standard deviation as the mode reports it", |row: &SlopeRow| {
             row.reported_sd
         }),
     ]
@@ -41,7 +43,7 @@ pub fn columns() -> Vec<Column<Row>> {
 pub fn slope(test: &SelfTest, runs: usize) -> Picture {
     let (mut figures, mut rows) = (Vec::new(), Vec::new());
     for mode in MODES {
-        let of = |look: &&Look| look.mode == mode && look.runs == runs;
+        let of = |look: &&SlopeLook| look.mode == mode && look.runs == runs;
         let mut points = Vec::new();
         let mut bars = Vec::new();
         for look in test.looks.iter().filter(of) {
@@ -52,7 +54,7 @@ pub fn slope(test: &SelfTest, runs: usize) -> Picture {
             let half = 196.0 * sd;
             bars.push(vec![Some((100.0 * x, 100.0 * y - half)), Some((100.0 * x, 100.0 * y + half))]);
             let (mode, vehicle) = (mode_word(mode), look.vehicle);
-            rows.push(Row { mode, vehicle, runs, true_deviation: x, estimated_deviation: y, reported_sd: sd });
+            rows.push(SlopeRow { mode, vehicle, runs, true_deviation: x, estimated_deviation: y, reported_sd: sd });
         }
         figures.push(panel(mode, points, bars));
     }

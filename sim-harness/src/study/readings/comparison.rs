@@ -4,7 +4,7 @@
 use super::optimum::gain_per_sample;
 use super::pass::{Filter, Pass};
 use super::reading::{Combination, Recorder};
-use super::remarks::{COUNT, Judged, TRIED, judge};
+use super::remarks::{COUNT, JudgedRuns, TRIED, judge};
 use crate::simulation::scenario_file::Simulation;
 use crate::study::case::Case;
 use crate::study::description::{self, Believed};
@@ -19,7 +19,7 @@ use rundown_truth::scenario::{DriveError, simulate_recorders};
 const SEED_STEP: u64 = 1_000_003;
 
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct ComparisonPlan {
     pub simulation: Simulation,
     pub runs: usize,
     pub seeds: usize,
@@ -36,7 +36,7 @@ pub struct Compared {
     pub combination: Combination,
     /// Remarks that these runs say nothing of.
     pub left_out: [bool; COUNT],
-    pub judged: Vec<Judged>,
+    pub judged: Vec<JudgedRuns>,
     /// What the best initial deviations add to the log-likelihood of a sample, nats.
     pub gain: Vec<f64>,
 }
@@ -65,7 +65,7 @@ impl Compared {
     }
 
     /// Mean and standard deviation over the seeds.
-    pub fn moments(&self, of: impl Fn(&Judged) -> f64) -> Moments {
+    pub fn moments(&self, of: impl Fn(&JudgedRuns) -> f64) -> Moments {
         moments(self.judged.iter().map(of))
     }
 
@@ -86,7 +86,7 @@ pub fn seed_of(first: u64, set: usize) -> u64 {
 }
 
 /// Compares all combinations on simulated runs. `done` is called once a seed and combination.
-pub fn compare(plan: &Plan, done: impl Fn() + Sync) -> Result<Vec<Compared>, Refused> {
+pub fn compare(plan: &ComparisonPlan, done: impl Fn() + Sync) -> Result<Vec<Compared>, Refused> {
     let believed = description::of(&plan.simulation)?;
     let mut all: Vec<Compared> = Combination::all().into_iter().map(Compared::new).collect();
     for index in 0..plan.seeds {
@@ -130,7 +130,7 @@ fn add_set(
 }
 
 /// The runs of a seed by each recorder.
-fn recorded(plan: &Plan, seed: u64) -> Result<ByRecorder, DriveError> {
+fn recorded(plan: &ComparisonPlan, seed: u64) -> Result<ByRecorder, DriveError> {
     let scenario = &plan.simulation.scenario;
     let recorders = Recorder::all();
     let sensors: Vec<_> = recorders.iter().map(|recorder| recorder.sensors(&scenario.sensors)).collect();
@@ -150,7 +150,7 @@ fn of_seed(
     combination: Combination,
     believed: &Believed,
     recorded: &[(Recorder, Vec<Recording>)],
-) -> Result<(Judged, f64), Refused> {
+) -> Result<(JudgedRuns, f64), Refused> {
     let Combination { reading, recorder } = combination;
     let (_, runs) = recorded.iter().find(|(by, _)| *by == recorder).ok_or("no run was recorded so")?;
     let train = reading.train(&believed.train).ok_or("the description is no train where its gradient is a point's")?;
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn the_backward_effort_lags_and_the_forward_one_does_not() {
-        let plan = Plan { simulation: case_study().unwrap(), runs: 3, seeds: 1, seed: 7 };
+        let plan = ComparisonPlan { simulation: case_study().unwrap(), runs: 3, seeds: 1, seed: 7 };
         let recorded = recorded(&plan, plan.seed).unwrap();
         let believed = description::of(&plan.simulation).unwrap();
         let rms_kmh = |difference| {

@@ -18,7 +18,7 @@ const STEPS: u64 = 70;
 /// Cost of a share of runs with a negative coefficient, nats a sample; no likelihood of these runs differs by as much.
 const NEGATIVE: f64 = 1e5;
 
-struct Problem<'a, F> {
+struct LikelihoodProblem<'a, F> {
     filter: &'a Filter,
     passes: &'a F,
 }
@@ -51,7 +51,7 @@ fn cost(passes: &[Pass]) -> f64 {
     if cost.is_finite() { cost } else { NEGATIVE }
 }
 
-impl<F: Fn(&Filter) -> Vec<Pass>> CostFunction for Problem<'_, F> {
+impl<F: Fn(&Filter) -> Vec<Pass>> CostFunction for LikelihoodProblem<'_, F> {
     type Param = Vec<f64>;
     type Output = f64;
 
@@ -74,7 +74,7 @@ pub fn gain_per_sample(filter: &Filter, passes: impl Fn(&Filter) -> Vec<Pass>) -
         place
     };
     let solver = NelderMead::new((0..=COUNT).map(corner).collect());
-    let problem = Problem { filter, passes: &passes };
+    let problem = LikelihoodProblem { filter, passes: &passes };
     let found = Executor::new(problem, solver).configure(|state| state.max_iters(STEPS)).timer(false).run();
     let best = found.ok().and_then(|found| found.state().best_param.clone());
     let best = best.map(|decades| passes(&Filter { config: moved(&filter.config, &decades), ..*filter }));

@@ -2,7 +2,7 @@
 
 use super::comparison::Compared;
 use super::reading::Combination;
-use super::remarks::{Judged, REMARKS, SMALL_MPS2, STRONG_MPS2, TRIED};
+use super::remarks::{JudgedRuns, REMARKS, SMALL_MPS2, STRONG_MPS2, TRIED};
 use crate::output::markdown::{cells, table};
 use crate::study::figures::Picture;
 use crate::study::moments::Moments;
@@ -79,13 +79,13 @@ fn quantities() -> Vec<Column<Compared>> {
 fn trials() -> Vec<Column<Compared>> {
     let negative = "share of the runs with a negative coefficient with";
     let mut columns = Vec::new();
-    let number = |name: String, meaning: String, of: Box<dyn Fn(&Judged) -> f64 + Send + Sync>| {
+    let number = |name: String, meaning: String, of: Box<dyn Fn(&JudgedRuns) -> f64 + Send + Sync>| {
         Column::number(&name, "1", &meaning, move |one: &Compared| one.moments(&of).mean())
     };
     for (index, factor) in ["10", "100"].into_iter().enumerate() {
         for (place, name) in ["r0", "r1", "r2"].into_iter().enumerate() {
             let meaning = format!("{negative} {factor} times the initial deviation of {name}");
-            let of = move |judged: &Judged| judged.negative[index][place];
+            let of = move |judged: &JudgedRuns| judged.negative[index][place];
             columns.push(number(format!("negative_runs_share_sd_{name}_x{factor}"), meaning, Box::new(of)));
         }
     }
@@ -94,12 +94,12 @@ fn trials() -> Vec<Column<Compared>> {
             let meaning = format!(
                 "what r0 covers with {mps2} m/s\u{b2} of acceleration noise {where_to}, as a multiple of that without"
             );
-            let of = move |judged: &Judged| judged.noise[index].way[place];
+            let of = move |judged: &JudgedRuns| judged.noise[index].way[place];
             columns.push(number(format!("way_of_r0_{kind}_{mps2}"), meaning, Box::new(of)));
         }
         for (place, mps2) in STRONG_MPS2.iter().enumerate() {
             let meaning = format!("{negative} {mps2} m/s\u{b2} of acceleration noise {where_to}");
-            let of = move |judged: &Judged| judged.noise[index].strong_negative[place];
+            let of = move |judged: &JudgedRuns| judged.noise[index].strong_negative[place];
             columns.push(number(format!("negative_runs_share_{kind}_{mps2}"), meaning, Box::new(of)));
         }
     }

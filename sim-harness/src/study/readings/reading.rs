@@ -35,7 +35,7 @@ pub enum Initial {
 
 /// α, β and κ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Points {
+pub enum SigmaPoints {
     /// As Table 1 has them.
     Printed,
     /// The points reach as far as the deviations (α = 1).
@@ -50,7 +50,7 @@ pub struct Reading {
     pub difference: Difference,
     pub gradient: Gradient,
     pub initial: Initial,
-    pub points: Points,
+    pub points: SigmaPoints,
 }
 
 /// How the runs were recorded.
@@ -70,7 +70,7 @@ pub struct Combination {
 impl Reading {
     /// As the text says, but for the effort, of which it says less.
     pub fn of(difference: Difference) -> Self {
-        Self { difference, gradient: Gradient::UnderTrain, initial: Initial::Deviations, points: Points::Printed }
+        Self { difference, gradient: Gradient::UnderTrain, initial: Initial::Deviations, points: SigmaPoints::Printed }
     }
 
     /// The same in one thing not as the text says.
@@ -78,16 +78,16 @@ impl Reading {
         [
             Self { gradient: Gradient::Point, ..self },
             Self { initial: Initial::Variances, ..self },
-            Self { points: Points::Wide, ..self },
-            Self { points: Points::Plain, ..self },
+            Self { points: SigmaPoints::Wide, ..self },
+            Self { points: SigmaPoints::Plain, ..self },
         ]
     }
 
     pub fn config(self) -> PaperConfig {
         let spread = match self.points {
-            Points::Printed => Spread::PAPER,
-            Points::Wide => Spread::WIDE,
-            Points::Plain => PLAIN,
+            SigmaPoints::Printed => Spread::PAPER,
+            SigmaPoints::Wide => Spread::WIDE,
+            SigmaPoints::Plain => PLAIN,
         };
         let printed = PaperConfig { difference: self.difference, spread, ..PaperConfig::default() };
         match self.initial {
@@ -125,7 +125,7 @@ impl Reading {
         if self.initial == Initial::Variances {
             words += ", Table 1 as variances";
         }
-        if self.points != Points::Printed {
+        if self.points != SigmaPoints::Printed {
             words = format!("{words}, {}", self.points_word());
         }
         words
@@ -140,9 +140,9 @@ impl Reading {
 
     pub fn points_word(self) -> &'static str {
         match self.points {
-            Points::Printed => "printed",
-            Points::Wide => "\u{3b1} = 1",
-            Points::Plain => "\u{3b2} = 0",
+            SigmaPoints::Printed => "printed",
+            SigmaPoints::Wide => "\u{3b1} = 1",
+            SigmaPoints::Plain => "\u{3b2} = 0",
         }
     }
 

@@ -21,7 +21,7 @@ const PAPERS_R0: f64 = 7.38e-3;
 /// A skew is rounded to this, s.
 const SKEW_STEP_S: f64 = 0.1;
 
-pub struct Recorded {
+pub struct RecordedReadings {
     pub by_recorder: ByRecorder,
     pub left_out: [bool; COUNT],
     pub notes: Vec<String>,
@@ -37,7 +37,7 @@ pub struct Taken<'a> {
 }
 
 /// `source`: runs that are not diagnosed yet.
-pub fn recorded(source: &mut RunSource, taken: Taken<'_>, train: &Train) -> Result<Recorded, Refused> {
+pub fn recorded(source: &mut RunSource, taken: Taken<'_>, train: &Train) -> Result<RecordedReadings, Refused> {
     let mut notes = Vec::new();
     let mut read: Vec<Recording> = Vec::new();
     for case in source.next_chunk()?.unwrap_or_default() {
@@ -72,7 +72,7 @@ pub fn recorded(source: &mut RunSource, taken: Taken<'_>, train: &Train) -> Resu
         notes.push(format!("not judged, for these runs say nothing of it: {}", names.join(", ")));
     }
     let runs = as_read.len();
-    Ok(Recorded { by_recorder: by_recorder(&found, as_read, right, taken.as_recorded), left_out, notes, runs })
+    Ok(RecordedReadings { by_recorder: by_recorder(&found, as_read, right, taken.as_recorded), left_out, notes, runs })
 }
 
 fn by_recorder(found: &Check, as_read: Vec<Recording>, right: Vec<Recording>, as_recorded: bool) -> ByRecorder {

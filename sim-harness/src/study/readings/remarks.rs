@@ -61,7 +61,7 @@ pub const COUNT: usize = 15;
 
 /// What a reading gives on the runs of one seed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Judged {
+pub struct JudgedRuns {
     pub holds: [bool; COUNT],
     pub log_likelihood_per_sample: f64,
     /// Of filtered less read speed, km/h.
@@ -72,12 +72,12 @@ pub struct Judged {
     /// Share of the tried runs with a negative coefficient where the deviations of r0, of r1, of r2 are ten and a hundred times as large.
     pub negative: [[f64; 3]; 2],
     /// Noise of the acceleration in Q, and drawn.
-    pub noise: [Noise; 2],
+    pub noise: [NoiseRemarks; 2],
 }
 
 /// What noise of the acceleration does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Noise {
+pub struct NoiseRemarks {
     /// What r0 covers with each small one, as a multiple of what it covers without.
     pub way: [f64; SMALL_MPS2.len()],
     /// What it covers more in a run, mean over runs, N/kg.
@@ -88,7 +88,7 @@ pub struct Noise {
     pub strong_negative: [f64; STRONG_MPS2.len()],
 }
 
-impl Noise {
+impl NoiseRemarks {
     fn of(filter: &Filter, few: &[Pass], again: &impl Fn(&Filter) -> Vec<Pass>, with: fn(&mut Filter, f64)) -> Self {
         let noisy = |sd_mps2: f64| {
             let mut filter = *filter;
@@ -112,7 +112,7 @@ impl Noise {
 }
 
 /// Judges a filter. `passes` are all runs; `again` runs the first [`TRIED`] with another filter.
-pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pass>) -> Judged {
+pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pass>) -> JudgedRuns {
     let mut moments: [Moments; 3] = Default::default();
     passes.iter().flat_map(|pass| &pass.davis).for_each(|davis| {
         moments.iter_mut().zip(davis).for_each(|(moments, value)| moments.add(*value));
@@ -127,10 +127,10 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
     let few = &passes[..passes.len().min(TRIED)];
     let of_r = again(&Filter { davis_noise: [R0_NOISE, 0.0, 0.0], ..*filter });
     let noise = [
-        Noise::of(filter, few, &again, |filter, sd| filter.config.acceleration_noise_mps2 = sd),
-        Noise::of(filter, few, &again, |filter, sd| filter.drawn_mps2 = sd),
+        NoiseRemarks::of(filter, few, &again, |filter, sd| filter.config.acceleration_noise_mps2 = sd),
+        NoiseRemarks::of(filter, few, &again, |filter, sd| filter.drawn_mps2 = sd),
     ];
-    Judged {
+    JudgedRuns {
         holds: [
             rms_kmh < 1.0,
             share(passes, falls) >= 0.5,
@@ -146,7 +146,7 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
             negative[0].iter().any(|share| *share > 0.0),
             negative[1].iter().any(|share| *share > 0.0),
             negative[1].iter().all(|share| *share > 0.0),
-            noise.iter().any(Noise::is_richer),
+            noise.iter().any(NoiseRemarks::is_richer),
             noise.iter().any(|noise| noise.strong_negative.iter().any(|share| *share > 0.0)),
             of_r.iter().any(Pass::is_negative),
         ],
@@ -241,7 +241,7 @@ mod tests {
         }
     }
 
-    fn held(name: &str, judged: &Judged) -> bool {
+    fn held(name: &str, judged: &JudgedRuns) -> bool {
         judged.holds[REMARKS.iter().position(|(remark, _)| *remark == name).unwrap()]
     }
 
