@@ -171,9 +171,9 @@ impl Distances {
     pub(crate) fn begin_run(&mut self, sensor: &SensorConfig) {
         self.clear_fields();
         let offset_sd = OFFSET_STEPS * sensor.speed_quantum_kmh as f32 / 3.6;
-        for (i, sd) in [(SCALE, SCALE_SD), (OFFSET, offset_sd), (AGE, AGE_SD_S)] {
-            self.covariance[i][i] = sd * sd;
-        }
+        self.covariance[SCALE][SCALE] = SCALE_SD * SCALE_SD;
+        self.covariance[OFFSET][OFFSET] = offset_sd * offset_sd;
+        self.covariance[AGE][AGE] = AGE_SD_S * AGE_SD_S;
     }
 
     /// A tick. `read_mps`: the speed as it was read. `sign` is +1 where locations grow.

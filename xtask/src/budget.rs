@@ -20,7 +20,7 @@ struct Limit {
 }
 
 /// Code, constants and first values of variables.
-const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 151_000, goal: 96 << 10 };
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 154_000, goal: 96 << 10 };
 /// SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 96 << 10, goal: 96 << 10 };
 /// A quarter of SRAM2.

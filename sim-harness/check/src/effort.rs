@@ -57,9 +57,12 @@ pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apar
     let against = brakes.clone().filter(|(change, effort)| *effort > -FOLLOWS * change).count();
     let brakes = brakes.count();
     let is_unsigned = brakes >= LEAST_BRAKES && 2 * against > brakes;
+    // With the sign turned, the train powers with efforts below zero as well.
+    let powers = pairs.iter().filter(|(change, _)| *change > BRAKES_MPS2);
+    let is_turned = value < -LEAST_CORRELATION && powers.map(|(_, effort)| effort).sum::<f64>() < 0.0;
     let evidence = if is_constant {
         format!("the effort is {effort:.3} N/kg throughout")
-    } else if is_unsigned {
+    } else if is_unsigned && !is_turned {
         format!("above zero in {against} of {brakes} windows of a braking train: a brake without its sign?")
     } else if value < -LEAST_CORRELATION {
         "they go against each other".to_owned()

@@ -8,7 +8,7 @@
 //!
 //! Read back, A, B and C are the least squares of the resistances, F and P what bounds the tractions.
 
-use super::{effort_curve, number::decimal, xml::Element};
+use super::{effort_curve, number::significant, xml::Element};
 use nalgebra::{Matrix3, Vector3};
 use rundown::model::units::KmPerHour;
 use rundown_files::refusal::ReadError;
@@ -17,6 +17,9 @@ use rundown_files::train_file::TrainFile;
 const SPEED: &str = "speedTable";
 const TRACTION: &str = "tractionTable";
 const RESISTANCE: &str = "resistanceTable";
+
+/// Significant digits of the tables: A, B and C are differences of their rows.
+const DIGITS: i32 = 9;
 
 /// Resistances that differ by more from the parabola are no Davis formula.
 const MOST_OFF: f64 = 0.05;
@@ -33,7 +36,7 @@ pub(super) fn attributes(train: &TrainFile, max_speed_kmh: f64) -> [(&'static st
     points.extend(below.map(|kmh| (kmh, train.max_tractive_effort_n)).collect::<Vec<_>>());
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let column = |value: &dyn Fn(f64, f64) -> f64| {
-        let values = points.iter().map(|(kmh, force_n)| decimal(value(KmPerHour(*kmh).to_mps(), *force_n)));
+        let values = points.iter().map(|(kmh, force_n)| significant(value(KmPerHour(*kmh).to_mps(), *force_n), DIGITS));
         values.collect::<Vec<String>>().join(" ")
     };
     let resistance_kn = |mps: f64, _| rotating_mass_kg * train.davis.resistance_n_per_kg(mps) / 1000.0;
