@@ -474,8 +474,7 @@ pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
 fn other_unit(rows: &[Sample], findings: &mut Vec<Finding>) {
     let mut calm = rows.to_vec();
     readings::speed_spikes(&mut calm, &mut Vec::new());
-    let found = units::far_ratio(&calm).map(|value| (value, 0)).or_else(|| units::far_part(&calm));
-    if let Some((value, line)) = found {
+    if let Some((value, line)) = units::far(&calm) {
         let figure = Figure { value, sd: 0.0 };
         findings.push(Finding { kind: Kind::OtherUnit, figure, unit: "", count: 1, line, done: Done::Refused });
     }

@@ -77,19 +77,28 @@ impl Seen {
     }
 }
 
+/// Enough different steps to be no other log's by chance.
+fn is_varied(steps: &[Option<i64>]) -> bool {
+    let (mut different, mut count) = ([0; LEAST_STEPS], 0);
+    for step in steps.iter().flatten() {
+        if !different[..count].contains(step) {
+            different[count] = *step;
+            count += 1;
+        }
+        if count == LEAST_STEPS {
+            return true;
+        }
+    }
+    false
+}
+
 /// Digests of a sample of the pieces of a log, and how many trailing zeros they have.
 fn pieces(rows: &[Sample]) -> (Vec<u64>, u32) {
     let digests: Vec<u64> = rows.iter().map(|row| digest_of(std::slice::from_ref(row), |_| None)).collect();
     let steps: Vec<Option<i64>> =
         rows.windows(2).map(|pair| Some((1e3 * (pair[1].location_m? - pair[0].location_m?)).round() as i64)).collect();
-    let is_own = |at: usize| {
-        let mut own: Vec<i64> = steps[at..at + PIECE - 1].iter().copied().flatten().collect();
-        own.sort_unstable();
-        own.dedup();
-        own.len() >= LEAST_STEPS
-    };
     let mut pieces: Vec<u64> = (0..(rows.len() + 1).saturating_sub(PIECE))
-        .filter(|at| is_own(*at))
+        .filter(|at| is_varied(&steps[*at..at + PIECE - 1]))
         .map(|at| {
             let mut hasher = DefaultHasher::new();
             digests[at..at + PIECE].hash(&mut hasher);

@@ -52,22 +52,27 @@ pub fn doubt(rows: &[Sample]) -> Option<Doubt> {
     if let Some(median) = middle(efforts).filter(|median| *median > MOST_EFFORT) {
         return Some(Doubt::Effort { median });
     }
-    far_ratio(rows).map(|ratio| Doubt::Distance { ratio })
+    far_ratio(&pieces(rows)).map(|ratio| Doubt::Distance { ratio })
 }
 
-/// Distance by location over distance by speed, where it is too far from 1 to be a matter of a wheel; their median over
-/// pieces of the run. A speed that stands still is no unit: the pieces in which it changes must say the same, if there are any.
-pub fn far_ratio(rows: &[Sample]) -> Option<f64> {
+/// Distance by location over distance by speed, where it is too far from 1 to be a matter of a wheel, and the line from which on: 0 for the whole run,
+/// otherwise where the part that is off begins or ends.
+pub fn far(rows: &[Sample]) -> Option<(f64, u64)> {
     let pieces = pieces(rows);
+    far_ratio(&pieces).map(|ratio| (ratio, 0)).or_else(|| far_part(pieces))
+}
+
+/// The median over the pieces of a run. A speed that stands still is no unit: the pieces in which it changes must say the same, if there are any.
+fn far_ratio(pieces: &[Piece]) -> Option<f64> {
     let changing: Vec<f64> = pieces.iter().filter(|piece| piece.changes).map(|piece| piece.ratio).collect();
     let ratio = middle(pieces.iter().map(|piece| piece.ratio)).filter(|ratio| is_far(*ratio))?;
     let is_agreed = changing.len() >= FEW_CHANGING && (ratio / FAR..ratio * FAR).contains(&median(&changing));
     is_agreed.then_some(ratio)
 }
 
-/// The same of a log whose unit changes within: the ratio of the part that is off, and the line at which that begins or ends.
-pub fn far_part(rows: &[Sample]) -> Option<(f64, u64)> {
-    let pieces: Vec<Piece> = pieces(rows).into_iter().filter(|piece| piece.changes).collect();
+/// The same of a log whose unit changes within.
+fn far_part(mut pieces: Vec<Piece>) -> Option<(f64, u64)> {
+    pieces.retain(|piece| piece.changes);
     let far = pieces.iter().filter(|piece| is_far(piece.ratio)).count();
     if far < FEW / 2 || pieces.len() - far < FEW / 2 {
         return None;
