@@ -22,6 +22,7 @@ use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::sample::Sample;
 use rundown_files::{refusal::ReadError, run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
+use rundown_pages::numbers::counted;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -269,7 +270,10 @@ pub fn words(found: &Check) -> String {
     let is_clean = |run: &&RunCheck| run.findings.is_empty() && run.perturbations.is_empty();
     let clean = found.runs.iter().filter(is_clean).count();
     let refused = found.refused().count();
-    text + &format!("{} runs, nothing found in {clean}, {refused} cannot be used\n", found.runs.len())
+    text + &format!(
+        "{}, nothing found in {clean}, {refused} cannot be used\n",
+        counted(found.runs.len(), "run", "runs")
+    )
 }
 
 fn of_recorder(recorder: &RecorderCheck) -> String {

@@ -114,6 +114,10 @@ pub fn read(results: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedT
     if results.is_file() && !results.ends_with("replay.json") {
         return of_board(path, described, unit);
     }
+    if !path.exists() {
+        let expected = "expected the folder that `rundown replay --out` makes, found no such file";
+        return Err(Place::of_file(path).refuse("", expected).into());
+    }
     let text = std::fs::read_to_string(&path).map_err(|source| ReadError::Io { path: path.clone(), source })?;
     log::info!("read {}", path.display());
     let results = serde_json::from_str(&text).map_err(|error| {

@@ -47,19 +47,19 @@ fn a_folder_gets_a_page_for_each_run_and_a_name_in_json_the_diagnosis_alone() {
     let folder = Folder::new().with("a.csv", &whole).with("b.csv", &log_from(0.4, f64::floor));
     folder.done(&["check", "--out", "found", "a.csv", "b.csv"]);
     assert_eq!(folder.json("found/check.json")["runs"].as_array().unwrap().len(), 2);
-    let page = folder.read("found/index.html");
+    let page = folder.read("found/report.html");
     for word in
-        ["speeds are truncated to the step below", "put right", "href=\"runs/run0002.html\">b<", "offset 0.50 km/h"]
+        ["speeds are truncated to the step below", "put right", "href=\"report/run0002.html\">b<", "offset 0.50 km/h"]
     {
         assert!(page.contains(word), "{word}");
     }
-    let run = folder.read("found/runs/run0002.html");
+    let run = folder.read("found/report/run0002.html");
     assert!(run.contains("src=\"pages.js\"") && run.contains("before: a") && run.contains("<svg"));
-    assert!(folder.path("found/runs/pages.js").exists());
+    assert!(folder.path("found/report/pages.js").exists());
     folder.done(&["check", "--out", "alone.json", "a.csv"]);
     assert_eq!(folder.json("alone.json")["runs"][0]["name"], "a");
     // The same logs, the same bytes.
     folder.done(&["check", "--out", "again", "a.csv", "b.csv"]);
-    assert_eq!(folder.read("again/index.html"), page);
-    assert_eq!(folder.read("again/runs/run0002.html"), run);
+    assert_eq!(folder.read("again/report.html"), page);
+    assert_eq!(folder.read("again/report/run0002.html"), run);
 }

@@ -181,7 +181,7 @@ fn another_train_another_unit_and_no_replay_are_refused() {
     refused("other.toml", &[], "out/replay.json: train: expected `");
     refused("train.toml", &["--unit", "nobody"], "out/replay.json: unit: expected one of");
     std::fs::remove_file(folder.path("out/replay.json")).unwrap();
-    refused("train.toml", &[], "replay.json");
+    refused("train.toml", &[], "out/replay.json: expected the folder that `rundown replay --out` makes");
     assert!(!folder.path("learned").exists());
 }
 

@@ -92,7 +92,7 @@ fn a_german_locomotive_is_read_across_midnight() {
     let latin: Vec<u8> = text.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
     std::fs::write(folder.path("lok.csv"), latin).unwrap();
     let said = folder.done(&["import", "lok.csv", "--mapping", "z.toml", "--out", "runs"]);
-    assert!(said.out.contains("1 runs in runs"), "{}", said.out);
+    assert!(said.out.contains("1 run in runs"), "{}", said.out);
     assert_eq!(
         folder.read("runs/runs.csv"),
         "file,departure_utc,unit,direction\nlok_01.csv,2024-03-30T22:55:00Z,,up\n"

@@ -35,7 +35,7 @@ fn verbose_says_what_is_read_and_written_and_when() {
     let order = [
         stage("train.toml"),
         stage("read run01.csv"),
-        stage("replayed 1 runs"),
+        stage("replayed 1 run"),
         stage("wrote out/report.html"),
         stage("done"),
     ];

@@ -192,8 +192,8 @@ async fn every_page_fits_by_day_and_by_night() {
     let pages = [
         "out/report.html",
         "out/report/run0002.html",
-        "check/index.html",
-        "check/runs/run0002.html",
+        "check/report.html",
+        "check/report/run0002.html",
         "study/report.html",
         "study/report/run0003.html",
         "gap/report.html",

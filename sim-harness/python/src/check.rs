@@ -5,6 +5,7 @@ use crate::progress::{Progress, Wanted};
 use crate::{runs, table::Table};
 use pyo3::prelude::*;
 use rundown_files::run_set::RunSet;
+use rundown_pages::numbers::counted;
 use sim_harness::checking::{self, Described};
 use sim_harness::logs::Failed;
 use sim_harness::replaying::Runs;
@@ -53,7 +54,7 @@ impl Check {
     }
 
     fn __repr__(&self) -> String {
-        format!("<rundown.Check: {} runs>", self.found.runs.len())
+        format!("<rundown.Check: {}>", counted(self.found.runs.len(), "run", "runs"))
     }
 }
 

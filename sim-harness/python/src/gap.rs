@@ -11,6 +11,7 @@ use rundown_gap::answer::{notes::notes, report, story::story, whole::Answer};
 use rundown_gap::candidates::read_config;
 use rundown_gap::config::GapConfig;
 use rundown_gap::{input::Input, refusal::Refusal};
+use rundown_pages::numbers::counted;
 use sim_harness::replaying::Runs;
 use std::path::PathBuf;
 
@@ -93,7 +94,7 @@ impl Gap {
     }
 
     fn __repr__(&self) -> String {
-        format!("<rundown.Gap: {} in {} runs>", self.verdict(), self.answer.input.runs.len())
+        format!("<rundown.Gap: {} in {}>", self.verdict(), counted(self.answer.input.runs.len(), "run", "runs"))
     }
 }
 

@@ -5,6 +5,7 @@ use crate::figure::Figure;
 use crate::paths::{Paths, chosen};
 use crate::progress::Progress;
 use pyo3::prelude::*;
+use rundown_pages::numbers::counted;
 use sim_harness::import::{ImportError, ImportOrder, Method};
 use std::path::{Path, PathBuf};
 
@@ -51,7 +52,7 @@ impl Imported {
     }
 
     fn __repr__(&self) -> String {
-        format!("<rundown.Imported: {} runs in {}>", self.done.runs, self.folder.display())
+        format!("<rundown.Imported: {} in {}>", counted(self.done.runs, "run", "runs"), self.folder.display())
     }
 }
 

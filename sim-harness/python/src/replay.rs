@@ -12,6 +12,7 @@ use rundown::{filter::gaussian::Gaussian, model::state};
 use rundown_files::column::{About, Column, Filled, Kind, filled};
 use rundown_files::table::Cell;
 use rundown_files::{replay::ReplayedRun, replay::Tick, run_log::BadRows};
+use rundown_pages::numbers::counted;
 use sim_harness::output::tables::Tables;
 use sim_harness::output::{coast_ahead, estimates, features, parameters};
 use sim_harness::replaying::{PERIOD, Replayed, Request, is_period};
@@ -248,8 +249,13 @@ impl Replay {
 
     fn __repr__(&self) -> String {
         let (runs, refused) = (self.replayed.runs.len(), self.replayed.failed.len());
-        let refused = if refused > 0 { format!(", {refused} logs refused") } else { String::new() };
-        format!("<rundown.Replay: {runs} runs{refused}, up to {:.0} km/h>", 3.6 * self.fastest_mps())
+        let refused =
+            if refused > 0 { format!(", {} refused", counted(refused, "log", "logs")) } else { String::new() };
+        format!(
+            "<rundown.Replay: {}{refused}, up to {:.0} km/h>",
+            counted(runs, "run", "runs"),
+            3.6 * self.fastest_mps()
+        )
     }
 }
 

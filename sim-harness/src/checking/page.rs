@@ -1,4 +1,4 @@
-//! `index.html` of a check: recorder by recorder what was found, with pictures; the table of runs; and a page for each run.
+//! `report.html` of a check: recorder by recorder what was found, with pictures; the table of runs; and a page for each run.
 //!
 //! In: a [`Check`] and its [`Logs`]. Out: a folder that opens from the disk.
 
@@ -20,22 +20,22 @@ use rundown_pages::shell::{self, Section, choice_column, column, figure, sortabl
 use std::path::Path;
 
 /// Folder of the pages of the runs.
-const RUN_PAGES: &str = "runs";
+const RUN_PAGES: &str = "report";
 
-/// Writes `index.html` and a page for each run into a folder, which is made when it does not exist.
+/// Writes `report.html` and a page for each run into a folder, which is made when it does not exist.
 ///
 /// # Errors
 /// [`WriteError`] names the file.
 pub fn write(folder: &Path, found: &Check, logs: &Logs, failed: &[Failed]) -> Result<(), WriteError> {
     let pages = folder.join(RUN_PAGES);
     files::folder(&pages)?;
-    files::text(&folder.join("index.html"), &index(found, logs, failed))?;
+    files::text(&folder.join("report.html"), &first(found, logs, failed))?;
     files::text(&pages.join(run_pages::SCRIPT_FILE), SCRIPT)?;
     let write = |at| files::text(&pages.join(run_pages::name(at)), &run_page::page(found, logs, at));
     (0..found.runs.len()).into_par_iter().try_for_each(write)
 }
 
-fn index(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
+fn first(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
     let of_recorder = |(at, recorder): (usize, &RecorderCheck)| {
         let heading = if recorder.unit.is_empty() { "The recorder".to_owned() } else { recorder.unit.clone() };
         Section::new(format!("recorder-{}", at + 1), heading, recorder_section(recorder, found, logs))

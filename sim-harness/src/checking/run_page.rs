@@ -18,7 +18,7 @@ pub(super) fn page(found: &Check, logs: &Logs, at: usize) -> String {
     let name = |at: usize| found.runs.get(at).map(|run| run.name.as_str());
     let neighbours = Neighbours {
         index: at,
-        all: ("../index.html#runs", "All runs"),
+        all: ("../report.html#runs", "All runs"),
         before: at.checked_sub(1).and_then(name),
         next: name(at + 1),
     };

@@ -10,6 +10,7 @@ use indicatif::ProgressBar;
 use rundown::estimator::config::Mode;
 use rundown_files::replay::{ReplayedRun, Tick};
 use rundown_files::{recording::DirectionChoice, run_log::BadRows};
+use rundown_pages::numbers::counted;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -152,7 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let replayed = opened.replay(|| bar.inc(1));
     bar.finish_and_clear();
     let replayed = replayed?;
-    log::info!("replayed {} runs", replayed.runs.len());
+    log::info!("replayed {}", counted(replayed.runs.len(), "run", "runs"));
     said(&replayed.notes, &replayed.failed);
     screen::warnings(&replayed.runs);
     if let Some(message) = replayed.nothing() {

@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rundown::estimator::config::{Config, Mode};
 use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::paper::Difference, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
+use rundown_pages::numbers::counted;
 use rundown_wire::Learned;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -172,8 +173,9 @@ impl Foreseen {
             let rms_kmh = |squares_mps: &f64| 3.6 * (squares_mps / coasts).sqrt();
             (*coasts > 0.0).then(|| {
                 format!(
-                    "{}: {coasts} coasts, the speed at their end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
+                    "{}: {}, the speed at their end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
                     crate::advice::vehicle::named(unit),
+                    counted(*coasts as usize, "coast", "coasts"),
                     rms_kmh(learned),
                     rms_kmh(described)
                 )

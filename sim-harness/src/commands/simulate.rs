@@ -4,6 +4,7 @@ use super::{Failure, screen};
 use crate::simulation::folder;
 use crate::simulation::scenario_file::{EXAMPLE, HIDDEN_EFFECT, Simulation};
 use clap::builder::PossibleValuesParser;
+use rundown_pages::numbers::counted;
 use rundown_truth::{facts::Facts, recorders::Recorder};
 use std::path::{Path, PathBuf};
 use std::{process::ExitCode, time::Instant};
@@ -114,14 +115,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 fn summary(simulation: &Simulation, facts: &[Facts], took_s: f64) -> String {
     let hours = facts.iter().map(|f| f.stop.time_s).sum::<f64>() / 3600.0;
     let mut text = format!(
-        "{}, seed {}: {} runs, {hours:.1} h of driving in {took_s:.1} s\n",
+        "{}, seed {}: {}, {hours:.1} h of driving in {took_s:.1} s\n",
         simulation.name,
         simulation.seed,
-        facts.len()
+        counted(facts.len(), "run", "runs")
     );
     for (index, effect) in simulation.scenario.effects.iter().enumerate() {
         let count = facts.iter().filter(|f| f.plan.acting[index]).count();
-        text += &format!("  hides {} in {count} runs\n", effect.name());
+        text += &format!("  hides {} in {}\n", effect.name(), counted(count, "run", "runs"));
     }
     text
 }

@@ -3,6 +3,7 @@
 use super::number::decimal;
 use crate::learned_train::{LearnedTrain, Limit, Used};
 use rundown_check::agreement::HALF_95;
+use rundown_pages::numbers::counted;
 
 /// One sentence a line, for comments and text fields. Forces are those of a train of `mass_kg`.
 pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {
@@ -17,7 +18,7 @@ pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {
             format!("{name} = {mean} +/- {half} {unit}")
         })
         .collect();
-    let runs = if *runs == 1 { "1 run".to_owned() } else { format!("{runs} runs") };
+    let runs = counted(*runs, "run", "runs");
     let mut said = vec![
         format!("Running resistance: learned by Rundown from {runs}, with 95 % intervals."),
         format!("{}.", coefficients.join(", ")),

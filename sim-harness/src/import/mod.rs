@@ -39,6 +39,7 @@ use rundown_files::WriteError;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::refusal::{Place as FilePlace, ReadError};
 use rundown_files::track_file::TrackFile;
+use rundown_pages::numbers::counted;
 use serde_json::{Value, json};
 use source::SourceFile;
 use source::row::Event;
@@ -101,7 +102,7 @@ impl Imported {
     /// What was done, and where the run logs are.
     pub fn words(&self, out: &Path) -> String {
         let lines: String = self.lines.iter().map(|line| format!("{line}\n")).collect();
-        format!("{lines}{} runs in {}\n", self.runs, out.display())
+        format!("{lines}{} in {}\n", counted(self.runs, "run", "runs"), out.display())
     }
 }
 
