@@ -100,9 +100,11 @@ def test_an_import_is_refused_with_its_place(tmp_path):
 def test_an_export_is_refused_with_its_place(made, tmp_path):
     learned, out = tmp_path / "learned", tmp_path / "out"
     about = {"train": made.train, "max_speed": 140, "out": out}
-    with pytest.raises(rundown.RundownError, match="cannot be read") as caught:
+    with pytest.raises(rundown.RundownError, match="rundown replay --out") as caught:
         rundown.export(learned, to="sumo", **about)
     assert caught.value.file == learned / "replay.json"
+    with pytest.raises(rundown.RundownError, match="expected a recording of a board .* found none in 0 frames"):
+        rundown.export(made.train, to="sumo", **about)
     rundown.replay(made.runs, train=made.train, track=made.track).write(learned)
     with pytest.raises(rundown.RundownError) as caught:
         rundown.export(learned, to="sumo", unit="nobody", **about)

@@ -117,7 +117,8 @@ fn continues(before: &str, line: &str) -> bool {
     let item = before.trim().contains("  ");
     let full = before.chars().count() > NARROW && !before.ends_with(':') && !line.trim().is_empty();
     let deeper = indentation(line) > indentation(before);
-    full && (deeper || !item && indentation(line) == indentation(before))
+    // What stands deeper below a sentence is the command that it is about.
+    full && if item { deeper } else { indentation(line) == indentation(before) }
 }
 
 #[cfg(test)]
@@ -129,9 +130,12 @@ mod tests {
     #[test]
     fn sentences_are_joined_and_items_and_examples_are_not() {
         let full = "x".repeat(90);
-        let text =
-            format!("{full}\nrest\n\n  a.csv  {full}\n         more\n  b.csv  short\n    rundown {full}\n  next");
-        let expected = format!("{full} rest\n\n  a.csv  {full} more\n  b.csv  short\n    rundown {full}\n  next");
+        let text = format!(
+            "{full}\nrest\n    rundown a\n  {full}\n    rundown b\n\n  a.csv  {full}\n         more\n    rundown {full}\n  next"
+        );
+        let expected = format!(
+            "{full} rest\n    rundown a\n  {full}\n    rundown b\n\n  a.csv  {full} more\n    rundown {full}\n  next"
+        );
         assert_eq!(unwrapped(&text), expected);
     }
 
