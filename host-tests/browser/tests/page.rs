@@ -359,8 +359,9 @@ async fn the_page_looks_right_on_every_screen() {
     }
     // By keys alone: n changes the colours, Tab reaches every button.
     browser.screen(1280, 800, Scheme::Light).await;
+    browser.wait_for("return document.documentElement.dataset.scheme === 'day'").await;
     browser.press("n").await;
-    assert_eq!(browser.ask::<String>("return document.documentElement.dataset.scheme").await, "night");
+    browser.wait_for("return document.documentElement.dataset.scheme === 'night'").await;
     let mut reached = Vec::new();
     for _ in 0..20 {
         browser.driver().action_chain().send_keys(thirtyfour::Key::Tab).perform().await.expect("Tab");
