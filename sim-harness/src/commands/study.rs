@@ -511,13 +511,15 @@ pub(super) fn table(study: &Study) -> String {
     let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
     let runs = counted(runs as usize, "run", "runs");
     let (kinds, basis) = (summary::by_kind(&study.claims), summary::basis(&study.claims));
-    let mut text = format!("{runs}; {known}\nclaims that hold: {kinds}\n{basis}\n\n");
+    let elsewhere = summary::elsewhere(&study.claims);
+    let mut text = format!("{runs}; {known}\nclaims that hold: {kinds}\n{elsewhere}{basis}\n\n");
     for claim in &study.claims {
         let mark = match claim.verdict {
             Verdict::Reproduced => "yes",
             Verdict::Not => "NO",
             Verdict::NotVisible => "tiny",
             Verdict::NoData => "-",
+            Verdict::Elsewhere => "else",
         };
         let sets = match claim.sets.all {
             0 | 1 => String::new(),

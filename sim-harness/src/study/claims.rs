@@ -18,7 +18,8 @@ mod unscented;
 pub use super::verdict::Verdict;
 pub use sets::{Sets, over_sets};
 
-use super::{gather::Gathered, moments::Moments, tallies::Tallies, trials::Trials, visible::Size};
+use super::tallies::{R0_BAND, Tallies};
+use super::{gather::Gathered, moments::Moments, trials::Trials, visible::Size};
 use rundown::model::train::Train;
 use rundown_files::column::{Column, record};
 use rundown_files::table::{Cell, Record};
@@ -60,12 +61,37 @@ pub struct Claim {
     pub error: String,
     pub verdict: Verdict,
     pub why: String,
+    /// It could have failed, and has a number of the paper's train all the same.
+    pub is_of_the_train: bool,
     /// Of a claim of direction: the least change that counts, with its reason.
     pub least: Option<Size>,
     /// What each set of runs says; the words above are those of the first.
     pub sets: Sets,
 }
 
+/// The paper's line, m, and by how much of it a way that was recorded may differ.
+const LINE_M: f64 = 32_103.0;
+const OTHER_LINE: f64 = 0.01;
+/// By how much the described r0 may lie beside the middle of the paper's band.
+const OTHER_TRAIN: f64 = 0.05;
+
+/// Whether line and train are the paper's. Without runs only the description can say so.
+fn is_at_home(gathered: &Gathered, train: &Train) -> bool {
+    let r0 = 0.5 * (R0_BAND.start() + R0_BAND.end());
+    let near = |found: f64, wanted: f64, share: f64| (found / wanted - 1.0).abs() <= share;
+    let line = gathered.travelled_m.mean().is_none_or(|way_m| near(way_m, LINE_M, OTHER_LINE));
+    line && near(train.davis().r0, r0, OTHER_TRAIN)
+}
+
+/// What is judged of runs on another line or with another train: what the method does, not what the paper's line, train and drivers put into its numbers.
+fn judged_elsewhere(claim: Claim) -> Claim {
+    match claim.kind {
+        ClaimKind::Predicted if !claim.is_of_the_train => claim,
+        _ => Claim { verdict: Verdict::Elsewhere, ..claim },
+    }
+}
+
+/// In the paper's order.
 pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim> {
     let mut claims = Vec::from(driving::setting(train));
     claims.push(unscented::third_moment());
@@ -80,6 +106,9 @@ pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim>
     claims.extend(driving::style(gathered));
     claims.extend(driving::brake(gathered));
     claims.extend(driving::power(gathered, train));
+    if !is_at_home(gathered, train) {
+        claims = claims.into_iter().map(judged_elsewhere).collect();
+    }
     over_sets(claims, &[])
 }
 
@@ -89,7 +118,7 @@ pub fn columns() -> Vec<Column<Claim>> {
         Column::count(name, meaning, move |claim: &Claim| Cell::from(of(&claim.sets)))
     };
     let verdict = "over all sets: `reproduced`, `not reproduced`, `not visible` (not reproduced: the change is smaller than a \
-        reader of the paper could see) or `no data`";
+        reader of the paper could see), `no data` or `not judged` (it has numbers of the paper's own line, train or drivers, and these runs are others)";
     let least = "the least change that counts, with its reason";
     let place = "figure of the paper, `2` to `9`, or its section, `3.1`, `3.2`, `4.1`, `4.2`";
     let kind = "`input`: put into the scenario; `recovered`: put in and found again; `predicted`: could have failed";
@@ -136,6 +165,7 @@ fn claim(place: &'static str, statement: &'static str) -> Claim {
         error,
         verdict,
         why,
+        is_of_the_train: false,
         least: None,
         sets: Sets::default(),
     }
@@ -165,6 +195,10 @@ impl Claim {
     /// By which criterion.
     fn by(self, why: impl Into<String>) -> Self {
         Self { why: why.into(), ..self }
+    }
+
+    fn of_the_train(self) -> Self {
+        Self { is_of_the_train: true, ..self }
     }
 
     /// The scenario was made so.
@@ -251,6 +285,29 @@ mod tests {
             assert_eq!(is_reproduced, is_one, "{}", claim.statement);
         }
         assert_eq!(verdict(&claims, "38 km/h"), Verdict::Reproduced);
+    }
+
+    #[test]
+    fn on_another_line_only_what_the_method_does_is_judged() {
+        let of = |way_m| {
+            let mut gathered = Gathered::default();
+            gathered.travelled_m.add(way_m);
+            gathered.paper.runs = 1;
+            gathered.paper.davis_samples[0].add(0.0073);
+            gathered.paper.r0_in_band = 1;
+            claims(&gathered, &train(), &Trials::default())
+        };
+        let (home, elsewhere) = (of(32_103.0), of(18_000.0));
+        assert!(home.iter().all(|claim| claim.verdict != Verdict::Elsewhere));
+        for (there, here) in home.iter().zip(&elsewhere) {
+            let of_the_method = there.kind == ClaimKind::Predicted && !there.statement.contains("0.00738");
+            let expected = if of_the_method { there.verdict } else { Verdict::Elsewhere };
+            assert_eq!(here.verdict, expected, "{}", here.statement);
+        }
+        assert_eq!(verdict(&home, "0.00738"), Verdict::Reproduced);
+        assert_eq!(verdict(&elsewhere, "never negative"), Verdict::Reproduced);
+        assert!(summary::elsewhere(&elsewhere).starts_with("26 of them are not judged"));
+        assert_eq!(summary::elsewhere(&home), "");
     }
 
     #[test]

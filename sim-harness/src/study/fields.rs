@@ -60,6 +60,12 @@ pub fn case_study() -> Vec<Field> {
         ["claims_by_kind[].not_reproduced", "", "those that too many sets contradict", ""],
         ["claims_by_kind[].not_visible", "", "those whose change is smaller than a reader of the paper could see", ""],
         ["claims_by_kind[].no_data", "", "those on which too few sets have data", ""],
+        [
+            "claims_by_kind[].not_judged",
+            "",
+            "those with numbers of the paper's own line, train or drivers, where the runs are others",
+            "",
+        ],
         ["claims[].*", "", "the columns of `claims.csv`", "the cell of the table is empty"],
     ]);
     fields.extend(answer("truth_slope[]."));

@@ -80,7 +80,7 @@ fn summary(page: &StudyPage) -> Markup {
                 (counted(runs, "run", "runs")) ", " (page.source) "; " (known(gathered)) ". Of " (page.claims.len())
                 " claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
                 strong { (count(Verdict::Not) + count(Verdict::NotVisible)) " are not" } ", of these " (count(Verdict::NotVisible))
-                " because nobody could see so small a change, and " (count(Verdict::NoData)) " cannot be assessed with these runs. " (summary::basis(page.claims)) " "
+                " because nobody could see so small a change, and " (count(Verdict::NoData)) " cannot be assessed with these runs. " (summary::elsewhere(page.claims)) (summary::basis(page.claims)) " "
                 a href="#claims" { "All of them, with the reason" } "."
             }
             p {
@@ -182,7 +182,7 @@ fn verdict(verdict: Verdict) -> Markup {
     let class = match verdict {
         Verdict::Reproduced => "good",
         Verdict::Not | Verdict::NotVisible => "bad",
-        Verdict::NoData => "dim",
+        Verdict::NoData | Verdict::Elsewhere => "dim",
     };
     html! { strong class=(class) { (verdict.as_str()) } }
 }

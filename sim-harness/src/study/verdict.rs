@@ -8,6 +8,8 @@ pub enum Verdict {
     NotVisible,
     /// These runs have no data on it.
     NoData,
+    /// It has numbers of the paper's own line, train or drivers, and these runs are others.
+    Elsewhere,
 }
 
 impl Verdict {
@@ -17,6 +19,7 @@ impl Verdict {
             Self::Not => "not reproduced",
             Self::NotVisible => "not visible",
             Self::NoData => "no data",
+            Self::Elsewhere => "not judged",
         }
     }
 }

@@ -52,7 +52,7 @@ pub fn weakest(parts: impl IntoIterator<Item = Verdict>) -> Verdict {
     let rank = |verdict: &Verdict| match verdict {
         Verdict::Not => 0,
         Verdict::NotVisible => 1,
-        Verdict::NoData => 2,
+        Verdict::NoData | Verdict::Elsewhere => 2,
         Verdict::Reproduced => 3,
     };
     parts.into_iter().min_by_key(rank).unwrap_or(Verdict::NoData)

@@ -1,6 +1,6 @@
 //! Claims on how trains are driven: sections 4.1, 4.3, 4.4.
 
-use super::{Claim, Verdict, alone, claim, from_to, mean, near, percent, points, three};
+use super::{Claim, LINE_M, Verdict, alone, claim, from_to, mean, near, percent, points, three};
 use crate::study::gather::{Example, Gathered, PAPERS_RUN};
 use crate::study::view::{CLOUDS_KMH, Seen};
 use crate::{study::moments::Moments, study::tallies::Tallies, study::visible};
@@ -48,7 +48,7 @@ pub(super) fn runs(gathered: &Gathered) -> Claim {
     let runs = gathered.top_kmh.count;
     let (travelled_m, interval_s) = (gathered.travelled_m.mean(), gathered.interval_s.mean());
     let words = |(m, s)| format!("{runs} runs of {} m, a reading every {} s", number(m, 0), number(s, 1));
-    let length = near(travelled_m, 32_103.0, 50.0);
+    let length = near(travelled_m, LINE_M, 50.0);
     let interval = near(interval_s, INTERVAL_S, 0.1);
     claim("4.1", "67 speed profiles on a track of 32 103 m, sampled every 10 s")
         .columns(alone(travelled_m.zip(interval_s).map(words)))

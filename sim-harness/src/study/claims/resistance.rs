@@ -170,6 +170,7 @@ pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> [Claim; 4] {
                 let (ends, band) = (from_to(&t.davis_samples[0], 1e-3, 2)?, percent(in_band(t))?);
                 Some(format!("{ends} \u{b7} 10\u{207b}\u{b3} N/kg, {band} inside"))
             }))
+            .of_the_train()
             .holds(in_band(paper).map(|share| share >= 0.9))
             .by(format!(
                 "share of samples from {} to {} N/kg; at least 90 %. These are the bounds that Table 1's initial deviations allow, not those of the train",

@@ -22,7 +22,7 @@ impl Sets {
 
     fn add(&mut self, verdict: Verdict) {
         self.all += 1;
-        self.judged += usize::from(verdict != Verdict::NoData);
+        self.judged += usize::from(!matches!(verdict, Verdict::NoData | Verdict::Elsewhere));
         self.held += usize::from(verdict == Verdict::Reproduced);
         self.not_visible += usize::from(verdict == Verdict::NotVisible);
     }
@@ -52,7 +52,8 @@ pub fn over_sets(first: Vec<Claim>, others: &[Vec<Claim>]) -> Vec<Claim> {
         let mut sets = Sets::default();
         sets.add(claim.verdict);
         others.iter().filter_map(|other| other.get(index)).for_each(|other| sets.add(other.verdict));
-        Claim { verdict: sets.verdict(), sets, ..claim }
+        let elsewhere = claim.verdict == Verdict::Elsewhere;
+        Claim { verdict: if elsewhere { claim.verdict } else { sets.verdict() }, sets, ..claim }
     };
     first.into_iter().enumerate().map(judged).collect()
 }

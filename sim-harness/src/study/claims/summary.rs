@@ -13,6 +13,7 @@ pub struct ClaimCount {
     pub not_reproduced: usize,
     pub not_visible: usize,
     pub no_data: usize,
+    pub not_judged: usize,
 }
 
 /// Over all sets of runs.
@@ -26,6 +27,7 @@ pub fn counts(claims: &[Claim]) -> [ClaimCount; 3] {
             not_reproduced: of(Verdict::Not),
             not_visible: of(Verdict::NotVisible),
             no_data: of(Verdict::NoData),
+            not_judged: of(Verdict::Elsewhere),
         }
     })
 }
@@ -34,6 +36,16 @@ pub fn counts(claims: &[Claim]) -> [ClaimCount; 3] {
 pub fn by_kind(claims: &[Claim]) -> String {
     let words = |count: ClaimCount| format!("{} {} of {}", count.kind, count.reproduced, count.claims);
     counts(claims).map(words).join(", ")
+}
+
+/// How many claims are of the paper's own line, where these runs are of another; a sentence and a space, or nothing.
+pub fn elsewhere(claims: &[Claim]) -> String {
+    match claims.iter().filter(|claim| claim.verdict == Verdict::Elsewhere).count() {
+        0 => String::new(),
+        count => format!(
+            "{count} of them are not judged: they have numbers of the paper's own line, train or drivers, and these runs are others. "
+        ),
+    }
 }
 
 /// On how many sets the verdicts rest; a sentence.
