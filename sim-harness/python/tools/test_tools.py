@@ -6,7 +6,6 @@
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 import tomllib
 import xml.etree.ElementTree
@@ -15,7 +14,6 @@ import altrios
 import pytest
 import yaml
 
-REFERENCE = pathlib.Path(__file__).parents[3] / "data" / "reference"
 SPEED_MPS = 100 / 3.6
 GRAVITY_MPS2 = 9.80665
 
@@ -32,11 +30,9 @@ def exported(tmp_path_factory):
     """The files of a train that was learned, and the train as Rundown has it."""
     folder = tmp_path_factory.mktemp("exported")
     rundown = os.environ["RUNDOWN_COMMAND"]
-    (folder / "logs").mkdir()
-    for name in "abc":
-        shutil.copy(REFERENCE / "run01.csv", folder / "logs" / f"{name}.csv")
-    train = str(REFERENCE / "train.toml")
-    run(rundown, "replay", "--train", train, "--track", str(REFERENCE / "track.toml"), "logs", folder=folder)
+    run(rundown, "simulate", "--runs", "3", "--seed", "7", "--out", "set", folder=folder)
+    train = "set/train.toml"
+    run(rundown, "replay", "--train", train, "--track", "set/track.toml", "set/runs", folder=folder)
     arguments = ["--train", train, "--traction", "1500V", "--max-speed", "140"]
     run(rundown, "export", "--to", "sumo,sumo-table,osrd,trainruns,altrios", "out", *arguments, folder=folder)
     return folder / "learned"
