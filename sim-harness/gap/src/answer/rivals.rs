@@ -49,7 +49,7 @@ fn of_term(search: &Search<'_>, model: &[Term], index: usize, named: &str) -> Ve
         let worse = score - search.score(&with) - term.unnamed_penalty(search.context);
         Rival { name: term.of.name(), worse }
     };
-    let found = search.candidates(&others);
+    let found = search.in_place(&others);
     nearest(found.iter().map(|found| rival(&found.term)), named)
 }
 

@@ -20,6 +20,8 @@ pub struct Search<'a> {
     sensors: Vec<DVector<f64>>,
     /// What is looked among.
     pub families: Vec<Family>,
+    /// What these data cannot name, for want of an effort column: no term of a model, but it may be what one of them is taken for.
+    pub(super) unsearched: Vec<Family>,
     /// Of those families that are sections.
     pub scans: Vec<Scan>,
     /// Whitened columns of terms that were tried, by their text.
@@ -35,14 +37,18 @@ impl<'a> Search<'a> {
         let y = rows.iter().map(|row| row.residual_n_per_kg - by_winds);
         let y = whitening.whiten(&y.collect::<Vec<f64>>());
         let offer = Offer { context, rows, measured };
-        let families: Vec<Family> = candidates::searched().flat_map(|candidate| candidate.families(&offer)).collect();
+        let (of, others): (Vec<_>, Vec<_>) =
+            candidates::searched().partition(|candidate| !candidate.families(&offer).is_empty());
+        let families: Vec<Family> = of.into_iter().flat_map(|candidate| candidate.families(&offer)).collect();
+        let with_effort = Offer { measured: true, ..offer };
+        let unsearched = others.into_iter().flat_map(|candidate| candidate.families(&with_effort)).collect();
         let scan = |family: &Family| match family {
             Family::Section(term) => Some(Scan::new(term.clone(), context, rows, &whitening)),
             Family::Shapes(_) | Family::Linearised(_) | Family::Whole(_) | Family::Runs(_) => None,
         };
         let scans = families.iter().filter_map(scan).collect();
         let sensors = sensors(context, rows, &whitening);
-        Self { context, rows, whitening, y, sensors, families, scans, known: RefCell::default() }
+        Self { context, rows, whitening, y, sensors, families, unsearched, scans, known: RefCell::default() }
     }
 
     pub fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {

@@ -21,7 +21,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
         let mut others = model.to_vec();
         others.remove(index);
         let (same, rivals): (Vec<Found>, Vec<Found>) =
-            search.candidates(&others).into_iter().partition(|found| found.term.is_like(term));
+            search.in_place(&others).into_iter().partition(|found| found.term.is_like(term));
         // Runs that differ in the effect say so beside the noise of all rows.
         let differ = same.first().map_or(1.0, |found| found.gain.naive_gain / found.gain.gain.max(1e-9));
         let dispersion = dispersion.max(differ);
@@ -50,4 +50,56 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
         }
     };
     model.iter().enumerate().map(of_term).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::data::rows::Row;
+    use crate::noise::calibrate::Calibrated;
+    use crate::noise::whitening::Noise;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rundown::model::{direction::Direction, effects::EffectKind};
+
+    /// Kinds of the terms that are found in 30 runs that coast at 25 to 140 km/h, each with those of its rivals that are hardly worse, where the resistance is larger by a law of the speed, m/s.
+    fn found(law: impl Fn(f64) -> f64) -> Vec<(Option<EffectKind>, Vec<Option<EffectKind>>)> {
+        on_a_level_line(30, |context| {
+            let mut rng = ChaCha8Rng::seed_from_u64(5);
+            let row = |i: usize| {
+                let speed_mps: f64 = rng.random_range(7.0..39.0);
+                let mut row = Row::coasting(Direction::Up, 900.0 * (i % 60) as f64, speed_mps);
+                row.interval.run = i / 60;
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.residual_n_per_kg = law(speed_mps) + 0.002 * noise;
+                row
+            };
+            let rows: Vec<Row> = (0..30 * 60).map(row).collect();
+            let noise = Noise { acceleration_mps2: 0.002, ..Noise::default() };
+            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let search = Search::new(context, &rows, &calibrated, false);
+            let kind = |term: &Term| term.of.facts().kind;
+            let near = |of: &Fitted| -> Vec<Option<EffectKind>> {
+                let near = of.rivals.iter().filter(|(_, worse)| *worse < context.config.certainty.near * of.dispersion);
+                near.map(|(term, _)| kind(term)).collect()
+            };
+            fitted(&search, &search.select()).iter().map(|of| (kind(&of.term), near(of))).collect()
+        })
+    }
+
+    #[test]
+    fn what_a_train_that_starts_hard_leaves_in_slow_coasts_is_shared_with_it_without_an_effort_column() {
+        let starting = Some(EffectKind::StartingResistance);
+        let found_of_starting = found(|speed_mps| 0.12 * (-3.6 * speed_mps / 18.0).exp());
+        assert!(!found_of_starting.is_empty());
+        for (kind, rivals) in &found_of_starting {
+            assert!(*kind != starting && rivals.contains(&starting), "{found_of_starting:?}");
+        }
+        // What acts at high speed is none.
+        let found_of_drag = found(|speed_mps| 5e-6 * speed_mps * speed_mps);
+        assert!(!found_of_drag.is_empty());
+        assert!(found_of_drag.iter().all(|(_, rivals)| !rivals.contains(&starting)), "{found_of_drag:?}");
+    }
 }

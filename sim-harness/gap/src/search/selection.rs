@@ -39,6 +39,16 @@ impl Search<'_> {
         found
     }
 
+    /// All that would explain what a term does, best first: the candidates beside the other terms, and what these data cannot name.
+    pub fn in_place(&self, others: &[Term]) -> Vec<Found> {
+        let mut found = self.candidates(others);
+        if let Some(base) = self.base(others) {
+            found.extend(self.unsearched.iter().filter_map(|family| self.best_of(family, &base, others)));
+        }
+        found.sort_by(|a, b| b.value.total_cmp(&a.value));
+        found
+    }
+
     fn best_of(&self, family: &Family, base: &Base, model: &[Term]) -> Option<Found> {
         let terms = match family {
             Family::Whole(terms) => return self.best_whole(terms, base),
