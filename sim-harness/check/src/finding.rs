@@ -191,7 +191,7 @@ impl Finding {
     /// The figure with its 95 % interval, where it has one, and its unit.
     pub fn how_much(&self) -> String {
         let Self { figure, unit, .. } = self;
-        let decimals = decimals(figure);
+        let decimals = if *unit == "rows" { 0 } else { decimals(figure) };
         let mut text = format!("{:.decimals$}", figure.value);
         if figure.sd > 0.0 {
             let [low, high] = figure.interval();
