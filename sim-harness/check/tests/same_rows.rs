@@ -33,6 +33,7 @@ fn the_same_rows_are_counted_once_under_any_name_and_by_any_clock() {
             let copy = &found.runs[3];
             let text = copy.said(copy.refusal().unwrap());
             assert!(text.contains("run01") && copy.refusal().unwrap().done == Done::Refused, "{text}");
+            assert!(text.contains(" rows;") && !text.contains('.'), "rows are whole: {text}");
         }
         let (_, found) = again(seed, |copy| copy.rows.iter_mut().for_each(|row| row.line += 7));
         assert_eq!(refused(&found), [("copy", Kind::SameRows)]);
