@@ -7,10 +7,9 @@
 //! A wheel, truncation and an old speed are in the model beside it, so that a ramp is no staircase. The steps lie at `phase + k period` of the recorder's clock: the
 //! period is one of the recorder, the phase one of each run. Single steps may drown in the noise of the location; some dozens at even intervals do not.
 
-use crate::agreement::{Differences, Figure, Fit, PAIR_S, best_fit, spread, whitened};
+use crate::agreement::{Compared, Differences, Figure, PAIR_S, spread};
 use crate::finding::{Done, Finding, Kind};
 use crate::{RunCheck, parts, places};
-use nalgebra::{Matrix3, Vector3};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -45,24 +44,8 @@ impl Comb {
     }
 }
 
-/// A run as the comb sees it: its differences, and what the other causes leave of them.
-struct Compared {
-    differences: Differences,
-    fit: Fit,
-    inverse: Matrix3<f64>,
-}
-
+/// A run as the comb sees it.
 impl Compared {
-    fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
-        Self::fitted(differences(rows, step_s))
-    }
-
-    fn fitted(differences: Differences) -> Option<Self> {
-        let fit = best_fit(&differences)?;
-        let inverse = (fit.information * fit.variance).try_inverse()?;
-        Some(Self { differences, fit, inverse })
-    }
-
     fn duration_s(&self) -> f64 {
         let ends = &self.differences.end_s;
         ends.last().zip(ends.first()).map_or(0.0, |(last, first)| last - first)
@@ -78,18 +61,7 @@ impl Compared {
     /// What the data say of the height of the steps, s, and the nats by which steps of that height beat none; the noise as without them. Beside a good odometer each step
     /// is an outlier, and drawn in: the height is right where the second is taken off already.
     fn height_s(&self, comb: Comb) -> (Figure, f64) {
-        let fit = &self.fit;
-        let column = whitened(&self.differences, fit.ratio, &self.steps_m(comb), &mut Vec::new());
-        let dot = |a: &[f64]| a.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>();
-        let cross = Vector3::from_fn(|i, _| dot(&fit.columns[i]));
-        // What a wheel, an offset and an old speed leave of the staircase.
-        let left = dot(&column) - cross.dot(&(self.inverse * cross));
-        if left <= 1e-9 {
-            return (Figure { value: 0.0, sd: f64::INFINITY }, 0.0);
-        }
-        let score = dot(&fit.residuals);
-        let height_s = Figure { value: score / left, sd: (fit.variance / left).sqrt() };
-        (height_s, 0.5 * score * score.max(0.0) / (left * fit.variance))
+        self.beside(&self.steps_m(comb)).unwrap_or((Figure { value: 0.0, sd: f64::INFINITY }, 0.0))
     }
 
     /// Puts the times of a run right, and says so.
@@ -138,15 +110,6 @@ impl Compared {
         let tried = (0..phases).map(at).map(|comb| (comb, self.height_s(comb).1));
         tried.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((at(0), 0.0))
     }
-
-    /// The same without the steps, its noise fitted again.
-    fn without(&self, comb: Comb) -> Option<Self> {
-        let mut differences = self.differences.clone();
-        for (value, step_m) in differences.y.iter_mut().zip(self.steps_m(comb)) {
-            *value -= step_m;
-        }
-        Self::fitted(differences)
-    }
 }
 
 /// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right. Out: was one found?
@@ -170,7 +133,7 @@ pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &
     }
     for (i, _) in longest {
         let (rows, run) = (&mut recordings[i].rows, &mut runs[i]);
-        if let Some(compared) = Compared::of(rows, run.step_s) {
+        if let Some(compared) = Compared::fitted(differences(rows, run.step_s)) {
             run.findings.push(compared.finding(period_s, rows, run.step_s));
         }
     }
@@ -227,7 +190,7 @@ fn is_confirmed(asked: &[Compared], period_s: f64) -> bool {
     let (mut gain, mut score, mut information) = (0.0, 0.0, 0.0);
     for run in asked {
         let comb = run.comb(period_s).map_or_else(|| run.phase(period_s, phases(period_s)).0, |(comb, _)| comb);
-        let Some(without) = run.without(comb) else {
+        let Some(without) = run.without(&run.steps_m(comb)) else {
             return false;
         };
         gain += without.fit.log_likelihood - run.fit.log_likelihood - choices.ln();

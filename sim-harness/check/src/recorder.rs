@@ -2,10 +2,13 @@
 
 use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
 use crate::finding::{Done, Finding, Kind};
-use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE};
-use crate::{agreement_of, dead_zone, effort, held, limits, lost_seconds, own, put_right, steps, with_evidence};
+use crate::own::Grown;
+use crate::{Correction, Known, LEAST_SCALE, OfSpeed, RecorderCheck, RunCheck, SURE};
+use crate::{dead_zone, effort, held, limits, lost_seconds, own, put_right, steps, wheel_change, with_evidence};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// A smaller skew is not named, s.
@@ -48,7 +51,7 @@ pub(crate) fn of(
     unit: String,
     recordings: &mut [Recording],
     runs: &mut [RunCheck],
-    agreements: &[Option<Agreement>],
+    of_speeds: &[Option<OfSpeed>],
     known: &Known,
 ) -> RecorderCheck {
     let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
@@ -57,15 +60,15 @@ pub(crate) fn of(
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
-    let rounded = |i: usize| {
-        let held_mps = steps::held_mps(&recordings[i].rows, step_kmh);
-        let mut agreement = agreements[i]?;
+    let mut judged = |i: &usize| {
+        let mut of_speed = of_speeds[*i]?;
         if moved {
-            agreement = agreement_of(&recordings[i].rows, runs[i].step_s)?;
+            of_speed = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s)?;
         }
-        Some(agreement.with_rounding(steps::rounding_mps(step_kmh), held_mps, runs[i].step_s))
+        of_one(of_speed, &recordings[*i].rows, &mut runs[*i], step_kmh, known)
     };
-    let agreements: Vec<Option<Agreement>> = of_unit.iter().map(|i| rounded(*i)).collect();
+    let (mut agreements, mut grown): (Vec<Option<Agreement>>, Vec<Grown>) =
+        of_unit.iter().map(|i| judged(i).map_or((None, Grown::NOT), |(one, grown)| (Some(one), grown))).unzip();
     let compared: Vec<Agreement> = agreements.iter().flatten().copied().collect();
     let mut recorder = RecorderCheck {
         unit,
@@ -86,20 +89,49 @@ pub(crate) fn of(
     let usable: Vec<usize> = of_unit.iter().copied().filter(|i| is_usable(&runs[*i])).collect();
     recorder.dead_zone(recordings, &usable);
     recorder.held_speeds(recordings, &usable);
-    let Some(all) = pooled(&compared) else {
+    let Some(mut all) = pooled(&compared) else {
         return recorder;
     };
+    if let Some((after, ratio)) = recorder.changes(&agreements, &of_unit, recordings, known, &all) {
+        for at in after {
+            agreements[at] = agreements[at].map(|agreement| agreement.rescaled(ratio));
+            grown[at].all = ratio;
+        }
+        all = pooled(&agreements.iter().flatten().copied().collect::<Vec<_>>()).unwrap_or(all);
+    }
     let values = recorder.decide(&all, known);
-    for (i, agreement) in of_unit.iter().zip(&agreements) {
+    let of_runs = || of_unit.iter().copied().zip(agreements.iter().zip(&grown));
+    for (i, (agreement, grown)) in of_runs() {
         if let Some(agreement) = agreement {
-            own::judged(&mut runs[*i], agreement, &values);
+            own::judged(&mut runs[i], (agreement, grown.all), &values);
         }
     }
     recorder.skews(runs, known);
-    for (i, agreement) in of_unit.into_iter().zip(&agreements) {
-        own::of(&recorder, &mut runs[i], agreement.as_ref(), known).put_right(&mut recordings[i].rows);
+    for (i, (agreement, grown)) in of_runs() {
+        let own = own::of(&recorder, &mut runs[i], (agreement.as_ref(), *grown), known);
+        own.put_right(&mut recordings[i].rows);
     }
     recorder
+}
+
+/// What a run says with the rounding of its speeds, brought to its first scale where its wheel changes.
+fn of_one(
+    mut of_speed: OfSpeed,
+    rows: &[Sample],
+    run: &mut RunCheck,
+    step_kmh: f64,
+    known: &Known,
+) -> Option<(Agreement, Grown)> {
+    let held_mps = steps::held_mps(rows, step_kmh);
+    let mut grown = Grown::NOT;
+    if let Some(change) = of_speed.change.and_then(|change| change.sure(rows, step_kmh)) {
+        run.changes(&change, rows, put_right(!known.scale));
+        grown.after = Some((change.time_s, change.ratio.value));
+        let mut undone = rows.to_vec();
+        change.undo(&mut undone);
+        of_speed = OfSpeed::of(&undone, run.step_s)?;
+    }
+    Some((of_speed.agreement.with_rounding(steps::rounding_mps(step_kmh), held_mps, run.step_s), grown))
 }
 
 impl RecorderCheck {
@@ -116,6 +148,46 @@ impl RecorderCheck {
             (_, true) => self.speed_step_kmh.map(|step_kmh| 0.5 * step_kmh),
             _ => self.offset_kmh.map(|offset| offset.value),
         }
+    }
+
+    /// Asks whether the wheel changes from one run on, in the order of their days. Out: the places of the runs after it, and their scale over that before.
+    fn changes(
+        &mut self,
+        agreements: &[Option<Agreement>],
+        of_unit: &[usize],
+        recordings: &[Recording],
+        known: &Known,
+        all: &Pooled,
+    ) -> Option<(Vec<usize>, f64)> {
+        let mut order: Vec<usize> = (0..of_unit.len()).filter(|at| agreements[*at].is_some()).collect();
+        let day = |at: usize| recordings[of_unit[at]].day;
+        if order.iter().all(|at| day(*at).is_some()) {
+            order.sort_by(|a, b| day(*a).partial_cmp(&day(*b)).unwrap_or(Ordering::Equal));
+        }
+        let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
+        let offset_mps = match shown(self.speed_step_kmh, all.offset_kmh()) {
+            Shown::Rounded => 0.0,
+            Shown::Truncated => 0.5 * step_kmh / 3.6,
+            Shown::Exact | Shown::NotKnown => all.values[1],
+        };
+        let scale = |at: &usize| Some(pooled(&[agreements[*at]?])?.scale_at(offset_mps));
+        let scales: Vec<Figure> = order.iter().filter_map(scale).collect();
+        let found = wheel_change::between(&scales)?;
+        let after = order.split_off(found.from);
+        self.findings.push(Finding {
+            kind: Kind::WheelChange,
+            figure: found.ratio(),
+            unit: "",
+            count: 1,
+            line: 0,
+            done: put_right(!known.scale),
+        });
+        let [first, since] = found.sides.map(|side| side.with_interval(4));
+        let named = &recordings[of_unit[after[0]]].name;
+        let (runs, before) = (after.len(), order.len());
+        let text = format!("from {named} on: {since} in {runs} runs, {first} in {before} before");
+        self.evidence.insert(Kind::WheelChange, text);
+        Some((after, found.ratio().value))
     }
 
     /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, with their covariance, as the skews are judged with.
