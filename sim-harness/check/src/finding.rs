@@ -64,6 +64,8 @@ pub enum Kind {
     AboveBrake,
     /// The measured effort has nothing to do with the train's acceleration.
     EffortApart,
+    /// The measured effort is older than the speed.
+    EffortLate,
     /// The speed reads zero below a threshold.
     DeadZone,
     /// The speed repeats the last value in some rows, and catches up after them.
@@ -148,6 +150,7 @@ impl Kind {
             Self::AboveTraction => "measured efforts are above the described tractive effort",
             Self::AboveBrake => "measured efforts are beyond the described brake",
             Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
+            Self::EffortLate => "measured efforts are older than the speed",
             Self::OutOfOrder => "rows are out of order",
             Self::CoarseClock => "rows have the time of the row before, and other readings",
             Self::SharedRows => "the log shares rows with another one",

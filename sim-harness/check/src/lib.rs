@@ -15,6 +15,7 @@
 //! | does the wheel change? | `wheel_change` |
 //! | does the speed read zero below a threshold? | [`dead_zone`] |
 //! | does the speed repeat old values? | [`held`] |
+//! | is the effort older than the speed? | `effort_age` |
 //! | do trains exceed what is described of them? | [`limits`] |
 //! | is a log another one again, whole or in part? | [`same`] |
 //! | do all runs count their locations from the same place? | [`chainage`] |
@@ -53,6 +54,7 @@ pub mod chainage;
 pub mod clock;
 pub mod dead_zone;
 pub mod effort;
+mod effort_age;
 pub mod finding;
 pub mod gradients;
 pub mod held;
@@ -221,7 +223,9 @@ impl Check {
             Done::PutRight | Done::LeftOut => true,
             Done::Refused => false,
             Done::Said => {
-                use Kind::{AboveBrake, AboveSpeedLimit, AboveTraction, CoarseClock, EffortApart, MissingReadings};
+                use Kind::{
+                    AboveBrake, AboveSpeedLimit, AboveTraction, CoarseClock, EffortApart, EffortLate, MissingReadings,
+                };
                 use Kind::{OtherChainage, Reset, SharedRows, Skew, SpeedOffset, TurnedChainage, WheelChange};
                 matches!(
                     finding.kind,
@@ -230,6 +234,7 @@ impl Check {
                         | AboveTraction
                         | CoarseClock
                         | EffortApart
+                        | EffortLate
                         | MissingReadings
                         | OtherChainage
                         | Reset
@@ -386,6 +391,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let of_unit = |unit| {
         let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
         recorder.exceeds(recordings, &runs, known);
+        recorder.effort_age(recordings, &runs, known);
         recorder
     };
     let recorders = units.into_iter().map(of_unit).collect();

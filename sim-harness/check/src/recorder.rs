@@ -4,7 +4,9 @@ use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
 use crate::finding::{Done, Finding, Kind};
 use crate::own::Grown;
 use crate::{Correction, Known, LEAST_SCALE, OfSpeed, RecorderCheck, RunCheck, SURE};
-use crate::{dead_zone, effort, held, limits, lost_seconds, own, put_right, steps, wheel_change, with_evidence};
+use crate::{
+    dead_zone, effort, effort_age, held, limits, lost_seconds, own, put_right, steps, wheel_change, with_evidence,
+};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -13,6 +15,12 @@ use std::collections::BTreeMap;
 
 /// A smaller skew is not named, s.
 const LEAST_SKEW_S: f64 = 0.3;
+/// A younger effort is what the estimator learns of its column, s ...
+const LEAST_AGE_S: f64 = 1.5;
+/// ... and with rows farther apart it cannot be moved, s.
+const MOVED_STEP_S: f64 = 2.0;
+/// Runs that the age of the effort is asked of.
+const AGED: usize = 12;
 /// Share of the step by which the offset of a truncating recorder may miss the half of it.
 const NEAR_HALF: f64 = 0.12;
 /// One of two offsets is decided where it is nearer than this share of the distance to the other.
@@ -276,6 +284,42 @@ impl RecorderCheck {
         if let Some(effort::Apart { correlation, evidence, .. }) = effort::apart(own.into_iter()) {
             self.found(Kind::EffortApart, correlation, "", Done::Said);
             self.evidence.insert(Kind::EffortApart, evidence);
+        }
+    }
+
+    /// Says that the effort is older than the speed, and brings it to its age where the rows are near enough in time. Where they are not, an effort that is late
+    /// by more than half a row is not what a later tick makes of it, and left out.
+    pub(crate) fn effort_age(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+        let has_effort = |rows: &[Sample]| rows.iter().any(|row| row.effort_n_per_kg.is_some());
+        let is_own = |i: &usize| runs[*i].unit == self.unit && runs[*i].refusal().is_none();
+        let own: Vec<usize> = (0..runs.len()).filter(is_own).filter(|i| has_effort(&recordings[*i].rows)).collect();
+        if own.is_empty() || self.findings.iter().any(|finding| finding.kind == Kind::EffortApart) {
+            return;
+        }
+        let asked = own.iter().take(AGED).map(|i| (recordings[*i].rows.as_slice(), runs[*i].step_s));
+        let Some(usual) = effort_age::usual(asked) else { return };
+        let age_s = usual.age_s;
+        if age_s.value.abs() < LEAST_AGE_S || age_s.away_from(0.0) < SURE {
+            return;
+        }
+        let step_s = own.iter().map(|i| runs[*i].step_s).fold(0.0, f64::max);
+        let (done, said) = match step_s {
+            _ if !known.moves_locations => (Done::Said, "asked for beside its gain".to_owned()),
+            ..=MOVED_STEP_S => (Done::PutRight, format!("it differs by {:.1} s from run to run", usual.spread_s)),
+            _ if age_s.value.abs() <= 0.5 * step_s => {
+                (Done::Said, format!("within half of the {step_s:.0} s of a row"))
+            }
+            _ => (Done::LeftOut, format!("the efforts; rows are {step_s:.0} s apart, too far to move them")),
+        };
+        self.found(Kind::EffortLate, age_s, "s", done);
+        self.evidence.insert(Kind::EffortLate, said);
+        for i in own {
+            let rows = &mut recordings[i].rows;
+            match done {
+                Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, &usual),
+                Done::LeftOut => rows.iter_mut().for_each(|row| row.effort_n_per_kg = None),
+                Done::Said | Done::Refused => (),
+            }
         }
     }
 
