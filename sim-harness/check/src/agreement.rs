@@ -277,6 +277,13 @@ impl Compared {
         Some((figure, 0.5 * score * score.max(0.0) / (left * fit.variance)))
     }
 
+    /// What scale, offset and skew leave of each difference, m.
+    pub(crate) fn left_m(&self) -> Vec<f64> {
+        let Differences { y, by_speed, dt, dv, .. } = &self.differences;
+        let beta = self.fit.beta;
+        (0..y.len()).map(|i| y[i] - beta[0] * by_speed[i] - beta[1] * dt[i] - beta[2] * dv[i]).collect()
+    }
+
     /// The same once so many metres are taken off each difference, its noise fitted again.
     pub(crate) fn without(&self, metres: &[f64]) -> Option<Self> {
         let mut differences = self.differences.clone();

@@ -129,6 +129,8 @@ pub struct RecorderCheck {
     pub skew_s: Option<Figure>,
     /// How much that differs from run to run, s.
     pub skew_spread_s: Option<f64>,
+    /// How surely it is known that its clock loses no seconds beside a wheel that hides them: of the height of such steps, standard deviation, s.
+    pub lost_second_sd_s: Option<f64>,
     /// What was put right in its speeds.
     pub correction: Correction,
     /// What was found.
@@ -262,6 +264,13 @@ impl Check {
             notes.push(format!("{more} more findings of single runs, all by `rundown check`"));
         }
         notes
+    }
+}
+
+impl RecorderCheck {
+    /// Scale and lost seconds cannot be told apart: the noise of the location hides steps of a second.
+    pub fn hides_lost_seconds(&self) -> bool {
+        self.lost_second_sd_s.is_some_and(|sd_s| sd_s > lost_seconds::NOT_SEEN_S)
     }
 }
 

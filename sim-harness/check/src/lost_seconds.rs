@@ -15,8 +15,14 @@ use rundown_files::sample::Sample;
 
 /// Periods that are looked for, s. A longer one does less than a wheel that matters.
 const PERIODS_S: [f64; 2] = [40.0, 800.0];
-/// Where the location is usually off by a smaller share of the distance, no clock is slow.
+/// Where the location is usually off by a smaller share of the distance, no clock is slow, unless a wheel hides it: then single steps stand out on one side, by so many
+/// standard deviations.
 const LEAST_EXCESS: f64 = 0.0008;
+const STANDS_OUT: f64 = 3.0;
+/// The same, share of the usual way in a second, is too much for that.
+const NOISY: f64 = 0.3;
+/// A period with which the height of the steps is asked where none is found, s.
+const USUAL_PERIOD_S: f64 = 106.0;
 /// Runs that the period is looked for in: the longest ones. So many more confirm it.
 const ASKED: usize = 3;
 const CONFIRM: usize = 3;
@@ -112,24 +118,37 @@ impl Compared {
     }
 }
 
-/// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right. Out: was one found?
-pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> bool {
+/// What came of the search.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sought {
+    /// Times were moved.
+    pub(crate) moved: bool,
+    /// How surely the height of steps at the usual intervals is known beside a wheel, standard deviation, s; none where nothing is compared.
+    pub(crate) step_sd_s: Option<f64>,
+}
+
+/// A step is known less surely than this, s: a clock that loses seconds beside a wheel that hides it is not seen.
+pub(crate) const NOT_SEEN_S: f64 = 1.0 / SURE;
+
+/// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right.
+pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> Sought {
     let usable = of_unit.iter().copied().filter(|i| runs[*i].refusal().is_none());
     let mut longest: Vec<(usize, f64)> = usable.map(|i| (i, length_m(&recordings[i].rows))).collect();
     longest.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let of = |(i, _): &(usize, f64)| differences(&recordings[*i].rows, runs[*i].step_s);
-    // Where speed and location agree, nothing is fitted.
     let asked: Vec<Differences> = longest.iter().take(ASKED).map(of).filter(Differences::are_enough).collect();
-    if excess(&asked).abs() < LEAST_EXCESS {
-        return false;
-    }
+    let is_ahead = excess(&asked).abs() > LEAST_EXCESS;
     let mut asked: Vec<Compared> = asked.into_iter().filter_map(Compared::fitted).collect();
+    let none = Sought { moved: false, step_sd_s: step_sd_s(&asked) };
+    if !is_ahead && !steps_stand_out(&asked) {
+        return none;
+    }
     let Some(period_s) = likely_period_s(&asked) else {
-        return false;
+        return none;
     };
     asked.extend(longest.iter().skip(ASKED).take(CONFIRM).map(of).filter_map(Compared::fitted));
     if !is_confirmed(&asked, period_s) {
-        return false;
+        return none;
     }
     for (i, _) in longest {
         let (rows, run) = (&mut recordings[i].rows, &mut runs[i]);
@@ -137,7 +156,33 @@ pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &
             run.findings.push(compared.finding(period_s, rows, run.step_s));
         }
     }
-    true
+    Sought { moved: true, ..none }
+}
+
+/// How surely the height of steps at the usual intervals is known, all these runs together, s.
+fn step_sd_s(asked: &[Compared]) -> Option<f64> {
+    let of = |run: &Compared| {
+        let (height_s, _) = run.height_s(Comb { period_s: USUAL_PERIOD_S, phase_s: 0.5 * USUAL_PERIOD_S });
+        height_s.sd.powi(-2) * run.independent()
+    };
+    let information: f64 = asked.iter().map(of).sum();
+    (information > 0.0).then(|| information.sqrt().recip())
+}
+
+/// More locations are ahead than behind by what noise does at times, beyond chance: so a wheel and lost seconds look that hide each other in the mean. Where noise hides
+/// single steps, only their even intervals show them.
+fn steps_stand_out(asked: &[Compared]) -> bool {
+    let [mut ahead, mut behind] = [0.0, 0.0];
+    let mut is_noisy = false;
+    for run in asked {
+        let left_m = run.left_m();
+        let sd_m = spread(&left_m);
+        ahead += left_m.iter().filter(|metres| **metres > STANDS_OUT * sd_m).count() as f64;
+        behind += left_m.iter().filter(|metres| **metres < -STANDS_OUT * sd_m).count() as f64;
+        let Differences { by_speed, dt, .. } = &run.differences;
+        is_noisy |= sd_m > NOISY * by_speed.iter().sum::<f64>() / dt.iter().sum::<f64>();
+    }
+    is_noisy || ahead - behind > STANDS_OUT * (ahead + behind + 1.0).sqrt()
 }
 
 /// How far the locations reach, m.

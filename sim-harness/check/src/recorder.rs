@@ -63,14 +63,14 @@ pub(crate) fn of(
     known: &Known,
 ) -> RecorderCheck {
     let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
-    let moved = lost_seconds::put_right(&of_unit, recordings, runs);
+    let sought = lost_seconds::put_right(&of_unit, recordings, runs);
     let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
     let mut judged = |i: &usize| {
         let mut of_speed = of_speeds[*i]?;
-        if moved {
+        if sought.moved {
             of_speed = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s)?;
         }
         of_one(of_speed, &recordings[*i].rows, &mut runs[*i], step_kmh, known)
@@ -89,6 +89,7 @@ pub(crate) fn of(
         offset_kmh: None,
         skew_s: None,
         skew_spread_s: None,
+        lost_second_sd_s: sought.step_sd_s,
         correction: Correction::NONE,
         findings: Vec::new(),
         evidence: BTreeMap::new(),
@@ -231,6 +232,10 @@ impl RecorderCheck {
         self.is_wheel = matters && !odd;
         if matters {
             self.found(Kind::SpeedScale, scale, "", put_right(!known.scale && self.is_wheel));
+            if let Some(sd_s) = self.lost_second_sd_s.filter(|_| self.hides_lost_seconds()) {
+                let text = format!("seconds that the clock loses may be a part of it: a step is known to {sd_s:.2} s");
+                self.evidence.insert(Kind::SpeedScale, text);
+            }
         }
         self.correction = Correction {
             offset_mps: if known.truncates { 0.0 } else { offset_mps },

@@ -21,6 +21,14 @@ pub(super) fn spoilt(defect: Defect, recordings: &mut Vec<Recording>, random: &m
             recordings.push(copy);
             rows
         }
+        Defect::WheelOnTheWay => {
+            let rows = &mut recordings[1].rows;
+            let from = random.random_range(rows.len() / 3..2 * rows.len() / 3);
+            turned_wheel(&mut rows[from..])
+        }
+        Defect::WheelTurned => {
+            recordings[2..].iter_mut().map(|recording| turned_wheel(&mut recording.rows)).fold(1.0, f64::min)
+        }
         Defect::DeadZone => below(recordings, 12.0),
         Defect::SmallDeadZone => below(recordings, 5.0),
         Defect::Held | Defect::HeldPieces => {
@@ -44,6 +52,14 @@ fn hold(defect: Defect, rows: &mut [Sample], random: &mut ChaCha8Rng) {
             left -= 1;
         }
     }
+}
+
+/// Whole km/h by a wheel that reads 1 % less. Out: by how much.
+fn turned_wheel(rows: &mut [Sample]) -> f64 {
+    for row in rows {
+        row.speed_mps = row.speed_mps.map(|mps| (0.99 * 3.6 * mps).round() / 3.6);
+    }
+    0.99
 }
 
 /// Rows of a place where the train runs fast for a while.
