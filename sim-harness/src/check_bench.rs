@@ -21,7 +21,7 @@ use rundown_truth::scenario::DriveError;
 use rundown_truth::sensors::{LocationWalk, Sensors, SpeedReading};
 use serde::Serialize;
 use sets::{RUNS, SERVICES, on_stations, simulated};
-use spoil::spoilt;
+use spoil::{spoilt, turn};
 
 /// A defect that is injected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +98,9 @@ pub enum Clean {
     /// Satellites, on four lines whose runs stop at the same stations.
     Stations,
 }
+
+/// What turning leaves of a wheel.
+const TURNED: f64 = 0.99;
 
 impl Defect {
     /// All of them.
@@ -381,7 +384,12 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         Defect::TurnedChainage => on_stations(&SERVICES[1..], &sensors, seed)?,
         _ => simulated(&sensors, seed, &lags_s)?,
     };
-    let truth = spoilt(defect, &mut recordings, &mut random);
+    let mut truth = spoilt(defect, &mut recordings, &mut random);
+    if matches!(defect, Defect::WheelOnTheWay | Defect::WheelTurned) {
+        truth = TURNED;
+        let turned = simulated(&Sensors { speed_gain: TURNED, ..sensors }, seed, &[])?;
+        turn(defect, &mut recordings, &turned, &mut random);
+    }
     let check = check(&mut recordings);
     let found: Vec<&Finding> = all(&check).filter(|finding| finding.kind == defect.kind()).collect();
     let accused = all(&check).map(|finding| finding.kind).filter(|kind| !defect.belongs(*kind)).collect();

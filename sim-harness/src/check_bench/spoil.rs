@@ -21,14 +21,6 @@ pub(super) fn spoilt(defect: Defect, recordings: &mut Vec<Recording>, random: &m
             recordings.push(copy);
             rows
         }
-        Defect::WheelOnTheWay => {
-            let rows = &mut recordings[1].rows;
-            let from = random.random_range(rows.len() / 3..2 * rows.len() / 3);
-            turned_wheel(&mut rows[from..])
-        }
-        Defect::WheelTurned => {
-            recordings[2..].iter_mut().map(|recording| turned_wheel(&mut recording.rows)).fold(1.0, f64::min)
-        }
         Defect::DeadZone => below(recordings, 12.0),
         Defect::SmallDeadZone => below(recordings, 5.0),
         Defect::Held | Defect::HeldPieces => {
@@ -54,12 +46,18 @@ fn hold(defect: Defect, rows: &mut [Sample], random: &mut ChaCha8Rng) {
     }
 }
 
-/// Whole km/h by a wheel that reads 1 % less. Out: by how much.
-fn turned_wheel(rows: &mut [Sample]) -> f64 {
-    for row in rows {
-        row.speed_mps = row.speed_mps.map(|mps| (0.99 * 3.6 * mps).round() / 3.6);
+/// From a place of one run on, or from a run on, the readings of another wheel, `turned`.
+pub(super) fn turn(defect: Defect, recordings: &mut [Recording], turned: &[Recording], random: &mut ChaCha8Rng) {
+    if defect == Defect::WheelTurned {
+        recordings[2..]
+            .iter_mut()
+            .zip(&turned[2..])
+            .for_each(|(recording, turned)| recording.rows.clone_from(&turned.rows));
+    } else {
+        let rows = &mut recordings[1].rows;
+        let from = random.random_range(rows.len() / 3..2 * rows.len() / 3);
+        rows[from..].copy_from_slice(&turned[1].rows[from..]);
     }
-    0.99
 }
 
 /// Rows of a place where the train runs fast for a while.
