@@ -202,6 +202,8 @@ impl Defect {
         let by_design = match self {
             Self::TruncatedWheel => kind == Kind::TruncatedSpeed,
             Self::HiddenSeconds => kind == Kind::SpeedScale,
+            // Beside a speed that is late the effort is early.
+            Self::Skew => kind == Kind::EffortLate,
             // A log that is not used is not looked at further; its turn is a gap.
             Self::TwoDirections => matches!(kind, Kind::Gaps | Kind::MissingStandstill),
             _ => false,

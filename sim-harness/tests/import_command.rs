@@ -319,7 +319,11 @@ fn positions_under_each_others_names_are_put_right_with_the_figure() {
     assert!(!said.contains("is taken for the latitude"), "{said}");
     for (east, why) in [(0.0, "once they are exchanged"), (130.0, "is no latitude")] {
         let (found, said) = placed("time [s],lon,lat,speed [km/h]", east);
-        assert!(said.contains("\"lat\" is taken for the longitude") && said.contains(why), "{said}");
+        assert!(said.contains("\"lon\" is taken for the latitude") && said.contains(why), "{said}");
+        assert!(
+            said.contains("over distance by speed is 1.00") || said.contains("over distance by speed is 0.99"),
+            "{said}"
+        );
         assert_eq!(found.len(), right.len());
         found.iter().zip(&right).for_each(|(a, b)| near(a[1], b[1], 2.0));
     }

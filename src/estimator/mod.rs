@@ -34,7 +34,6 @@ use crate::tick::plausibility::Judged;
 use crate::tick::published::{JUDGED_KMH, Published};
 use crate::tick::regime::Regime;
 use crate::tick::sensor::Rounding;
-use crate::tick::track_doubt::Place;
 use crate::tick::truncation;
 use core::borrow::{Borrow, BorrowMut};
 use rundown_wire::{Learned, errors};
@@ -312,9 +311,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         // That of a tick of 10 s.
         let noise_mps2 = self.config.learning.acceleration_noise_mps2;
         let speed_mps = estimate.belief.mean[SPEED];
-        let place = Place { at_m: estimate.belief.mean[LOCATION], length_m: self.track().length_m() };
-        let doubt = &self.config.track_doubt;
-        let noise = 10.0 * noise_mps2 * noise_mps2 + doubt.density(self.train.gravity_n_per_kg(), speed_mps, &place);
+        let noise =
+            10.0 * noise_mps2 * noise_mps2 + self.config.track_doubt.density(self.train.gravity_n_per_kg(), speed_mps);
         coast_ahead::predict(&self.config.coast, &line, &acting, noise, estimate)
     }
 

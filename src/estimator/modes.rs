@@ -25,7 +25,6 @@ use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Judged;
 use crate::tick::regime::{Evidence, Recogniser, Regime};
 use crate::tick::short_hops;
-use crate::tick::track_doubt::Place;
 
 /// Without a speed for longer than this the regime is unknown, s.
 const LOST_S: Real = 60.0;
@@ -277,8 +276,7 @@ fn evidence(
     let interval_s = to.time_s - from.time_s;
     let midway_mps = 0.5 * (from.speed_mps + to.speed_mps);
     let (max_effort_n_per_kg, _) = acting.limits_n_per_kg(line.train, to.location_m, midway_mps);
-    let place = Place { at_m: to.location_m, length_m: line.track.length_m() };
-    let of_track = config.track_doubt.mean_sd_n_per_kg(line.train.gravity_n_per_kg(), midway_mps, interval_s, &place);
+    let of_track = config.track_doubt.mean_sd_n_per_kg(line.train.gravity_n_per_kg(), midway_mps, interval_s);
     let of_train = resistance_sd(belief, midway_mps);
     Evidence {
         interval_s,
@@ -293,10 +291,9 @@ fn evidence(
 
 /// Of no effort.
 fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Tick {
-    let believed = &run.kinematics.belief().mean;
-    let place = Place { at_m: believed[LOCATION], length_m: line.track.length_m() };
+    let speed_mps = run.kinematics.belief().mean[SPEED];
     Tick {
-        track_density: config.track_doubt.density(line.train.gravity_n_per_kg(), believed[SPEED], &place),
+        track_density: config.track_doubt.density(line.train.gravity_n_per_kg(), speed_mps),
         time_s: judged.time_s,
         dt_s: judged.dt_s,
         location_m: judged.location_m.ok(),

@@ -43,13 +43,13 @@ pub(crate) struct Age {
 }
 
 /// The efforts of rows that follow each other without a gap.
-struct Stretch {
+struct EffortStretch {
     /// Time, s, effort, N/kg, and its integral, N s/kg.
     rows: Vec<[f64; 3]>,
     reading: Reading,
 }
 
-impl Stretch {
+impl EffortStretch {
     fn of(rows: &[&Sample], reading: Reading) -> Self {
         let mut known: Vec<[f64; 3]> = Vec::with_capacity(rows.len());
         for row in rows {
@@ -136,7 +136,7 @@ fn windows(stretches: &[Vec<&Sample>], most_s: f64) -> Vec<Window> {
 }
 
 /// Residuals of all windows for an age.
-fn residuals(windows: &[Window], efforts: &[Stretch], age_s: f64) -> Option<Vec<f64>> {
+fn residuals(windows: &[Window], efforts: &[EffortStretch], age_s: f64) -> Option<Vec<f64>> {
     let mut rows = Vec::with_capacity(windows.len());
     let (mut normal, mut score) = (Matrix4::zeros(), Vector4::zeros());
     for Window { stretch, ends_s: [from_s, to_s], speed_mps, acceleration_mps2 } in windows {
@@ -158,7 +158,7 @@ pub(crate) fn of_run(rows: &[Sample], step_s: f64, reading: Reading) -> Option<A
     if windows.len() < LEAST_WINDOWS {
         return None;
     }
-    let efforts: Vec<Stretch> = stretches.iter().map(|rows| Stretch::of(rows, reading)).collect();
+    let efforts: Vec<EffortStretch> = stretches.iter().map(|rows| EffortStretch::of(rows, reading)).collect();
     let squares = |age_s: f64| {
         let left = residuals(&windows, &efforts, age_s)?;
         Some(left.iter().map(|one| one * one).sum::<f64>())
@@ -236,7 +236,8 @@ fn pooled(ages: impl Iterator<Item = Figure> + Clone) -> (Figure, f64) {
 pub(crate) fn move_efforts(rows: &mut [Sample], step_s: f64, usual: &Usual) {
     let alone = of_run(rows, step_s, Reading::Mean);
     let age_s = alone.map_or(usual.as_means_s, |own| own.age_s.drawn(usual.as_means_s, usual.spread_s));
-    let efforts: Vec<Stretch> = stretches(rows, step_s).iter().map(|rows| Stretch::of(rows, Reading::Mean)).collect();
+    let efforts: Vec<EffortStretch> =
+        stretches(rows, step_s).iter().map(|rows| EffortStretch::of(rows, Reading::Mean)).collect();
     let within = |time_s: f64| {
         efforts.iter().find(|stretch| {
             let ends = stretch.rows.first().zip(stretch.rows.last());

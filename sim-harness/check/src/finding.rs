@@ -150,7 +150,7 @@ impl Kind {
             Self::AboveTraction => "measured efforts are above the described tractive effort",
             Self::AboveBrake => "measured efforts are beyond the described brake",
             Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
-            Self::EffortLate => "measured efforts are older than the speed",
+            Self::EffortLate => "measured efforts are older than the speed (below zero: the speed is)",
             Self::OutOfOrder => "rows are out of order",
             Self::CoarseClock => "rows have the time of the row before, and other readings",
             Self::SharedRows => "the log shares rows with another one",

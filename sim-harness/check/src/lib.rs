@@ -268,7 +268,7 @@ impl Check {
 }
 
 impl RecorderCheck {
-    /// Scale and lost seconds cannot be told apart: the noise of the location hides steps of a second.
+    /// Scale and lost seconds are not distinguishable: the noise of the location hides steps of a second.
     pub fn hides_lost_seconds(&self) -> bool {
         self.lost_second_sd_s.is_some_and(|sd_s| sd_s > lost_seconds::NOT_SEEN_S)
     }

@@ -1,4 +1,4 @@
-//! A wheel that changes: within a run, or from one run of a recorder on. Turning takes 1 % off its diameter; a new one, or a diameter that is entered anew, more.
+//! A wheel that changes: within a run, or from one run of a recorder on. Turning takes 1 % off its diameter; a new one, or another diameter that is entered, more.
 //!
 //! ```text
 //! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + d ∫ v_r dt after the change + (o/s) Δt + τ Δv_r + noise

@@ -113,7 +113,8 @@ fn intervals_hold_the_truth() {
     assert!(inside * 100 >= 88 * all, "{inside} of {all}");
 }
 
-/// Where nothing is left in the mean, single steps show it; in more noise their even intervals do, and where they drown it is said that wheel and lost seconds cannot be told apart.
+/// Where nothing is left in the mean, single steps show it; in more noise their even intervals do, and where they drown it is said that
+/// wheel and lost seconds are not distinguishable.
 #[test]
 fn lost_seconds_that_a_wheel_hides_in_full_are_found_or_said_to_be_hidden() {
     let odometer = Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() };

@@ -11,8 +11,6 @@ use std::{fmt::Display, path::Path};
 
 /// Standard deviation of the gradients of a line of which none is known, permille: that of main lines through hills.
 const UNDESCRIBED_SD_PERMILLE: f64 = 5.0;
-/// The same of the first and last kilometre of a described line, permille: platforms and sidings are level where the line is not, and seldom described.
-const ENDS_SD_PERMILLE: f64 = 1.0;
 /// Beyond, nothing would be said of a gradient, permille.
 pub const MOST_SD_PERMILLE: f64 = 100.0;
 /// Trams turn no sharper, m.
@@ -30,9 +28,6 @@ pub struct TrackFile {
     /// How far a gradient may be off, standard deviation, permille; see [`TrackFile::gradient_sd_permille`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient_sd_permille: Option<f64>,
-    /// The same of the first and last kilometre beside that, permille; see [`TrackFile::ends_sd_permille`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ends_sd_permille: Option<f64>,
     /// Piecewise constant until the next entry.
     #[serde(default)]
     pub gradient: Vec<Gradient>,
@@ -130,24 +125,6 @@ impl TrackFile {
         self.gradient_sd_permille.unwrap_or(unsaid)
     }
 
-    /// How far the gradients of the first and last kilometre may be off beside that: as the file says; else by 1 permille where gradients are described and nothing is said
-    /// of their doubt.
-    ///
-    /// ```
-    /// use rundown_files::track_file::TrackFile;
-    ///
-    /// let described = "[[gradient]]\nfrom_m = 0\npermille = 3\n";
-    /// let of = |doubt: &str| TrackFile::parse("t.toml".as_ref(), &format!("name = \"t\"\nlength_m = 9000\n{doubt}{described}"));
-    /// assert_eq!(of("")?.0.ends_sd_permille(), 1.0);
-    /// assert_eq!(of("gradient_sd_permille = 0\n")?.0.ends_sd_permille(), 0.0);
-    /// assert_eq!(of("ends_sd_permille = 2\n")?.0.ends_sd_permille(), 2.0);
-    /// # Ok::<(), rundown_files::refusal::ReadError>(())
-    /// ```
-    pub fn ends_sd_permille(&self) -> f64 {
-        let is_silent = self.gradient_sd_permille.is_none() && !self.gradient.is_empty();
-        self.ends_sd_permille.unwrap_or(if is_silent { ENDS_SD_PERMILLE } else { 0.0 })
-    }
-
     /// Which entries begin beyond the line, where nothing of them acts; none where none do.
     pub fn beyond_the_line(&self) -> Option<String> {
         let off = |at_m: f64| usize::from(!(-1.0..=self.length_m + 1.0).contains(&at_m));
@@ -168,10 +145,6 @@ impl TrackFile {
         let doubt = &mut config.track_doubt.gradient_sd_permille;
         if *doubt == 0.0 {
             *doubt = self.gradient_sd_permille();
-        }
-        let ends = &mut config.track_doubt.ends_sd_permille;
-        if *ends == 0.0 {
-            *ends = self.ends_sd_permille();
         }
         config
     }
@@ -211,12 +184,9 @@ impl TrackFile {
 fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), ReadError> {
     let values = &file.values;
     let entry = |table, index| Entry { file: &file, table, index };
-    for (key, sd) in
-        [("gradient_sd_permille", values.gradient_sd_permille), ("ends_sd_permille", values.ends_sd_permille)]
-    {
-        if let Some(sd) = sd.filter(|sd| !(0.0..=MOST_SD_PERMILLE).contains(sd)) {
-            return Err(file.refuse_dotted(key, format!("expected 0 to {MOST_SD_PERMILLE}, found {sd}")));
-        }
+    if let Some(sd) = values.gradient_sd_permille.filter(|sd| !(0.0..=MOST_SD_PERMILLE).contains(sd)) {
+        let expected = format!("expected 0 to {MOST_SD_PERMILLE}, found {sd}");
+        return Err(file.refuse_dotted("gradient_sd_permille", expected));
     }
     sorted(&file, "curve", "from_m", &values.curve, |c| c.from_m, false)?;
     sorted(&file, "tunnel", "from_m", &values.tunnel, |t| t.from_m, false)?;

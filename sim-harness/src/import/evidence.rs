@@ -192,7 +192,7 @@ impl SeenRows {
     ///
     /// # Errors
     /// The mapping names them so.
-    pub fn exchanged(&self, columns: &mut Columns) -> Result<Option<String>, String> {
+    pub fn exchanged(&mut self, columns: &mut Columns) -> Result<Option<String>, String> {
         let of = |meaning: Meaning| columns.of.get(&meaning).filter(|column| column.unit.is_some_and(Unit::is_degrees));
         let Some((latitude, longitude)) = of(Meaning::Latitude).zip(of(Meaning::Longitude)) else { return Ok(None) };
         let fixes = || self.rows.iter().filter_map(|row| row.numbers[3].zip(row.numbers[4]));
@@ -217,6 +217,7 @@ impl SeenRows {
         let [latitude, longitude] = [longitude.clone(), latitude.clone()];
         columns.of.insert(Meaning::Latitude, latitude);
         columns.of.insert(Meaning::Longitude, longitude);
+        self.rows.iter_mut().for_each(|row| row.numbers.swap(3, 4));
         Ok(Some(format!("column {second:?} is taken for the latitude and {first:?} for the longitude: {why}")))
     }
 

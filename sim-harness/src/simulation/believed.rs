@@ -22,8 +22,6 @@ pub fn corridor(line: &Line, name: String) -> TrackFile {
         length_m: line.length_m(),
         // A line that is simulated flat is described as flat.
         gradient_sd_permille: line.gradients_permille().is_empty().then_some(0.0),
-        // And the gradients of its ends are those that are simulated.
-        ends_sd_permille: (!line.gradients_permille().is_empty()).then_some(0.0),
         gradient: line.gradients_permille().iter().map(|&(from_m, permille)| Gradient { from_m, permille }).collect(),
         curve: line
             .curves()
