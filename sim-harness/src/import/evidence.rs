@@ -192,7 +192,7 @@ impl SeenRows {
     ///
     /// # Errors
     /// The mapping names them so.
-    pub fn exchanged(&mut self, columns: &mut Columns) -> Result<Option<String>, String> {
+    pub fn exchanged(&mut self, columns: &mut Columns, mapping: &SourceMapping) -> Result<Option<String>, String> {
         let of = |meaning: Meaning| columns.of.get(&meaning).filter(|column| column.unit.is_some_and(Unit::is_degrees));
         let Some((latitude, longitude)) = of(Meaning::Latitude).zip(of(Meaning::Longitude)) else { return Ok(None) };
         let fixes = || self.rows.iter().filter_map(|row| row.numbers[3].zip(row.numbers[4]));
@@ -209,7 +209,7 @@ impl SeenRows {
             },
         };
         let [first, second] = [&latitude.header, &longitude.header].map(Clone::clone);
-        if latitude.how == How::Mapping || longitude.how == How::Mapping {
+        if [Meaning::Latitude, Meaning::Longitude].iter().any(|meaning| mapping.columns.contains_key(meaning)) {
             let said = [(Meaning::Latitude, second.as_str()), (Meaning::Longitude, first.as_str())];
             let said = said.map(|(meaning, header)| (meaning, header, String::new()));
             return Err(format!("latitude and longitude are exchanged: {why}; {SAY_IT}: {}", line(said)));
