@@ -21,7 +21,7 @@ use rundown_truth::scenario::DriveError;
 use rundown_truth::sensors::{LocationWalk, Sensors, SpeedReading};
 use serde::Serialize;
 use sets::{RUNS, SERVICES, on_stations, simulated};
-use spoil::spoilt;
+use spoil::{spoilt, turn};
 
 /// A defect that is injected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +74,14 @@ pub enum Defect {
     Held,
     /// 3 % of the speeds are held, in pieces of 2 to 6 rows.
     HeldPieces,
+    /// The wheel of one run reads 1 % less from the middle third on.
+    WheelOnTheWay,
+    /// The wheels are turned before the third of four runs: 1 % less.
+    WheelTurned,
+    /// A clock that loses a second every 106 s, beside a wheel that hides it in the mean.
+    HiddenSeconds,
+    /// Efforts 5 s older than the speed.
+    LateEffort,
 }
 
 /// A clean recorder.
@@ -91,9 +99,12 @@ pub enum Clean {
     Stations,
 }
 
+/// What turning leaves of a wheel.
+const TURNED: f64 = 0.99;
+
 impl Defect {
     /// All of them.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 28] = [
         Self::Truncated,
         Self::Wheel,
         Self::TruncatedWheel,
@@ -118,6 +129,10 @@ impl Defect {
         Self::SmallDeadZone,
         Self::Held,
         Self::HeldPieces,
+        Self::WheelOnTheWay,
+        Self::WheelTurned,
+        Self::HiddenSeconds,
+        Self::LateEffort,
     ];
 
     /// In words, with the unit of its figure.
@@ -147,6 +162,10 @@ impl Defect {
             Self::SmallDeadZone => ("speeds read zero below 5 km/h", "km/h"),
             Self::Held => ("3 % of the speeds repeat the last", "% of rows"),
             Self::HeldPieces => ("3 % of the speeds held for 2 to 6 rows", "% of rows"),
+            Self::WheelOnTheWay => ("a wheel that reads 1 % less from a place of one run on", "ratio"),
+            Self::WheelTurned => ("wheels turned between runs, 1 %", "ratio"),
+            Self::HiddenSeconds => ("a second lost every 106 s that a wheel hides", "% of rows"),
+            Self::LateEffort => ("efforts 5 s late", "s"),
         }
     }
 
@@ -172,6 +191,9 @@ impl Defect {
             Self::TurnedChainage => Kind::TurnedChainage,
             Self::DeadZone | Self::SmallDeadZone => Kind::DeadZone,
             Self::Held | Self::HeldPieces => Kind::HeldSpeeds,
+            Self::WheelOnTheWay | Self::WheelTurned => Kind::WheelChange,
+            Self::HiddenSeconds => Kind::LostSeconds,
+            Self::LateEffort => Kind::EffortLate,
         }
     }
 
@@ -179,6 +201,9 @@ impl Defect {
     fn belongs(self, kind: Kind) -> bool {
         let by_design = match self {
             Self::TruncatedWheel => kind == Kind::TruncatedSpeed,
+            Self::HiddenSeconds => kind == Kind::SpeedScale,
+            // Beside a speed that is late the effort is early.
+            Self::Skew => kind == Kind::EffortLate,
             // A log that is not used is not looked at further; its turn is a gap.
             Self::TwoDirections => matches!(kind, Kind::Gaps | Kind::MissingStandstill),
             _ => false,
@@ -348,6 +373,8 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         Defect::LostSeconds => {
             sensors = Sensors { lost_second_every_s: 106.0, ..Clean::Odometer.sensors() };
         }
+        Defect::HiddenSeconds => (sensors.lost_second_every_s, sensors.speed_gain) = (106.0, 107.0 / 106.0),
+        Defect::LateEffort => sensors.effort_lag_s = 5.0,
         Defect::Midnight => sensors.day_clock_s = Some([85_800.0; 2]),
         Defect::NoStandstill => sensors.standing_rows = false,
         _ => {}
@@ -359,7 +386,12 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         Defect::TurnedChainage => on_stations(&SERVICES[1..], &sensors, seed)?,
         _ => simulated(&sensors, seed, &lags_s)?,
     };
-    let truth = spoilt(defect, &mut recordings, &mut random);
+    let mut truth = spoilt(defect, &mut recordings, &mut random);
+    if matches!(defect, Defect::WheelOnTheWay | Defect::WheelTurned) {
+        truth = TURNED;
+        let turned = simulated(&Sensors { speed_gain: TURNED, ..sensors }, seed, &[])?;
+        turn(defect, &mut recordings, &turned, &mut random);
+    }
     let check = check(&mut recordings);
     let found: Vec<&Finding> = all(&check).filter(|finding| finding.kind == defect.kind()).collect();
     let accused = all(&check).map(|finding| finding.kind).filter(|kind| !defect.belongs(*kind)).collect();
@@ -380,9 +412,10 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
             runs.filter_map(|(run, lag_s)| Some(KnownFigure { truth: *lag_s, found: run.skew_s? })).collect()
         }
         // Every run shows it, and its own figure is nothing that was chosen.
-        Defect::LostSeconds => {
+        Defect::LostSeconds | Defect::HiddenSeconds => {
             found.iter().map(|one| KnownFigure { truth: 100.0 / 106.0, found: one.figure }).collect()
         }
+        Defect::LateEffort => found.iter().map(|one| KnownFigure { truth: 5.0, found: one.figure }).collect(),
         Defect::Midnight => found.iter().map(|one| KnownFigure { truth: 86_400.0, found: one.figure }).collect(),
         Defect::NoStandstill => Vec::new(),
         _ => found.iter().take(1).map(|one| KnownFigure { truth, found: one.figure }).collect(),
@@ -480,7 +513,9 @@ mod tests {
         assert!(error(Defect::Truncated) < 0.05, "{text}");
         assert!(error(Defect::Wheel) < 0.1 && error(Defect::TruncatedWheel) < 0.1, "{text}");
         assert!(error(Defect::Skew) < 0.2, "{text}");
-        assert!(error(Defect::LostSeconds) < 0.15, "{text}");
+        assert!(error(Defect::LostSeconds) < 0.15 && error(Defect::HiddenSeconds) < 0.15, "{text}");
+        assert!(error(Defect::WheelOnTheWay) < 2e-3 && error(Defect::WheelTurned) < 2e-3, "{text}");
+        assert!(error(Defect::LateEffort) < 1.0, "{text}");
         let [all, hold] = bench.rows.iter().fold([0, 0], |[a, h], row| [a + row.intervals[0], h + row.intervals[1]]);
         assert!(100 * hold >= 80 * all, "{text}");
         for what in [Defect::Truncated, Defect::Wheel, Defect::TruncatedWheel] {

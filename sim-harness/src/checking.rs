@@ -180,6 +180,12 @@ pub const FIELDS: &[[&str; 4]] = &[
         "nothing was compared",
     ],
     ["recorders[].skew_spread_s", "s", "how much that differs from run to run", "nothing was compared"],
+    [
+        "recorders[].lost_second_sd_s",
+        "s",
+        "how surely it is known that no wheel hides lost seconds: standard deviation of the height of their steps",
+        "nothing was compared",
+    ],
     ["recorders[].correction.offset_mps", "m/s", "what is added to each speed above 0", ""],
     ["recorders[].correction.scale", "1", "by what the sum is divided", ""],
     ["recorders[].findings[].*", "", "what was found in all runs: as below", ""],
@@ -291,6 +297,11 @@ fn of_recorder(recorder: &RecorderCheck) -> String {
     line("speed older than location", recorder.skew_s, "s, median over runs", 2);
     if let Some(spread_s) = recorder.skew_spread_s {
         text += &format!("  {:<32} {spread_s:.2} s\n", "... differs from run to run by");
+    }
+    if let Some(sd_s) = recorder.lost_second_sd_s.filter(|_| recorder.hides_lost_seconds()) {
+        text += &format!(
+            "  the noise of the locations hides whether the clock loses seconds beside a wheel that makes up for them: a step is known to {sd_s:.2} s\n"
+        );
     }
     let said = |finding: &Finding| format!("  {}\n", recorder.said(finding));
     text + &recorder.findings.iter().map(said).collect::<String>()

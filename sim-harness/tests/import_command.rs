@@ -298,6 +298,43 @@ fn positions_in_degrees_and_minutes_are_the_same_places() {
     near((last(&made[0])[1] - made[0][0][1]).abs(), 11_900.0, 40.0);
 }
 
+#[test]
+fn positions_under_each_others_names_are_put_right_with_the_figure() {
+    let rows = drive(&STOPS_M, 25.0);
+    let folder_of = |header: &str, east: f64| {
+        let text = table(header, &rows, |t, x, v| {
+            let (latitude, longitude) = place(x, 0.0);
+            format!("{t},{latitude:.7},{:.7},{:.1}", longitude + east, 3.6 * v)
+        });
+        Folder::new().with("a.csv", &text)
+    };
+    let placed = |header: &str, east: f64| {
+        let folder = folder_of(header, east);
+        let said = folder.done(&["import", "a.csv", "--chainage", "line"]).err;
+        folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+        assert_eq!(folder.read("runs/a_01.csv"), folder.read("again/a_01.csv"));
+        (csv(&folder, "runs/a_01.csv"), said)
+    };
+    let (right, said) = placed("time [s],lat,lon,speed [km/h]", 0.0);
+    assert!(!said.contains("is taken for the latitude"), "{said}");
+    for (east, why) in [(0.0, "once they are exchanged"), (130.0, "is no latitude")] {
+        let (found, said) = placed("time [s],lon,lat,speed [km/h]", east);
+        assert!(said.contains("\"lon\" is taken for the latitude") && said.contains(why), "{said}");
+        assert!(
+            said.contains("over distance by speed is 1.00") || said.contains("over distance by speed is 0.99"),
+            "{said}"
+        );
+        assert_eq!(found.len(), right.len());
+        found.iter().zip(&right).for_each(|(a, b)| near(a[1], b[1], 2.0));
+    }
+    // What a person said is not turned, but refused.
+    let folder = folder_of("a,b,c,speed [km/h]", 0.0);
+    let mapping = "[[source]]\n[source.columns]\ntime = { name = \"a\", unit = \"s\" }\nlatitude = { name = \"c\" }\nlongitude = { name = \"b\" }\n";
+    let folder = folder.with("m.toml", mapping);
+    let said = folder.rundown(&["import", "--mapping", "m.toml", "a.csv", "--chainage", "line"]);
+    assert!(said.code != Some(0) && said.err.contains("latitude and longitude are exchanged"), "{}", said.err);
+}
+
 /// Rows, time and speed of the table, spoilt as text, and what is said.
 fn spoilt(name: &str, spoil: impl Fn(String) -> String) -> (common::Said, Option<usize>) {
     let rows = drive(&STOPS_M, 30.0);

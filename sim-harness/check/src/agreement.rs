@@ -43,6 +43,12 @@ impl Figure {
         [self.value - HALF_95 * self.sd, self.value + HALF_95 * self.sd]
     }
 
+    /// With its 95 % interval, in so many decimals.
+    pub(crate) fn with_interval(&self, decimals: usize) -> String {
+        let [low, high] = self.interval();
+        format!("{:.decimals$} [{low:.decimals$}, {high:.decimals$}]", self.value)
+    }
+
     /// So many standard deviations from this value.
     pub fn away_from(&self, value: f64) -> f64 {
         (self.value - value).abs() / self.sd
@@ -155,7 +161,7 @@ fn distance(rows: &[Row], i: usize) -> f64 {
 
 /// Whitened residuals and regressors of one ratio of the two noises.
 pub(crate) struct Fit {
-    beta: Vector3<f64>,
+    pub(crate) beta: Vector3<f64>,
     /// Variance of the walk, m² a second, over that of the location's white noise, m².
     pub(crate) ratio: f64,
     pub(crate) information: Matrix3<f64>,
@@ -231,23 +237,92 @@ pub(crate) fn spread(values: &[f64]) -> f64 {
     if sizes.is_empty() { 0.0 } else { 1.4826 * median(&sizes) }
 }
 
+/// A run as further causes see it: its differences, and what scale, offset and skew leave of them.
+pub(crate) struct Compared {
+    pub(crate) differences: Differences,
+    pub(crate) fit: Fit,
+    inverse: Matrix3<f64>,
+}
+
+impl Compared {
+    /// None: too little of the run moves with both readings.
+    pub(crate) fn fitted(differences: Differences) -> Option<Self> {
+        let fit = best_fit(&differences)?;
+        Self::of(differences, fit)
+    }
+
+    /// With the noise of another fit.
+    pub(crate) fn in_noise_of(&self, other: &Self) -> Option<Self> {
+        Self::of(self.differences.clone(), fit(&self.differences, other.fit.ratio)?)
+    }
+
+    fn of(differences: Differences, fit: Fit) -> Option<Self> {
+        let inverse = (fit.information * fit.variance).try_inverse()?;
+        Some(Self { differences, fit, inverse })
+    }
+
+    /// One more cause, which adds so many metres per unit of it to each difference: what the data say of it beside the others, and the nats by which it beats
+    /// none; the noise as without it. None where the others explain it.
+    pub(crate) fn beside(&self, metres: &[f64]) -> Option<(Figure, f64)> {
+        let fit = &self.fit;
+        let column = whitened(&self.differences, fit.ratio, metres, &mut Vec::new());
+        let dot = |a: &[f64]| a.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>();
+        let cross = Vector3::from_fn(|i, _| dot(&fit.columns[i]));
+        let left = dot(&column) - cross.dot(&(self.inverse * cross));
+        if left <= 1e-9 {
+            return None;
+        }
+        let score = dot(&fit.residuals);
+        let figure = Figure { value: score / left, sd: (fit.variance / left).sqrt() };
+        Some((figure, 0.5 * score * score.max(0.0) / (left * fit.variance)))
+    }
+
+    /// What scale, offset and skew leave of each difference, m.
+    pub(crate) fn left_m(&self) -> Vec<f64> {
+        let Differences { y, by_speed, dt, dv, .. } = &self.differences;
+        let beta = self.fit.beta;
+        (0..y.len()).map(|i| y[i] - beta[0] * by_speed[i] - beta[1] * dt[i] - beta[2] * dv[i]).collect()
+    }
+
+    /// The same once so many metres are taken off each difference, its noise fitted again.
+    pub(crate) fn without(&self, metres: &[f64]) -> Option<Self> {
+        let mut differences = self.differences.clone();
+        for (value, metres) in differences.y.iter_mut().zip(metres) {
+            *value -= metres;
+        }
+        Self::fitted(differences)
+    }
+
+    /// Correlation of neighbouring innovations.
+    fn correlation(&self) -> f64 {
+        let products = self.fit.residuals.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+        let squares = self.fit.residuals.iter().map(|residual| residual * residual).sum::<f64>();
+        products / squares.max(1e-12)
+    }
+
+    /// Noise that is correlated beyond the model says less: what is left of the information.
+    pub(crate) fn independent(&self) -> f64 {
+        let kept = self.correlation().clamp(0.0, 0.95);
+        (1.0 - kept) / (1.0 + kept)
+    }
+
+    /// Speed and location of the run.
+    pub(crate) fn agreement(&self) -> Agreement {
+        let fit = &self.fit;
+        Agreement {
+            values: fit.beta,
+            information: fit.information * self.independent(),
+            location_noise_m: fit.variance.sqrt(),
+            walk_m: (fit.ratio * fit.variance).sqrt(),
+            correlation: self.correlation(),
+            pairs: self.differences.y.len(),
+        }
+    }
+}
+
 /// Compares speed and location of one run. None: too little of it moves with both readings.
 pub fn agreement(parts: &[&[Row]]) -> Option<Agreement> {
-    let differences = Differences::of(parts);
-    let found = best_fit(&differences)?;
-    let products = found.residuals.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
-    let squares = found.residuals.iter().map(|residual| residual * residual).sum::<f64>();
-    let correlation = products / squares.max(1e-12);
-    let kept = correlation.clamp(0.0, 0.95);
-    Some(Agreement {
-        values: found.beta,
-        // Noise that is correlated beyond the model says less.
-        information: found.information * ((1.0 - kept) / (1.0 + kept)),
-        location_noise_m: found.variance.sqrt(),
-        walk_m: (found.ratio * found.variance).sqrt(),
-        correlation,
-        pairs: differences.y.len(),
-    })
+    Compared::fitted(Differences::of(parts)).map(|compared| compared.agreement())
 }
 
 impl Agreement {
@@ -263,6 +338,13 @@ impl Agreement {
         let column = self.information.column(1).into_owned();
         let own = held_mps * held_mps;
         self.information -= column * column.transpose() * (own / (1.0 + own * column[1]));
+        self
+    }
+
+    /// What it is once the speeds are divided by so much.
+    pub(crate) fn rescaled(mut self, ratio: f64) -> Self {
+        self.values[0] = (1.0 + self.values[0]) * ratio - 1.0;
+        self.values[1] *= ratio;
         self
     }
 

@@ -42,6 +42,8 @@ pub enum Kind {
     SpeedOffset,
     /// The speed reads too low or high by a factor: a wheel that is not as believed.
     SpeedScale,
+    /// That factor changes within a run, or from one run on.
+    WheelChange,
     /// The speed is older than the location.
     Skew,
     /// A column holds another unit.
@@ -62,6 +64,8 @@ pub enum Kind {
     AboveBrake,
     /// The measured effort has nothing to do with the train's acceleration.
     EffortApart,
+    /// The measured effort is older than the speed.
+    EffortLate,
     /// The speed reads zero below a threshold.
     DeadZone,
     /// The speed repeats the last value in some rows, and catches up after them.
@@ -130,6 +134,7 @@ impl Kind {
             Self::SteppedSpeed => "speeds have a step; rounded or truncated is not known",
             Self::SpeedOffset => "the speed reads low by the same everywhere",
             Self::SpeedScale => "the speed reads high by a factor",
+            Self::WheelChange => "the speed's scale changes: after over before",
             Self::Skew => "the speed is older than the location",
             Self::OtherUnit => "a column holds another unit: location over speed is off by a factor",
             Self::Impossible => "readings are no numbers, or beyond what any train or line has",
@@ -145,6 +150,7 @@ impl Kind {
             Self::AboveTraction => "measured efforts are above the described tractive effort",
             Self::AboveBrake => "measured efforts are beyond the described brake",
             Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
+            Self::EffortLate => "measured efforts are older than the speed (below zero: the speed is)",
             Self::OutOfOrder => "rows are out of order",
             Self::CoarseClock => "rows have the time of the row before, and other readings",
             Self::SharedRows => "the log shares rows with another one",
@@ -158,6 +164,7 @@ impl Kind {
             Self::TwoDirections => Some("cut the log where the train turns"),
             Self::OtherUnit => Some("convert the column to the unit of its name"),
             Self::SpeedScale => Some("compare the wheel diameter of the recorder, or the length of the track"),
+            Self::WheelChange => Some("look when the wheels were turned, or their diameter was entered"),
             Self::CoarseClock => Some("write the times as fine as the rows"),
             Self::SharedRows => Some("cut what is there twice: it teaches twice"),
             Self::StuckSpeed | Self::StuckLocation => Some("look at the sensor"),
@@ -192,11 +199,10 @@ impl Finding {
     pub fn how_much(&self) -> String {
         let Self { figure, unit, .. } = self;
         let decimals = if *unit == "rows" { 0 } else { decimals(figure) };
-        let mut text = format!("{:.decimals$}", figure.value);
-        if figure.sd > 0.0 {
-            let [low, high] = figure.interval();
-            text += &format!(" [{low:.decimals$}, {high:.decimals$}]");
-        }
+        let mut text = match figure.sd > 0.0 {
+            true => figure.with_interval(decimals),
+            false => format!("{:.decimals$}", figure.value),
+        };
         if !unit.is_empty() {
             text += &format!(" {unit}");
         }

@@ -12,8 +12,10 @@
 //! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
 //! | is a run unlike the others of its recorder? | [`mod@own`] |
+//! | does the wheel change? | `wheel_change` |
 //! | does the speed read zero below a threshold? | [`dead_zone`] |
 //! | does the speed repeat old values? | [`held`] |
+//! | is the effort older than the speed? | `effort_age` |
 //! | do trains exceed what is described of them? | [`limits`] |
 //! | is a log another one again, whole or in part? | [`same`] |
 //! | do all runs count their locations from the same place? | [`chainage`] |
@@ -52,6 +54,7 @@ pub mod chainage;
 pub mod clock;
 pub mod dead_zone;
 pub mod effort;
+mod effort_age;
 pub mod finding;
 pub mod gradients;
 pub mod held;
@@ -65,8 +68,9 @@ pub mod readings;
 mod recorder;
 pub mod same;
 pub mod steps;
+mod wheel_change;
 
-use agreement::{Agreement, Figure, Row, agreement};
+use agreement::{Agreement, Compared, Differences, Figure, Row};
 use finding::{Done, Finding, Kind};
 use perturbed::Perturbation;
 use rundown_files::recording::Recording;
@@ -125,6 +129,8 @@ pub struct RecorderCheck {
     pub skew_s: Option<Figure>,
     /// How much that differs from run to run, s.
     pub skew_spread_s: Option<f64>,
+    /// How surely it is known that its clock loses no seconds beside a wheel that hides them: of the height of such steps, standard deviation, s.
+    pub lost_second_sd_s: Option<f64>,
     /// What was put right in its speeds.
     pub correction: Correction,
     /// What was found.
@@ -219,8 +225,10 @@ impl Check {
             Done::PutRight | Done::LeftOut => true,
             Done::Refused => false,
             Done::Said => {
-                use Kind::{AboveBrake, AboveSpeedLimit, AboveTraction, CoarseClock, EffortApart, MissingReadings};
-                use Kind::{OtherChainage, Reset, SharedRows, Skew, SpeedOffset, TurnedChainage};
+                use Kind::{
+                    AboveBrake, AboveSpeedLimit, AboveTraction, CoarseClock, EffortApart, EffortLate, MissingReadings,
+                };
+                use Kind::{OtherChainage, Reset, SharedRows, Skew, SpeedOffset, TurnedChainage, WheelChange};
                 matches!(
                     finding.kind,
                     AboveBrake
@@ -228,6 +236,7 @@ impl Check {
                         | AboveTraction
                         | CoarseClock
                         | EffortApart
+                        | EffortLate
                         | MissingReadings
                         | OtherChainage
                         | Reset
@@ -235,6 +244,7 @@ impl Check {
                         | Skew
                         | SpeedOffset
                         | TurnedChainage
+                        | WheelChange
                 )
             }
         };
@@ -254,6 +264,13 @@ impl Check {
             notes.push(format!("{more} more findings of single runs, all by `rundown check`"));
         }
         notes
+    }
+}
+
+impl RecorderCheck {
+    /// Scale and lost seconds are not distinguishable: the noise of the location hides steps of a second.
+    pub fn hides_lost_seconds(&self) -> bool {
+        self.lost_second_sd_s.is_some_and(|sd_s| sd_s > lost_seconds::NOT_SEEN_S)
     }
 }
 
@@ -284,6 +301,14 @@ impl RunCheck {
         let done = if shared.share > MOST_SHARED { Done::Refused } else { Done::Said };
         self.findings.push(Finding { kind: Kind::SharedRows, figure, unit: "% of the rows", count: 1, line: 0, done });
         self.evidence.insert(Kind::SharedRows, format!("those of {}", shared.with));
+    }
+
+    /// Its wheel changes on the way.
+    fn changes(&mut self, change: &wheel_change::Change, rows: &[Sample], done: Done) {
+        let (at_m, line) = change.place(rows);
+        self.findings.push(Finding { kind: Kind::WheelChange, figure: change.ratio, unit: "", count: 1, line, done });
+        let place = at_m.map_or_else(String::new, |at_m| format!("near km {:.1}, ", at_m / 1000.0));
+        self.evidence.insert(Kind::WheelChange, format!("{place}{:.0} s", change.time_s));
     }
 
     /// Its locations are not on the chainage of the others.
@@ -352,7 +377,7 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
 /// The same of runs that are read after others.
 pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen) -> Check {
     let mut runs: Vec<RunCheck> = Vec::new();
-    let mut agreements: Vec<Option<Agreement>> = Vec::new();
+    let mut agreements: Vec<Option<OfSpeed>> = Vec::new();
     for recording in recordings.iter_mut() {
         let (run, agreement) = match seen.earlier(recording) {
             Some(earlier) => (copy_of(recording, earlier), None),
@@ -375,6 +400,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let of_unit = |unit| {
         let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
         recorder.exceeds(recordings, &runs, known);
+        recorder.effort_age(recordings, &runs, known);
         recorder
     };
     let recorders = units.into_iter().map(of_unit).collect();
@@ -408,7 +434,14 @@ fn is_usable(findings: &[Finding]) -> bool {
     findings.iter().all(|finding| finding.done != Done::Refused)
 }
 
-fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
+/// What speed and location of a run say.
+#[derive(Clone, Copy)]
+pub(crate) struct OfSpeed {
+    agreement: Agreement,
+    change: Option<wheel_change::Change>,
+}
+
+fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     let mut findings = Vec::new();
     let rows = &mut recording.rows;
     clock::sort(rows, &mut findings);
@@ -431,13 +464,17 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     }
     clock::gaps(rows, &mut findings);
     let step_s = clock::usual_step_s(rows);
-    let agreement = if is_usable(&findings) { agreement_of(rows, step_s) } else { None };
-    let location_noise_m = agreement.map(|agreement| agreement.location_noise_m);
-    (RunCheck { location_noise_m, ..RunCheck::of(recording, step_s, findings) }, agreement)
+    let of_speed = if is_usable(&findings) { OfSpeed::of(rows, step_s) } else { None };
+    let location_noise_m = of_speed.map(|found| found.agreement.location_noise_m);
+    (RunCheck { location_noise_m, ..RunCheck::of(recording, step_s, findings) }, of_speed)
 }
 
-fn agreement_of(rows: &[Sample], step_s: f64) -> Option<Agreement> {
-    agreement(&parts(rows, step_s).iter().map(Vec::as_slice).collect::<Vec<_>>())
+impl OfSpeed {
+    fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
+        let parts = parts(rows, step_s);
+        let compared = Compared::fitted(Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>()))?;
+        Some(Self { agreement: compared.agreement(), change: wheel_change::within(&compared) })
+    }
 }
 
 /// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as usual.

@@ -7,17 +7,22 @@
 //! A wheel, truncation and an old speed are in the model beside it, so that a ramp is no staircase. The steps lie at `phase + k period` of the recorder's clock: the
 //! period is one of the recorder, the phase one of each run. Single steps may drown in the noise of the location; some dozens at even intervals do not.
 
-use crate::agreement::{Differences, Figure, Fit, PAIR_S, best_fit, spread, whitened};
+use crate::agreement::{Compared, Differences, Figure, PAIR_S, spread};
 use crate::finding::{Done, Finding, Kind};
 use crate::{RunCheck, parts, places};
-use nalgebra::{Matrix3, Vector3};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
 /// Periods that are looked for, s. A longer one does less than a wheel that matters.
 const PERIODS_S: [f64; 2] = [40.0, 800.0];
-/// Where the location is usually off by a smaller share of the distance, no clock is slow.
+/// Where the location is usually off by a smaller share of the distance, no clock is slow, unless a wheel hides it: then single steps stand out on one side, by so many
+/// standard deviations.
 const LEAST_EXCESS: f64 = 0.0008;
+const STANDS_OUT: f64 = 3.0;
+/// The same, share of the usual way in a second, is too much for that.
+const NOISY: f64 = 0.3;
+/// A period with which the height of the steps is asked where none is found, s.
+const USUAL_PERIOD_S: f64 = 106.0;
 /// Runs that the period is looked for in: the longest ones. So many more confirm it.
 const ASKED: usize = 3;
 const CONFIRM: usize = 3;
@@ -45,24 +50,8 @@ impl Comb {
     }
 }
 
-/// A run as the comb sees it: its differences, and what the other causes leave of them.
-struct Compared {
-    differences: Differences,
-    fit: Fit,
-    inverse: Matrix3<f64>,
-}
-
+/// A run as the comb sees it.
 impl Compared {
-    fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
-        Self::fitted(differences(rows, step_s))
-    }
-
-    fn fitted(differences: Differences) -> Option<Self> {
-        let fit = best_fit(&differences)?;
-        let inverse = (fit.information * fit.variance).try_inverse()?;
-        Some(Self { differences, fit, inverse })
-    }
-
     fn duration_s(&self) -> f64 {
         let ends = &self.differences.end_s;
         ends.last().zip(ends.first()).map_or(0.0, |(last, first)| last - first)
@@ -78,18 +67,7 @@ impl Compared {
     /// What the data say of the height of the steps, s, and the nats by which steps of that height beat none; the noise as without them. Beside a good odometer each step
     /// is an outlier, and drawn in: the height is right where the second is taken off already.
     fn height_s(&self, comb: Comb) -> (Figure, f64) {
-        let fit = &self.fit;
-        let column = whitened(&self.differences, fit.ratio, &self.steps_m(comb), &mut Vec::new());
-        let dot = |a: &[f64]| a.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>();
-        let cross = Vector3::from_fn(|i, _| dot(&fit.columns[i]));
-        // What a wheel, an offset and an old speed leave of the staircase.
-        let left = dot(&column) - cross.dot(&(self.inverse * cross));
-        if left <= 1e-9 {
-            return (Figure { value: 0.0, sd: f64::INFINITY }, 0.0);
-        }
-        let score = dot(&fit.residuals);
-        let height_s = Figure { value: score / left, sd: (fit.variance / left).sqrt() };
-        (height_s, 0.5 * score * score.max(0.0) / (left * fit.variance))
+        self.beside(&self.steps_m(comb)).unwrap_or((Figure { value: 0.0, sd: f64::INFINITY }, 0.0))
     }
 
     /// Puts the times of a run right, and says so.
@@ -138,43 +116,73 @@ impl Compared {
         let tried = (0..phases).map(at).map(|comb| (comb, self.height_s(comb).1));
         tried.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((at(0), 0.0))
     }
-
-    /// The same without the steps, its noise fitted again.
-    fn without(&self, comb: Comb) -> Option<Self> {
-        let mut differences = self.differences.clone();
-        for (value, step_m) in differences.y.iter_mut().zip(self.steps_m(comb)) {
-            *value -= step_m;
-        }
-        Self::fitted(differences)
-    }
 }
 
-/// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right. Out: was one found?
-pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> bool {
+/// What came of the search.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sought {
+    /// Times were moved.
+    pub(crate) moved: bool,
+    /// How surely the height of steps at the usual intervals is known beside a wheel, standard deviation, s; none where nothing is compared.
+    pub(crate) step_sd_s: Option<f64>,
+}
+
+/// A step is known less surely than this, s: a clock that loses seconds beside a wheel that hides it is not seen.
+pub(crate) const NOT_SEEN_S: f64 = 1.0 / SURE;
+
+/// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right.
+pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> Sought {
     let usable = of_unit.iter().copied().filter(|i| runs[*i].refusal().is_none());
     let mut longest: Vec<(usize, f64)> = usable.map(|i| (i, length_m(&recordings[i].rows))).collect();
     longest.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let of = |(i, _): &(usize, f64)| differences(&recordings[*i].rows, runs[*i].step_s);
-    // Where speed and location agree, nothing is fitted.
     let asked: Vec<Differences> = longest.iter().take(ASKED).map(of).filter(Differences::are_enough).collect();
-    if excess(&asked).abs() < LEAST_EXCESS {
-        return false;
-    }
+    let is_ahead = excess(&asked).abs() > LEAST_EXCESS;
     let mut asked: Vec<Compared> = asked.into_iter().filter_map(Compared::fitted).collect();
+    let none = Sought { moved: false, step_sd_s: step_sd_s(&asked) };
+    if !is_ahead && !steps_stand_out(&asked) {
+        return none;
+    }
     let Some(period_s) = likely_period_s(&asked) else {
-        return false;
+        return none;
     };
     asked.extend(longest.iter().skip(ASKED).take(CONFIRM).map(of).filter_map(Compared::fitted));
     if !is_confirmed(&asked, period_s) {
-        return false;
+        return none;
     }
     for (i, _) in longest {
         let (rows, run) = (&mut recordings[i].rows, &mut runs[i]);
-        if let Some(compared) = Compared::of(rows, run.step_s) {
+        if let Some(compared) = Compared::fitted(differences(rows, run.step_s)) {
             run.findings.push(compared.finding(period_s, rows, run.step_s));
         }
     }
-    true
+    Sought { moved: true, ..none }
+}
+
+/// How surely the height of steps at the usual intervals is known, all these runs together, s.
+fn step_sd_s(asked: &[Compared]) -> Option<f64> {
+    let of = |run: &Compared| {
+        let (height_s, _) = run.height_s(Comb { period_s: USUAL_PERIOD_S, phase_s: 0.5 * USUAL_PERIOD_S });
+        height_s.sd.powi(-2) * run.independent()
+    };
+    let information: f64 = asked.iter().map(of).sum();
+    (information > 0.0).then(|| information.sqrt().recip())
+}
+
+/// More locations are ahead than behind by what noise does at times, beyond chance: so a wheel and lost seconds look that hide each other in the mean. Where noise hides
+/// single steps, only their even intervals show them.
+fn steps_stand_out(asked: &[Compared]) -> bool {
+    let [mut ahead, mut behind] = [0.0, 0.0];
+    let mut is_noisy = false;
+    for run in asked {
+        let left_m = run.left_m();
+        let sd_m = spread(&left_m);
+        ahead += left_m.iter().filter(|metres| **metres > STANDS_OUT * sd_m).count() as f64;
+        behind += left_m.iter().filter(|metres| **metres < -STANDS_OUT * sd_m).count() as f64;
+        let Differences { by_speed, dt, .. } = &run.differences;
+        is_noisy |= sd_m > NOISY * by_speed.iter().sum::<f64>() / dt.iter().sum::<f64>();
+    }
+    is_noisy || ahead - behind > STANDS_OUT * (ahead + behind + 1.0).sqrt()
 }
 
 /// How far the locations reach, m.
@@ -227,7 +235,7 @@ fn is_confirmed(asked: &[Compared], period_s: f64) -> bool {
     let (mut gain, mut score, mut information) = (0.0, 0.0, 0.0);
     for run in asked {
         let comb = run.comb(period_s).map_or_else(|| run.phase(period_s, phases(period_s)).0, |(comb, _)| comb);
-        let Some(without) = run.without(comb) else {
+        let Some(without) = run.without(&run.steps_m(comb)) else {
             return false;
         };
         gain += without.fit.log_likelihood - run.fit.log_likelihood - choices.ln();

@@ -22,20 +22,53 @@ const LEAST_OWN_OFFSET_KMH: f64 = 0.3;
 /// What is put right in one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Own {
+    grown: Grown,
     correction: Correction,
     /// By how much the speed is older than the location, s; 0 where that stays.
     skew_s: f64,
 }
 
-/// Scale and skew of a run, its offset known or not; `values`: 1/s - 1 and o/s of its recorder, with their covariance.
-pub(crate) fn judged(run: &mut RunCheck, agreement: &Agreement, (values, covariance): &(Vector2<f64>, Matrix2<f64>)) {
-    run.skew_s = Some(agreement.skew_s(*values, covariance));
-    run.scale = pooled(&[*agreement]).map(|one| one.scale_at(values[1]));
+/// By how much more the speeds of a run read high than those of the runs before a change of the wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Grown {
+    /// All of them.
+    pub(crate) all: f64,
+    /// Those after a time, s, once more.
+    pub(crate) after: Option<(f64, f64)>,
 }
 
-/// Compares a run with its recorder, and says where they differ.
-pub(crate) fn of(recorder: &RecorderCheck, run: &mut RunCheck, agreement: Option<&Agreement>, known: &Known) -> Own {
-    let mut own = Own { correction: recorder.correction, skew_s: 0.0 };
+impl Grown {
+    /// The wheel stays what it is.
+    pub(crate) const NOT: Self = Self { all: 1.0, after: None };
+
+    fn at(&self, time_s: f64) -> f64 {
+        self.after.filter(|(from_s, _)| time_s > *from_s).map_or(self.all, |(_, ratio)| self.all * ratio)
+    }
+}
+
+/// Scale and skew of a run, its offset known or not; `values`: 1/s - 1 and o/s of its recorder, with their covariance; `ratio`: by which its wheel has changed.
+pub(crate) fn judged(
+    run: &mut RunCheck,
+    (agreement, ratio): (&Agreement, f64),
+    (values, covariance): &(Vector2<f64>, Matrix2<f64>),
+) {
+    run.skew_s = Some(agreement.skew_s(*values, covariance));
+    run.scale = pooled(&[*agreement]).map(|one| times(one.scale_at(values[1]), ratio));
+}
+
+fn times(scale: Figure, ratio: f64) -> Figure {
+    Figure { value: ratio * scale.value, sd: ratio * scale.sd }
+}
+
+/// Compares a run with its recorder, and says where they differ. `grown`: how its wheel has changed, which is not in the agreement any more.
+pub(crate) fn of(
+    recorder: &RecorderCheck,
+    run: &mut RunCheck,
+    (agreement, grown): (Option<&Agreement>, Grown),
+    known: &Known,
+) -> Own {
+    let put = if known.scale { Grown::NOT } else { grown };
+    let mut own = Own { grown: put, correction: recorder.correction, skew_s: 0.0 };
     let Some(agreement) = agreement else {
         return own;
     };
@@ -45,7 +78,7 @@ pub(crate) fn of(recorder: &RecorderCheck, run: &mut RunCheck, agreement: Option
     match wheel(recorder, agreement) {
         Some(Wheel::Offset(offset_kmh)) => said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said),
         Some(Wheel::Scale(scale)) => {
-            said(Kind::SpeedScale, scale, "", put_right(!known.scale));
+            said(Kind::SpeedScale, times(scale, grown.all), "", put_right(!known.scale));
             own.correction.scale = if known.scale { 1.0 } else { scale.value };
         }
         None => (),
@@ -109,7 +142,8 @@ impl Own {
     /// Puts the speeds right, then moves the locations to their age.
     pub(crate) fn put_right(&self, rows: &mut [Sample]) {
         for row in rows.iter_mut() {
-            row.speed_mps = row.speed_mps.map(|mps| self.correction.true_mps(mps));
+            let scale = self.correction.scale * self.grown.at(row.time_s);
+            row.speed_mps = row.speed_mps.map(|mps| Correction { scale, ..self.correction }.true_mps(mps));
         }
         if self.skew_s == 0.0 {
             return;

@@ -2,14 +2,25 @@
 
 use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
 use crate::finding::{Done, Finding, Kind};
-use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE};
-use crate::{agreement_of, dead_zone, effort, held, limits, lost_seconds, own, put_right, steps, with_evidence};
+use crate::own::Grown;
+use crate::{Correction, Known, LEAST_SCALE, OfSpeed, RecorderCheck, RunCheck, SURE};
+use crate::{
+    dead_zone, effort, effort_age, held, limits, lost_seconds, own, put_right, steps, wheel_change, with_evidence,
+};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// A smaller skew is not named, s.
 const LEAST_SKEW_S: f64 = 0.3;
+/// A younger effort is what the estimator learns of its column, s ...
+const LEAST_AGE_S: f64 = 1.5;
+/// ... and with rows farther apart it cannot be moved, s.
+const MOVED_STEP_S: f64 = 2.0;
+/// Runs that the age of the effort is asked of.
+const AGED: usize = 12;
 /// Share of the step by which the offset of a truncating recorder may miss the half of it.
 const NEAR_HALF: f64 = 0.12;
 /// One of two offsets is decided where it is nearer than this share of the distance to the other.
@@ -48,24 +59,24 @@ pub(crate) fn of(
     unit: String,
     recordings: &mut [Recording],
     runs: &mut [RunCheck],
-    agreements: &[Option<Agreement>],
+    of_speeds: &[Option<OfSpeed>],
     known: &Known,
 ) -> RecorderCheck {
     let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
-    let moved = lost_seconds::put_right(&of_unit, recordings, runs);
+    let sought = lost_seconds::put_right(&of_unit, recordings, runs);
     let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
-    let rounded = |i: usize| {
-        let held_mps = steps::held_mps(&recordings[i].rows, step_kmh);
-        let mut agreement = agreements[i]?;
-        if moved {
-            agreement = agreement_of(&recordings[i].rows, runs[i].step_s)?;
+    let mut judged = |i: &usize| {
+        let mut of_speed = of_speeds[*i]?;
+        if sought.moved {
+            of_speed = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s)?;
         }
-        Some(agreement.with_rounding(steps::rounding_mps(step_kmh), held_mps, runs[i].step_s))
+        of_one(of_speed, &recordings[*i].rows, &mut runs[*i], step_kmh, known)
     };
-    let agreements: Vec<Option<Agreement>> = of_unit.iter().map(|i| rounded(*i)).collect();
+    let (mut agreements, mut grown): (Vec<Option<Agreement>>, Vec<Grown>) =
+        of_unit.iter().map(|i| judged(i).map_or((None, Grown::NOT), |(one, grown)| (Some(one), grown))).unzip();
     let compared: Vec<Agreement> = agreements.iter().flatten().copied().collect();
     let mut recorder = RecorderCheck {
         unit,
@@ -78,6 +89,7 @@ pub(crate) fn of(
         offset_kmh: None,
         skew_s: None,
         skew_spread_s: None,
+        lost_second_sd_s: sought.step_sd_s,
         correction: Correction::NONE,
         findings: Vec::new(),
         evidence: BTreeMap::new(),
@@ -86,20 +98,49 @@ pub(crate) fn of(
     let usable: Vec<usize> = of_unit.iter().copied().filter(|i| is_usable(&runs[*i])).collect();
     recorder.dead_zone(recordings, &usable);
     recorder.held_speeds(recordings, &usable);
-    let Some(all) = pooled(&compared) else {
+    let Some(mut all) = pooled(&compared) else {
         return recorder;
     };
+    if let Some((after, ratio)) = recorder.changes(&agreements, &of_unit, recordings, known, &all) {
+        for at in after {
+            agreements[at] = agreements[at].map(|agreement| agreement.rescaled(ratio));
+            grown[at].all = ratio;
+        }
+        all = pooled(&agreements.iter().flatten().copied().collect::<Vec<_>>()).unwrap_or(all);
+    }
     let values = recorder.decide(&all, known);
-    for (i, agreement) in of_unit.iter().zip(&agreements) {
+    let of_runs = || of_unit.iter().copied().zip(agreements.iter().zip(&grown));
+    for (i, (agreement, grown)) in of_runs() {
         if let Some(agreement) = agreement {
-            own::judged(&mut runs[*i], agreement, &values);
+            own::judged(&mut runs[i], (agreement, grown.all), &values);
         }
     }
     recorder.skews(runs, known);
-    for (i, agreement) in of_unit.into_iter().zip(&agreements) {
-        own::of(&recorder, &mut runs[i], agreement.as_ref(), known).put_right(&mut recordings[i].rows);
+    for (i, (agreement, grown)) in of_runs() {
+        let own = own::of(&recorder, &mut runs[i], (agreement.as_ref(), *grown), known);
+        own.put_right(&mut recordings[i].rows);
     }
     recorder
+}
+
+/// What a run says with the rounding of its speeds, brought to its first scale where its wheel changes.
+fn of_one(
+    mut of_speed: OfSpeed,
+    rows: &[Sample],
+    run: &mut RunCheck,
+    step_kmh: f64,
+    known: &Known,
+) -> Option<(Agreement, Grown)> {
+    let held_mps = steps::held_mps(rows, step_kmh);
+    let mut grown = Grown::NOT;
+    if let Some(change) = of_speed.change.and_then(|change| change.sure(rows, step_kmh)) {
+        run.changes(&change, rows, put_right(!known.scale));
+        grown.after = Some((change.time_s, change.ratio.value));
+        let mut undone = rows.to_vec();
+        change.undo(&mut undone);
+        of_speed = OfSpeed::of(&undone, run.step_s)?;
+    }
+    Some((of_speed.agreement.with_rounding(steps::rounding_mps(step_kmh), held_mps, run.step_s), grown))
 }
 
 impl RecorderCheck {
@@ -116,6 +157,46 @@ impl RecorderCheck {
             (_, true) => self.speed_step_kmh.map(|step_kmh| 0.5 * step_kmh),
             _ => self.offset_kmh.map(|offset| offset.value),
         }
+    }
+
+    /// Asks whether the wheel changes from one run on, in the order of their days. Out: the places of the runs after it, and their scale over that before.
+    fn changes(
+        &mut self,
+        agreements: &[Option<Agreement>],
+        of_unit: &[usize],
+        recordings: &[Recording],
+        known: &Known,
+        all: &Pooled,
+    ) -> Option<(Vec<usize>, f64)> {
+        let mut order: Vec<usize> = (0..of_unit.len()).filter(|at| agreements[*at].is_some()).collect();
+        let day = |at: usize| recordings[of_unit[at]].day;
+        if order.iter().all(|at| day(*at).is_some()) {
+            order.sort_by(|a, b| day(*a).partial_cmp(&day(*b)).unwrap_or(Ordering::Equal));
+        }
+        let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
+        let offset_mps = match shown(self.speed_step_kmh, all.offset_kmh()) {
+            Shown::Rounded => 0.0,
+            Shown::Truncated => 0.5 * step_kmh / 3.6,
+            Shown::Exact | Shown::NotKnown => all.values[1],
+        };
+        let scale = |at: &usize| Some(pooled(&[agreements[*at]?])?.scale_at(offset_mps));
+        let scales: Vec<Figure> = order.iter().filter_map(scale).collect();
+        let found = wheel_change::between(&scales)?;
+        let after = order.split_off(found.from);
+        self.findings.push(Finding {
+            kind: Kind::WheelChange,
+            figure: found.ratio(),
+            unit: "",
+            count: 1,
+            line: 0,
+            done: put_right(!known.scale),
+        });
+        let [first, since] = found.sides.map(|side| side.with_interval(4));
+        let named = &recordings[of_unit[after[0]]].name;
+        let (runs, before) = (after.len(), order.len());
+        let text = format!("from {named} on: {since} in {runs} runs, {first} in {before} before");
+        self.evidence.insert(Kind::WheelChange, text);
+        Some((after, found.ratio().value))
     }
 
     /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, with their covariance, as the skews are judged with.
@@ -151,6 +232,10 @@ impl RecorderCheck {
         self.is_wheel = matters && !odd;
         if matters {
             self.found(Kind::SpeedScale, scale, "", put_right(!known.scale && self.is_wheel));
+            if let Some(sd_s) = self.lost_second_sd_s.filter(|_| self.hides_lost_seconds()) {
+                let text = format!("seconds that the clock loses may be a part of it: a step is known to {sd_s:.2} s");
+                self.evidence.insert(Kind::SpeedScale, text);
+            }
         }
         self.correction = Correction {
             offset_mps: if known.truncates { 0.0 } else { offset_mps },
@@ -204,6 +289,42 @@ impl RecorderCheck {
         if let Some(effort::Apart { correlation, evidence, .. }) = effort::apart(own.into_iter()) {
             self.found(Kind::EffortApart, correlation, "", Done::Said);
             self.evidence.insert(Kind::EffortApart, evidence);
+        }
+    }
+
+    /// Says that the effort is older than the speed, and brings it to its age where the rows are near enough in time. Where they are not, an effort that is late
+    /// by more than half a row is not what a later tick makes of it, and left out.
+    pub(crate) fn effort_age(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+        let has_effort = |rows: &[Sample]| rows.iter().any(|row| row.effort_n_per_kg.is_some());
+        let is_own = |i: &usize| runs[*i].unit == self.unit && runs[*i].refusal().is_none();
+        let own: Vec<usize> = (0..runs.len()).filter(is_own).filter(|i| has_effort(&recordings[*i].rows)).collect();
+        if own.is_empty() || self.findings.iter().any(|finding| finding.kind == Kind::EffortApart) {
+            return;
+        }
+        let asked = own.iter().take(AGED).map(|i| (recordings[*i].rows.as_slice(), runs[*i].step_s));
+        let Some(usual) = effort_age::usual(asked) else { return };
+        let age_s = usual.age_s;
+        if age_s.value.abs() < LEAST_AGE_S || age_s.away_from(0.0) < SURE {
+            return;
+        }
+        let step_s = own.iter().map(|i| runs[*i].step_s).fold(0.0, f64::max);
+        let (done, said) = match step_s {
+            _ if !known.moves_locations => (Done::Said, "asked for beside its gain".to_owned()),
+            ..=MOVED_STEP_S => (Done::PutRight, format!("it differs by {:.1} s from run to run", usual.spread_s)),
+            _ if age_s.value.abs() <= 0.5 * step_s => {
+                (Done::Said, format!("within half of the {step_s:.0} s of a row"))
+            }
+            _ => (Done::LeftOut, format!("the efforts; rows are {step_s:.0} s apart, too far to move them")),
+        };
+        self.found(Kind::EffortLate, age_s, "s", done);
+        self.evidence.insert(Kind::EffortLate, said);
+        for i in own {
+            let rows = &mut recordings[i].rows;
+            match done {
+                Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, &usual),
+                Done::LeftOut => rows.iter_mut().for_each(|row| row.effort_n_per_kg = None),
+                Done::Said | Done::Refused => (),
+            }
         }
     }
 

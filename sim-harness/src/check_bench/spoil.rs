@@ -46,6 +46,20 @@ fn hold(defect: Defect, rows: &mut [Sample], random: &mut ChaCha8Rng) {
     }
 }
 
+/// From a place of one run on, or from a run on, the readings of another wheel, `turned`.
+pub(super) fn turn(defect: Defect, recordings: &mut [Recording], turned: &[Recording], random: &mut ChaCha8Rng) {
+    if defect == Defect::WheelTurned {
+        recordings[2..]
+            .iter_mut()
+            .zip(&turned[2..])
+            .for_each(|(recording, turned)| recording.rows.clone_from(&turned.rows));
+    } else {
+        let rows = &mut recordings[1].rows;
+        let from = random.random_range(rows.len() / 3..2 * rows.len() / 3);
+        rows[from..].copy_from_slice(&turned[1].rows[from..]);
+    }
+}
+
 /// Rows of a place where the train runs fast for a while.
 fn fast(rows: &[Sample], random: &mut ChaCha8Rng) -> usize {
     let fast = |i: &usize| rows[*i..*i + 90].iter().all(|row| row.speed_mps.is_some_and(|mps| mps > 12.0));

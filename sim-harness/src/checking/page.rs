@@ -107,6 +107,7 @@ fn figures(recorder: &RecorderCheck) -> Markup {
     ];
     let alone = [
         ("difference of that from run to run", recorder.skew_spread_s, 2, "s"),
+        ("how surely lost seconds beside a wheel are seen", recorder.lost_second_sd_s, 2, "s"),
         ("step of the speeds", recorder.speed_step_kmh, 3, "km/h"),
         ("step of the locations", recorder.location_step_m, 3, "m"),
     ];

@@ -79,6 +79,7 @@ impl Group {
         }
         seen.are_there()?;
         notes.extend(seen.clock(columns, mapping)?);
+        notes.extend(seen.exchanged(columns, mapping)?);
         notes.extend(seen.positions(columns));
         notes.extend(seen.unit_alone(columns));
         if let Some(first) = sources.first() {

@@ -70,6 +70,9 @@ pub struct Recorder {
     pub quantum_kmh: f64,
     pub truncates: bool,
     pub scale: f64,
+    /// From this share of the time on the scale is another one.
+    pub turned_at: f64,
+    pub turned: f64,
     pub skew_s: f64,
     pub skew_sd_s: f64,
     pub noise_m: f64,
@@ -85,6 +88,8 @@ impl Default for Recorder {
             quantum_kmh: 1.0,
             truncates: false,
             scale: 1.0,
+            turned_at: 1.0,
+            turned: 1.0,
             skew_s: 0.0,
             skew_sd_s: 0.0,
             noise_m: 4.0,
@@ -117,7 +122,8 @@ impl Recorder {
             if self.odometer_m > 0.0 {
                 read_m = (read_m / self.odometer_m).floor() * self.odometer_m;
             }
-            let kmh = 3.6 * self.scale * speed_mps;
+            let is_turned = f64::from(i) >= self.turned_at * f64::from(count);
+            let kmh = 3.6 * self.scale * if is_turned { self.turned } else { 1.0 } * speed_mps;
             let steps = kmh / self.quantum_kmh;
             let shown = if self.truncates { steps.floor() } else { steps.round() } * self.quantum_kmh;
             rows.push(Sample {

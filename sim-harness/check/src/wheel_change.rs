@@ -1,0 +1,189 @@
+//! A wheel that changes: within a run, or from one run of a recorder on. Turning takes 1 % off its diameter; a new one, or another diameter that is entered, more.
+//!
+//! ```text
+//! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + d ∫ v_r dt after the change + (o/s) Δt + τ Δv_r + noise
+//! ```
+//!
+//! Within a run the place is the one that explains most, with scale, offset and skew beside it. Between runs it is where the scales before and after are the furthest
+//! apart for how surely they are known. Both are said; what comes after is brought to the scale from before, and then the runs are judged as those of one wheel.
+
+use crate::agreement::{Compared, Figure, spread};
+use crate::{LEAST_SCALE, SURE, steps};
+use rundown_files::sample::Sample;
+use rundown_files::units::median;
+
+/// Places that are tried in a run.
+const PLACES: f64 = 48.0;
+/// On either side of a change lies so much of the way ...
+const LEAST_SHARE: f64 = 0.1;
+/// ... and so much, m.
+const LEAST_WAY_M: f64 = 3000.0;
+/// A smaller one is not looked at more closely, standard deviations.
+const SUSPECT: f64 = 2.5;
+/// Beyond doubt within a run: of many places the best one is taken.
+const WITHIN_SURE: f64 = 6.0;
+/// Runs on either side of a change; one that differs from all others is its own matter.
+const LEAST_RUNS: usize = 2;
+/// So few of the runs may be nearer to the scale of the other side.
+const MOST_ASTRAY: f64 = 0.1;
+
+/// Where the scale of a run changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Change {
+    /// Readings after this time are by the new scale, s.
+    pub(crate) time_s: f64,
+    /// Scale after over scale before.
+    pub(crate) ratio: Figure,
+}
+
+/// The change that this run shows; the rounding of its speeds is not in its doubt yet.
+pub(crate) fn within(compared: &Compared) -> Option<Change> {
+    // A change that is not known of looks like noise that adds up: it is looked for again in the noise that is left without it.
+    let (rough, grows) = place(compared).filter(|(_, grows)| grows.away_from(0.0) > SUSPECT)?;
+    let calm = compared.without(&scaled(&compared.way_after(rough), grows.value))?;
+    let (at, grows) = place(&compared.in_noise_of(&calm)?)?;
+    let after = compared.way_after(at);
+    let calm = compared.without(&scaled(&after, grows.value))?;
+    let (left, _) = calm.beside(&after)?;
+    let grows = Figure { value: grows.value + left.value, sd: left.sd / calm.independent().sqrt() };
+    // With the change taken off, 1/s is that from before.
+    let before = 1.0 + calm.fit.beta[0];
+    let ratio = Figure { value: before / (before + grows.value), sd: grows.sd };
+    Some(Change { time_s: compared.differences.end_s[at], ratio })
+}
+
+fn scaled(values: &[f64], by: f64) -> Vec<f64> {
+    values.iter().map(|value| by * value).collect()
+}
+
+/// Behind which difference a change explains most, and by how much 1/s grows there.
+fn place(compared: &Compared) -> Option<(usize, Figure)> {
+    let by_speed = &compared.differences.by_speed;
+    let way_m: f64 = by_speed.iter().sum();
+    let least_m = LEAST_WAY_M.max(LEAST_SHARE * way_m);
+    let (mut passed_m, mut next_m) = (0.0, least_m);
+    let mut best: Option<(usize, Figure)> = None;
+    for (i, metres) in by_speed.iter().enumerate() {
+        passed_m += metres;
+        if passed_m > way_m - least_m {
+            break;
+        }
+        if passed_m < next_m {
+            continue;
+        }
+        next_m = passed_m + (way_m - 2.0 * least_m) / PLACES;
+        let Some((grows, _)) = compared.beside(&compared.way_after(i)) else { continue };
+        if best.is_none_or(|(_, most)| grows.away_from(0.0) > most.away_from(0.0)) {
+            best = Some((i, grows));
+        }
+    }
+    best
+}
+
+impl Compared {
+    /// Distance by speed behind a difference, m; before it none.
+    fn way_after(&self, at: usize) -> Vec<f64> {
+        let by_speed = self.differences.by_speed.iter().enumerate();
+        by_speed.map(|(i, metres)| if i > at { *metres } else { 0.0 }).collect()
+    }
+}
+
+impl Change {
+    /// Where it is beyond doubt, with what the rounding of held speeds does on either side of it; its doubt is the wider one.
+    pub(crate) fn sure(mut self, rows: &[Sample], step_kmh: f64) -> Option<Self> {
+        let at = rows.partition_point(|row| row.time_s <= self.time_s);
+        for side in [&rows[..at], &rows[at..]] {
+            let moving: Vec<f64> = side.iter().filter_map(|row| row.speed_mps.filter(|mps| *mps > 0.0)).collect();
+            let mean_mps = moving.iter().sum::<f64>() / moving.len().max(1) as f64;
+            self.ratio.sd = self.ratio.sd.hypot(steps::held_mps(side, step_kmh) / mean_mps.max(1.0));
+        }
+        let is_sure = (self.ratio.value - 1.0).abs() > LEAST_SCALE && self.ratio.away_from(1.0) > WITHIN_SURE;
+        is_sure.then_some(self)
+    }
+
+    /// Brings the speeds after it to the scale from before.
+    pub(crate) fn undo(&self, rows: &mut [Sample]) {
+        for row in rows.iter_mut().filter(|row| row.time_s > self.time_s) {
+            row.speed_mps = row.speed_mps.map(|mps| mps / self.ratio.value);
+        }
+    }
+
+    /// Location where it lies, m, and line.
+    pub(crate) fn place(&self, rows: &[Sample]) -> (Option<f64>, u64) {
+        let at = rows.partition_point(|row| row.time_s <= self.time_s);
+        (rows[..at].iter().rev().find_map(|row| row.location_m), rows.get(at).map_or(0, |row| row.line))
+    }
+}
+
+/// Where the scale changes from run to run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Between {
+    /// The first run after it.
+    pub(crate) from: usize,
+    /// Scale of the runs before and after.
+    pub(crate) sides: [Figure; 2],
+}
+
+impl Between {
+    /// Scale after over scale before.
+    pub(crate) fn ratio(&self) -> Figure {
+        let [before, after] = self.sides;
+        Figure { value: after.value / before.value, sd: before.sd.hypot(after.sd) }
+    }
+}
+
+/// Scales of runs in the order in which they were made: from which on they are others; none where they scatter around one.
+pub(crate) fn between(scales: &[Figure]) -> Option<Between> {
+    let places = LEAST_RUNS..(scales.len() + 1).saturating_sub(LEAST_RUNS);
+    let apart = |found: &Between| found.ratio().away_from(1.0);
+    let split = |from: usize| Between { from, sides: sides(scales, from) };
+    let best = places.map(split).max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+    let [before, after] = best.sides.map(|side| side.value);
+    let is_astray = |(i, scale): (usize, &Figure)| {
+        let (own, other) = if i < best.from { (before, after) } else { (after, before) };
+        scale.sd < 0.25 * (after - before).abs() && (scale.value - own).abs() > (scale.value - other).abs()
+    };
+    let astray = scales.iter().enumerate().filter(|one| is_astray(*one)).count();
+    let fewer = best.from.min(scales.len() - best.from) as f64;
+    let is_sure = (best.ratio().value - 1.0).abs() > LEAST_SCALE && apart(&best) > SURE;
+    (is_sure && astray as f64 <= MOST_ASTRAY * fewer).then_some(best)
+}
+
+/// Mean scales of both sides, each run weighed by its doubt and by how much runs of one side differ.
+fn sides(scales: &[Figure], from: usize) -> [Figure; 2] {
+    let parts = [&scales[..from], &scales[from..]];
+    let mean = |part: &[Figure], own: f64| {
+        let weights = part.iter().map(|scale| (scale.sd.powi(2) + own).recip());
+        let all: f64 = weights.clone().sum();
+        let value = weights.zip(part).map(|(weight, scale)| weight * scale.value).sum::<f64>() / all;
+        Figure { value, sd: all.sqrt().recip() }
+    };
+    let off = parts.iter().flat_map(|part| {
+        let middle = mean(part, 0.0).value;
+        part.iter().map(move |scale| scale.value - middle)
+    });
+    let known: Vec<f64> = scales.iter().map(|scale| scale.sd.powi(2)).collect();
+    let own = (spread(&off.collect::<Vec<f64>>()).powi(2) - median(&known)).max(0.0);
+    parts.map(|part| mean(part, own))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures(values: &[f64]) -> Vec<Figure> {
+        let noise = [0.2, -0.4, 0.1, 0.5, -0.3, -0.1];
+        let figure = |(i, value): (usize, &f64)| Figure { value: value + 1e-3 * noise[i % 6], sd: 5e-4 };
+        values.iter().enumerate().map(figure).collect()
+    }
+
+    #[test]
+    fn a_change_from_one_run_on_is_found_and_a_single_other_run_is_none() {
+        let turned = figures(&[vec![1.0; 7], vec![0.99; 5]].concat());
+        let found = between(&turned).unwrap();
+        assert!(found.from == 7 && (found.ratio().value - 0.99).abs() < 1e-3, "{found:?}");
+        let mut one = figures(&[1.0; 12]);
+        one[10].value = 1.02;
+        assert_eq!((between(&figures(&[1.0; 12])), between(&one)), (None, None));
+    }
+}
