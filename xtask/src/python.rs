@@ -62,18 +62,10 @@ pub fn fleets(runs: &str) -> Result<(), String> {
     run(fleets.env(COMMAND, rundown))
 }
 
-/// The variable that names the module's library as `cargo test --workspace` builds it. Where it is not set, a wheel is built and installed, as `pip` does:
-/// apart from the workspace packages have other features, so that all of them are built again.
-const LIBRARY: &str = "RUNDOWN_LIBRARY";
-
-/// A virtual environment in the target's `folder` with the module.
+/// A virtual environment in the target's `folder` with the module, built from the sources.
 fn with_module(folder: &str, package: &str) -> Result<Environment, String> {
     let folder = target().join(folder);
     let environment = Environment::at(folder.join("venv"), package)?;
-    if let Some(library) = std::env::var_os(LIBRARY) {
-        place(&environment, &root().join(library))?;
-        return Ok(environment);
-    }
     let wheels = folder.join("wheels");
     // Left behind, an older wheel would be tested.
     match std::fs::remove_dir_all(&wheels) {
@@ -88,31 +80,6 @@ fn with_module(folder: &str, package: &str) -> Result<Environment, String> {
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     run(environment.command("python").args(install).arg(wheel))?;
     Ok(environment)
-}
-
-/// Puts the module's sources and library where a wheel puts them.
-fn place(environment: &Environment, library: &Path) -> Result<(), String> {
-    // An installed wheel would be a second one.
-    run(environment.command("python").args(["-m", "pip", "uninstall", "--quiet", "--yes", "rundown"]))?;
-    let program = environment.program("python");
-    let path = "import sysconfig; print(sysconfig.get_path('platlib'))";
-    let packages = ask(program.to_str().unwrap_or_default(), &["-c", path])
-        .ok_or_else(|| format!("{}: expected a Python that names its packages' folder", program.display()))?;
-    let module = Path::new(packages.trim()).join("rundown");
-    let copied = |from: &Path, to: &Path| {
-        std::fs::copy(from, to).map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))
-    };
-    let sources = root().join(PACKAGE).join("rundown");
-    let failed = |error| format!("{}: {error}", module.display());
-    std::fs::create_dir_all(&module).map_err(failed)?;
-    for source in sources.read_dir().map_err(failed)? {
-        let source = source.map_err(failed)?;
-        if source.path().is_file() {
-            copied(&source.path(), &module.join(source.file_name()))?;
-        }
-    }
-    println!("module       {} and {}", module.display(), library.display());
-    copied(library, &module.join("_rundown.abi3.so")).map(drop)
 }
 
 /// A virtual environment with what the tests need.
