@@ -165,9 +165,9 @@ def test_what_a_person_should_know_is_a_warning(made, tmp_path):
     for log in logs:
         shutil.copy(made.runs / log.name, log)
     logs[0].write_text("time_s;location_m\n")
-    with pytest.warns(UserWarning, match="1 logs refused, the first: .*run001.csv"):
+    with pytest.warns(UserWarning, match="1 log refused, the first: .*run001.csv"):
         learned = rundown.replay((log for log in logs), train=made.train, track=made.track)
-    assert "1 logs refused" in repr(learned) and "run001.csv" in str(learned)
+    assert "1 log refused" in repr(learned) and "run001.csv" in str(learned)
     with pytest.warns(UserWarning, match="beyond the speeds of the runs"):
         learned.resistance(100)
     with pytest.raises(rundown.RundownError, match="expected speeds from 0 m/s on, found -1"):
