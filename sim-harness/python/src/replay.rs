@@ -74,11 +74,13 @@ impl Replay {
     /// What a person should know, in the order of its weight: what was refused, what was found, what is the matter with rows.
     fn said(&self) -> Vec<String> {
         let (Replayed { failed, notes, .. }, warnings) = (&self.replayed, self.warnings());
-        let all = |count: usize, what: &str, first: &str, all: &str| {
-            format!("{count} {what}, the first: {first}; all in .{all}")
+        let all = |count: usize, [one, many]: [&str; 2], first: &str, all: &str| {
+            format!("{}, the first: {first}; all in .{all}", counted(count, one, many))
         };
-        let refused = failed.first().map(|first| all(failed.len(), "logs refused", &first.error, "failed"));
-        let of_rows = warnings.first().map(|first| all(warnings.len(), "warnings of logs", first, "warnings"));
+        let refused = ["log refused", "logs refused"];
+        let refused = failed.first().map(|first| all(failed.len(), refused, &first.error, "failed"));
+        let of_rows = ["warning of a log", "warnings of logs"];
+        let of_rows = warnings.first().map(|first| all(warnings.len(), of_rows, first, "warnings"));
         refused.into_iter().chain(notes.iter().cloned()).chain(of_rows).collect()
     }
 
