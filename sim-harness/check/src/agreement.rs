@@ -320,11 +320,6 @@ impl Compared {
     }
 }
 
-/// Compares speed and location of one run. None: too little of it moves with both readings.
-pub fn agreement(parts: &[&[Row]]) -> Option<Agreement> {
-    Compared::fitted(Differences::of(parts)).map(|compared| compared.agreement())
-}
-
 impl Agreement {
     /// The same with what the rounding of the speeds does, which may not show in the residuals: each reading is off by as much as a part of the step, and where a speed is
     /// held, all of them by the same.

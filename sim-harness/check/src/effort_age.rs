@@ -14,6 +14,7 @@
 use crate::agreement::{Figure, spread};
 use nalgebra::{Matrix4, Vector4};
 use rundown_files::sample::Sample;
+use rundown_files::units::median;
 
 /// A window is at least so long, s.
 const WINDOW_S: f64 = 4.0;
@@ -92,6 +93,8 @@ fn stretches(rows: &[Sample], step_s: f64) -> Vec<Vec<&Sample>> {
             last.push(row);
         }
     }
+    // Rows that are not complete leave empty ones behind: a column with few values has as many as rows.
+    found.retain(|rows| !rows.is_empty());
     found
 }
 
@@ -221,9 +224,8 @@ pub(crate) fn usual<'a>(runs: impl Iterator<Item = (&'a [Sample], f64)>) -> Opti
 
 /// Mean, and the standard deviation between runs.
 fn pooled(ages: impl Iterator<Item = Figure> + Clone) -> (Figure, f64) {
-    let mut values: Vec<f64> = ages.clone().map(|age| age.value).collect();
-    values.sort_by(f64::total_cmp);
-    let middle_s = values[values.len() / 2];
+    let values: Vec<f64> = ages.clone().map(|age| age.value).collect();
+    let middle_s = median(&values);
     let spread_s = spread(&values.iter().map(|value| value - middle_s).collect::<Vec<f64>>());
     let weight = |age: Figure| (age.sd.powi(2) + spread_s * spread_s).recip();
     let all: f64 = ages.clone().map(weight).sum();
@@ -239,10 +241,8 @@ pub(crate) fn move_efforts(rows: &mut [Sample], step_s: f64, usual: &Usual) {
     let efforts: Vec<EffortStretch> =
         stretches(rows, step_s).iter().map(|rows| EffortStretch::of(rows, Reading::Mean)).collect();
     let within = |time_s: f64| {
-        efforts.iter().find(|stretch| {
-            let ends = stretch.rows.first().zip(stretch.rows.last());
-            ends.is_some_and(|(first, last)| (first[0]..=last[0]).contains(&time_s))
-        })
+        let ends_before = |stretch: &EffortStretch| stretch.rows.last().is_none_or(|[last_s, ..]| *last_s < time_s);
+        efforts.get(efforts.partition_point(ends_before))
     };
     let mut before_s = f64::NEG_INFINITY;
     for row in rows {

@@ -471,10 +471,14 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
 
 impl OfSpeed {
     fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
-        let parts = parts(rows, step_s);
-        let compared = Compared::fitted(Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>()))?;
+        let compared = Compared::fitted(differences(rows, step_s))?;
         Some(Self { agreement: compared.agreement(), change: wheel_change::within(&compared) })
     }
+}
+
+fn differences(rows: &[Sample], step_s: f64) -> Differences {
+    let parts = parts(rows, step_s);
+    Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 /// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as usual.

@@ -9,7 +9,7 @@
 
 use crate::agreement::{Compared, Differences, Figure, PAIR_S, spread};
 use crate::finding::{Done, Finding, Kind};
-use crate::{RunCheck, parts, places};
+use crate::{RunCheck, differences, places};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -189,11 +189,6 @@ fn steps_stand_out(asked: &[Compared]) -> bool {
 fn length_m(rows: &[Sample]) -> f64 {
     let located = || rows.iter().filter_map(|row| row.location_m);
     located().fold(f64::MIN, f64::max) - located().fold(f64::MAX, f64::min)
-}
-
-fn differences(rows: &[Sample], step_s: f64) -> Differences {
-    let parts = parts(rows, step_s);
-    Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 /// By which share of the way the locations run ahead of the speeds.

@@ -41,6 +41,13 @@ impl Grown {
     /// The wheel stays what it is.
     pub(crate) const NOT: Self = Self { all: 1.0, after: None };
 
+    /// Brings all speeds to the scale from before.
+    pub(crate) fn undo(&self, rows: &mut [Sample]) {
+        for row in rows {
+            row.speed_mps = row.speed_mps.map(|mps| mps / self.at(row.time_s));
+        }
+    }
+
     fn at(&self, time_s: f64) -> f64 {
         self.after.filter(|(from_s, _)| time_s > *from_s).map_or(self.all, |(_, ratio)| self.all * ratio)
     }

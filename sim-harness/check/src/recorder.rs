@@ -137,7 +137,7 @@ fn of_one(
         run.changes(&change, rows, put_right(!known.scale));
         grown.after = Some((change.time_s, change.ratio.value));
         let mut undone = rows.to_vec();
-        change.undo(&mut undone);
+        grown.undo(&mut undone);
         of_speed = OfSpeed::of(&undone, run.step_s)?;
     }
     Some((of_speed.agreement.with_rounding(steps::rounding_mps(step_kmh), held_mps, run.step_s), grown))
@@ -183,14 +183,7 @@ impl RecorderCheck {
         let scales: Vec<Figure> = order.iter().filter_map(scale).collect();
         let found = wheel_change::between(&scales)?;
         let after = order.split_off(found.from);
-        self.findings.push(Finding {
-            kind: Kind::WheelChange,
-            figure: found.ratio(),
-            unit: "",
-            count: 1,
-            line: 0,
-            done: put_right(!known.scale),
-        });
+        self.found(Kind::WheelChange, found.ratio(), "", put_right(!known.scale));
         let [first, since] = found.sides.map(|side| side.with_interval(4));
         let named = &recordings[of_unit[after[0]]].name;
         let (runs, before) = (after.len(), order.len());

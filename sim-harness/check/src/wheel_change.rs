@@ -101,13 +101,6 @@ impl Change {
         is_sure.then_some(self)
     }
 
-    /// Brings the speeds after it to the scale from before.
-    pub(crate) fn undo(&self, rows: &mut [Sample]) {
-        for row in rows.iter_mut().filter(|row| row.time_s > self.time_s) {
-            row.speed_mps = row.speed_mps.map(|mps| mps / self.ratio.value);
-        }
-    }
-
     /// Location where it lies, m, and line.
     pub(crate) fn place(&self, rows: &[Sample]) -> (Option<f64>, u64) {
         let at = rows.partition_point(|row| row.time_s <= self.time_s);

@@ -1,5 +1,7 @@
 //! Clock and units by what the readings say: the units whose distance by speed agrees with the distance by location.
 
+mod exchanged;
+
 use super::clock::{self, ClockKind, DateOrder, Orders, WrittenTime};
 use super::columns::{Columns, How};
 use super::geo;
@@ -22,12 +24,6 @@ const LEAST_ALIKE: f64 = 0.8;
 const ALIKE: f64 = 0.2;
 /// A wheel may be off by so much; the units that are closest lie 10 % apart.
 const NEAR: f64 = 0.06;
-/// Ways by positions are compared in chords of so many metres, of which so many decide.
-const CHORD_M: f64 = 150.0;
-const LEAST_CHORDS: usize = 20;
-/// Positions that are named rightly are nearer than this to the way, and those that are not are so many times as far as the others.
-const WAY_NEAR: f64 = 0.025;
-const FARTHER: f64 = 3.0;
 /// What trains do, m/s, and how often recorders write, s.
 const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
 const STEP_S: std::ops::Range<f64> = 0.009..600.0;
@@ -187,78 +183,6 @@ impl SeenRows {
         ))
     }
 
-    /// Latitude and longitude under each other's name: some are no latitudes, or the way by positions agrees with that by location or speed once they are exchanged,
-    /// and not as they are named. Out: that they were exchanged, with the figures.
-    ///
-    /// # Errors
-    /// The mapping names them so.
-    pub fn exchanged(&mut self, columns: &mut Columns, mapping: &SourceMapping) -> Result<Option<String>, String> {
-        let of = |meaning: Meaning| columns.of.get(&meaning).filter(|column| column.unit.is_some_and(Unit::is_degrees));
-        let Some((latitude, longitude)) = of(Meaning::Latitude).zip(of(Meaning::Longitude)) else { return Ok(None) };
-        let fixes = || self.rows.iter().filter_map(|row| row.numbers[3].zip(row.numbers[4]));
-        let beyond = fixes().find(|(latitude, _)| latitude.abs() > 90.0);
-        let are_degrees = fixes().all(|(first, second)| first.abs() <= 180.0 && second.abs() <= 90.0);
-        let why = match beyond.filter(|_| are_degrees) {
-            Some((first, _)) => format!("{first} is no latitude"),
-            None => match self.ways(columns) {
-                Some([named, other]) if is_other_way(named, other) => format!(
-                    "the way by positions is {named:.4} of that by {} as the columns are named, and {other:.4} once they are exchanged",
-                    if columns.has(Meaning::Location) { "location" } else { "speed" }
-                ),
-                _ => return Ok(None),
-            },
-        };
-        let [first, second] = [&latitude.header, &longitude.header].map(Clone::clone);
-        if [Meaning::Latitude, Meaning::Longitude].iter().any(|meaning| mapping.columns.contains_key(meaning)) {
-            let said = [(Meaning::Latitude, second.as_str()), (Meaning::Longitude, first.as_str())];
-            let said = said.map(|(meaning, header)| (meaning, header, String::new()));
-            return Err(format!("latitude and longitude are exchanged: {why}; {SAY_IT}: {}", line(said)));
-        }
-        let [latitude, longitude] = [longitude.clone(), latitude.clone()];
-        columns.of.insert(Meaning::Latitude, latitude);
-        columns.of.insert(Meaning::Longitude, longitude);
-        self.rows.iter_mut().for_each(|row| row.numbers.swap(3, 4));
-        Ok(Some(format!("column {second:?} is taken for the latitude and {first:?} for the longitude: {why}")))
-    }
-
-    /// The way by positions over that by location, or by speed, as the columns are named and once they are exchanged: medians over chords. None where the
-    /// units of the other are not known, or too few rows show it.
-    fn ways(&self, columns: &Columns) -> Option<[f64; 2]> {
-        let si = |meaning, value: f64| columns.unit(meaning).map(|unit| unit.to_si(value));
-        let located = columns.has(Meaning::Location);
-        let passing = |row: &WrittenRow| {
-            let [_, location, speed, latitude, longitude] = row.numbers;
-            let fix = latitude.zip(longitude).filter(|fix| *fix != (0.0, 0.0))?;
-            let time = row.time(columns)?;
-            let time_s = if columns.kind.has_unit() { si(Meaning::Time, time)? } else { time };
-            let other = if located { si(Meaning::Location, location?)? } else { si(Meaning::Speed, speed?)? };
-            Some((time_s, fix, other))
-        };
-        let mut ratios: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
-        let mut begin: Option<((f64, f64), f64)> = None;
-        let mut before: Option<(f64, f64)> = None;
-        for row in &self.rows {
-            let Some((time_s, fix, other)) = passing(row) else { continue };
-            let goes_on = before.filter(|(last_s, _)| time_s > *last_s && time_s - last_s < 60.0);
-            let (from, way_m) = match goes_on.zip(begin) {
-                Some(((last_s, last), (from, way_m))) => {
-                    (from, way_m + if located { other - last } else { 0.5 * (other + last) * (time_s - last_s) })
-                }
-                None => (fix, 0.0),
-            };
-            begin = Some((from, way_m));
-            before = Some((time_s, other));
-            if way_m.abs() >= CHORD_M {
-                let turned = |(latitude, longitude): (f64, f64)| (longitude, latitude);
-                let chords_m = [geo::distance_m(from, fix), geo::distance_m(turned(from), turned(fix))];
-                ratios.iter_mut().zip(chords_m).for_each(|(ratios, chord_m)| ratios.push(chord_m / way_m.abs()));
-                begin = Some((fix, 0.0));
-            }
-        }
-        let [named, other] = ratios.map(|ratios| middle(ratios.clone()).filter(|_| ratios.len() >= LEAST_CHORDS));
-        Some([named?, other?])
-    }
-
     /// A column with nothing but its unit is a speed or a location where it follows the other of the two. A speed that too few rows can deny stays; a location
     /// does not: altitudes and accuracies are lengths, too.
     pub fn unit_alone(&self, columns: &mut Columns) -> Vec<String> {
@@ -408,12 +332,6 @@ impl SeenRows {
         let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / all as f64;
         Some(Stretches { ratio, alike, fastest, step })
     }
-}
-
-/// Exchanged positions go the way, and those as they are named do not.
-fn is_other_way(named: f64, exchanged: f64) -> bool {
-    let [off, left] = [named, exchanged].map(|ratio| (ratio - 1.0).abs());
-    left < WAY_NEAR && off > WAY_NEAR && off > FARTHER * left
 }
 
 /// A row as it is written.

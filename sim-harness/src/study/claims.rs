@@ -78,9 +78,9 @@ const OTHER_TRAIN: f64 = 0.05;
 /// Whether line and train are the paper's. Without runs only the description can say so.
 fn is_at_home(gathered: &Gathered, train: &Train) -> bool {
     let r0 = 0.5 * (R0_BAND.start() + R0_BAND.end());
-    let near = |found: f64, wanted: f64, share: f64| (found / wanted - 1.0).abs() <= share;
-    let line = gathered.travelled_m.mean().is_none_or(|way_m| near(way_m, LINE_M, OTHER_LINE));
-    line && near(train.davis().r0, r0, OTHER_TRAIN)
+    let is_line = near(gathered.travelled_m.mean(), LINE_M, OTHER_LINE * LINE_M);
+    let is_train = near(Some(train.davis().r0), r0, OTHER_TRAIN * r0);
+    is_line != Some(false) && is_train == Some(true)
 }
 
 /// What is judged of runs on another line or with another train: what the method does, not what the paper's line, train and drivers put into its numbers.

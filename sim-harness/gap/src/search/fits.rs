@@ -37,11 +37,15 @@ impl<'a> Search<'a> {
         let y = rows.iter().map(|row| row.residual_n_per_kg - by_winds);
         let y = whitening.whiten(&y.collect::<Vec<f64>>());
         let offer = Offer { context, rows, measured };
-        let (of, others): (Vec<_>, Vec<_>) =
-            candidates::searched().partition(|candidate| !candidate.families(&offer).is_empty());
-        let families: Vec<Family> = of.into_iter().flat_map(|candidate| candidate.families(&offer)).collect();
         let with_effort = Offer { measured: true, ..offer };
-        let unsearched = others.into_iter().flat_map(|candidate| candidate.families(&with_effort)).collect();
+        let (mut families, mut unsearched) = (Vec::new(), Vec::new());
+        for candidate in candidates::searched() {
+            let own = candidate.families(&offer);
+            if own.is_empty() {
+                unsearched.extend(candidate.families(&with_effort));
+            }
+            families.extend(own);
+        }
         let scan = |family: &Family| match family {
             Family::Section(term) => Some(Scan::new(term.clone(), context, rows, &whitening)),
             Family::Shapes(_) | Family::Linearised(_) | Family::Whole(_) | Family::Runs(_) => None,

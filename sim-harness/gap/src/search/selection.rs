@@ -30,21 +30,19 @@ impl Search<'_> {
 
     /// The best shape of each family beside a model, best first.
     pub fn candidates(&self, model: &[Term]) -> Vec<Found> {
-        let Some(base) = self.base(model) else {
-            return Vec::new();
-        };
-        let mut found: Vec<Found> =
-            self.families.iter().filter_map(|family| self.best_of(family, &base, model)).collect();
-        found.sort_by(|a, b| b.value.total_cmp(&a.value));
-        found
+        self.offered(self.families.iter(), model)
     }
 
     /// All that would explain what a term does, best first: the candidates beside the other terms, and what these data cannot name.
     pub fn in_place(&self, others: &[Term]) -> Vec<Found> {
-        let mut found = self.candidates(others);
-        if let Some(base) = self.base(others) {
-            found.extend(self.unsearched.iter().filter_map(|family| self.best_of(family, &base, others)));
-        }
+        self.offered(self.families.iter().chain(&self.unsearched), others)
+    }
+
+    fn offered<'f>(&self, families: impl Iterator<Item = &'f Family>, model: &[Term]) -> Vec<Found> {
+        let Some(base) = self.base(model) else {
+            return Vec::new();
+        };
+        let mut found: Vec<Found> = families.filter_map(|family| self.best_of(family, &base, model)).collect();
         found.sort_by(|a, b| b.value.total_cmp(&a.value));
         found
     }
