@@ -764,7 +764,8 @@ fn locations_of_their_own_are_put_on_one_chainage_by_the_stops() {
         .with("b.csv", &own(&line[2..]))
         .with("c.csv", &own(&back))
         .with("d.csv", &own(&other));
-    let said = folder.done(&["import", "a.csv", "b.csv", "c.csv", "d.csv"]);
+    let said = folder.rundown(&["import", "a.csv", "b.csv", "c.csv", "d.csv"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
     assert!(said.out.contains("chainage: stops (the locations of 4 of 4 logs begin at 0)"), "{}", said.out);
     near(csv(&folder, "runs/b_01.csv")[0][1], 5600.0, 2.0);
     near(csv(&folder, "runs/c_01.csv")[0][1], 14_200.0, 2.0);
@@ -772,6 +773,31 @@ fn locations_of_their_own_are_put_on_one_chainage_by_the_stops() {
     assert!(said.err.contains("d_01 is left out") && !folder.path("runs/d_01.csv").exists(), "{}", said.err);
     folder.done(&["import", "a.csv", "b.csv", "c.csv", "--chainage", "align", "--out", "aligned"]);
     near(csv(&folder, "aligned/b_01.csv")[0][1], 5600.0, 100.0);
+}
+
+#[test]
+fn runs_that_stop_at_their_ends_only_are_placed_by_these_and_turned_by_their_speeds() {
+    let folder = Folder::new();
+    folder.done(&["simulate", "--runs", "20", "--out", "set"]);
+    let said = folder.done(&["import", "set/runs", "--out", "there"]);
+    assert!(said.out.contains("20 of 20 logs begin at 0, and 20 end at the same place"), "{}", said.out);
+    let as_it_was = |run: &str| {
+        let (was, is) = (csv(&folder, &format!("set/runs/{run}.csv")), csv(&folder, &format!("there/{run}_01.csv")));
+        was.iter().zip(&is).all(|(was, is)| was[..3] == is[..3])
+    };
+    assert!((1..=20).all(|run| as_it_was(&format!("run{run:03}"))), "{}", folder.read("there/import.json"));
+
+    // The same runs as those of trains that come back, each with an odometer of its own.
+    let text = folder.read("set/runs/run007.csv");
+    let rows: Vec<Vec<f64>> = text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    let (end_s, end_m) = (last(&rows)[0], last(&rows)[1]);
+    let back: String = rows.iter().rev().map(|row| format!("{},{},{}\n", end_s - row[0], end_m - row[1], row[2])).collect();
+    let folder = folder.with("set/runs/run007.csv", &format!("time_s,location_m,speed_kmh\n{back}"));
+    folder.done(&["import", "set/runs", "--out", "back"]);
+    let index = folder.read("back/runs.csv");
+    let down: Vec<&str> = index.lines().filter(|line| line.ends_with(",down")).collect();
+    assert_eq!(down, ["run007_01.csv,,,down"]);
+    near(csv(&folder, "back/run007_01.csv")[0][1], end_m, 100.0);
 }
 
 #[test]

@@ -54,6 +54,36 @@ fn verbose_says_what_is_read_and_written_and_when() {
     assert_eq!(both.code, Some(2));
 }
 
+/// What becomes of the exit code where stdout, or stderr, takes nothing more.
+#[cfg(target_os = "linux")]
+fn code(folder: &Folder, arguments: &[&str], out: Stdio, err: Stdio) -> Option<i32> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
+    command.current_dir(folder.path("")).args(arguments).stdout(out).stderr(err).status().unwrap().code()
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_stdout_is_said_and_a_closed_one_or_a_full_stderr_stops_nothing() {
+    let folder = Folder::new().with("run01.csv", RUN);
+    let full = || Stdio::from(std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
+    let closed = || {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        Stdio::from(writer)
+    };
+    let check = ["check", "run01.csv", "--out", "checked", "--json"];
+    for arguments in [&check[..], &["simulate", "--example"], &["gap", "--print-config"], &["completions", "bash"]] {
+        assert_eq!(code(&folder, arguments, full(), Stdio::null()), Some(4), "{arguments:?}");
+        assert_eq!(code(&folder, arguments, closed(), Stdio::null()), Some(0), "{arguments:?}");
+    }
+    for stderr in [&full as &dyn Fn() -> Stdio, &closed] {
+        let folder = Folder::new().with("run01.csv", RUN);
+        assert_eq!(code(&folder, &["-v", "check", "run01.csv", "--out", "checked"], Stdio::null(), stderr()), Some(0));
+        assert!(folder.path("checked").join("report.html").is_file());
+        assert_eq!(code(&folder, &["replay", "nowhere.csv"], Stdio::null(), stderr()), Some(2));
+    }
+}
+
 #[test]
 fn a_log_from_stdin_is_replayed_as_one_from_a_file() {
     let folder = Folder::new().with("stdin.csv", RUN);

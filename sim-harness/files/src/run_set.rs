@@ -5,8 +5,9 @@
 //! A folder stands for all its `*.csv` in the order of their names; one without any that has a folder `runs`, as a data set of
 //! `rundown simulate`, stands for that. The index [`INDEX`] beside the logs gives departure, unit, driver and direction;
 //! when every run stands in an index the runs go in the order of departure, otherwise as given. `runs.csv` and `index.csv` are never
-//! taken for logs, so that `logs/*.csv` works.
+//! taken for logs, so that `logs/*.csv` works; neither are the results that a `manifest.json` beside the logs lists.
 
+use crate::folder::{MANIFEST, results_in};
 use crate::refusal::{Place, ReadError, Refusal};
 use crate::run_log::STDIN;
 use rundown::model::direction::Direction;
@@ -76,6 +77,7 @@ impl RunSet {
             }
         }
         let mut set = Self::default();
+        set.leave_out_results(&mut paths);
         let mut indexes: HashMap<PathBuf, HashMap<String, IndexRow>> = HashMap::new();
         for path in paths {
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -98,6 +100,25 @@ impl RunSet {
         let indexes: BTreeSet<PathBuf> = self.files.iter().map(|file| file.path.with_file_name(INDEX)).collect();
         let logs = self.files.iter().map(|file| file.path.clone());
         logs.chain(indexes.into_iter().filter(|index| index.is_file())).collect()
+    }
+
+    /// Leaves out what a command wrote beside the logs, where files are named.
+    fn leave_out_results(&mut self, paths: &mut Vec<PathBuf>) {
+        let of = |path: &PathBuf| path.parent().unwrap_or(Path::new("")).to_owned();
+        let folders: BTreeSet<PathBuf> = paths.iter().map(of).collect();
+        for folder in folders {
+            let results = results_in(&folder);
+            let before = paths.len();
+            paths.retain(|path| path.strip_prefix(&folder).map_or(true, |name| !results.contains(name)));
+            let count = before - paths.len();
+            if count > 0 {
+                let place = folder.join(MANIFEST);
+                self.notes.push(format!(
+                    "{}: {count} of the tables in this folder are results of a command, and no logs",
+                    place.display()
+                ));
+            }
+        }
     }
 
     /// Logs that only the index of a folder knows.
@@ -168,11 +189,14 @@ fn log_folder(path: &Path) -> PathBuf {
 /// The logs of a folder in the order of their names.
 fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     let error = |source| ReadError::io(folder, source);
+    let results = results_in(folder);
     let mut logs = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(error)? {
-        let path = entry.map_err(error)?.path();
+        let entry = entry.map_err(error)?;
+        let path = entry.path();
         let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-        if is_csv && path.is_file() && !is_table(&path) {
+        let is_result = results.contains(Path::new(&entry.file_name()));
+        if is_csv && path.is_file() && !is_table(&path) && !is_result {
             logs.push(path);
         }
     }
@@ -258,6 +282,25 @@ mod tests {
         let folder = folder(&[("b.csv", ""), ("a.csv", ""), ("index.csv", ""), ("x.txt", ""), ("sub/c.csv", "")]);
         let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
         assert_eq!(names(&set), ["a", "b"]);
+    }
+
+    #[test]
+    fn results_beside_the_logs_are_none() {
+        let manifest = |command: &str, file: &str| {
+            format!(r#"{{"command": "{command}", "outputs": [{{"file": "{file}"}}]}}"#)
+        };
+        let folder = folder(&[("a.csv", ""), ("features.csv", ""), (MANIFEST, &manifest("replay", "features.csv"))]);
+        let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
+        assert_eq!((names(&set), set.notes.len()), (vec!["a"], 0));
+        let named = ["a.csv", "features.csv"].map(|name| folder.path().join(name));
+        let set = RunSet::find(&named).unwrap();
+        assert_eq!(names(&set), ["a"]);
+        assert!(set.notes[0].contains("manifest.json: 1 of the tables"), "{:?}", set.notes);
+        // An import makes logs, and the manifest of another program says nothing.
+        for text in [manifest("import", "a.csv"), "{}".to_owned()] {
+            std::fs::write(folder.path().join(MANIFEST), text).unwrap();
+            assert_eq!(names(&RunSet::find(&named).unwrap()), ["a", "features"]);
+        }
     }
 
     #[test]

@@ -38,7 +38,7 @@ Files in the output folder:
   model/track.toml      the believed track with the effects of the place
   effect.frame          the effects of all runs for a board; `rundown link --effects` sends them
   residuals.csv         each interval's residual with time, location, speed, effort, temperature, day
-  powering.csv             steady power while trains gain speed, as a share of the believed limit
+  powering.csv          steady power while trains gain speed, as a share of the believed limit
   before_after.csv      simulated against measured speed on the hold-out runs";
 
 /// Arguments of `rundown gap`.

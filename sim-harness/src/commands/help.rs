@@ -118,7 +118,8 @@ fn continues(before: &str, line: &str) -> bool {
     let full = before.chars().count() > NARROW && !before.ends_with(':') && !line.trim().is_empty();
     let deeper = indentation(line) > indentation(before);
     // What stands deeper below a sentence is the command that it is about.
-    full && if item { deeper } else { indentation(line) == indentation(before) }
+    let command = line.strip_prefix(EXAMPLE).is_some_and(|line| line.starts_with("rundown "));
+    full && !command && if item { deeper } else { indentation(line) == indentation(before) }
 }
 
 #[cfg(test)]
@@ -131,10 +132,10 @@ mod tests {
     fn sentences_are_joined_and_items_and_examples_are_not() {
         let full = "x".repeat(90);
         let text = format!(
-            "{full}\nrest\n    rundown a\n  {full}\n    rundown b\n\n  a.csv  {full}\n         more\n    rundown {full}\n  next"
+            "{full}\nrest\n    rundown a\n  {full}\n    rundown b\n\n  a.csv  {full}\n         more\n    rundown {full}\n    rundown b\n  next"
         );
         let expected = format!(
-            "{full} rest\n    rundown a\n  {full}\n    rundown b\n\n  a.csv  {full} more\n    rundown {full}\n  next"
+            "{full} rest\n    rundown a\n  {full}\n    rundown b\n\n  a.csv  {full} more\n    rundown {full}\n    rundown b\n  next"
         );
         assert_eq!(unwrapped(&text), expected);
     }

@@ -89,5 +89,5 @@ fn said(done: &Imported, arguments: &Arguments) -> ExitCode {
         Some(None) => format!("{}\n--preview=FILE.svg draws the speeds\n", done.lines.join("\n")),
         None => done.words(&arguments.out),
     });
-    if done.errors.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) }
+    if done.errors.is_empty() && done.left_out == 0 { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) }
 }

@@ -227,12 +227,18 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Doctor => doctor::run(),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Arguments::command(), "rundown", &mut std::io::stdout());
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "rundown", &mut script);
+            screen::print(&String::from_utf8_lossy(&script));
             Ok(ExitCode::SUCCESS)
         }
     };
     log::info!("done");
-    done.unwrap_or_else(|failure| {
+    let printed = |code| match screen::stdout_failed() {
+        Some(error) => Err(Failure::not_written(format_args!("stdout: {error}: what was printed is not complete"))),
+        None => Ok(code),
+    };
+    done.and_then(printed).unwrap_or_else(|failure| {
         screen::error(&failure.message);
         ExitCode::from(failure.code)
     })

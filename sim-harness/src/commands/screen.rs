@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 /// Fewer runs are done before a bar is read.
@@ -21,44 +22,65 @@ const WARNINGS_PRINTED: usize = 5;
 /// Runs that are printed; `parameters.csv` has all.
 const RUNS_PRINTED: usize = 20;
 
-/// Prints to stdout. A reader that closed its end (`| head`) wants no more: that is no error.
+/// Why stdout took less than was printed.
+static STDOUT_FAILED: OnceLock<String> = OnceLock::new();
+
+/// Prints to stdout. What it could not take, [`stdout_failed`] says at the end: the files are written all the same.
 pub(super) fn print(text: &str) {
     let mut stdout = io::stdout().lock();
-    // The only other failures are those of a full disk behind a redirection; what counts is in the files.
-    let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    taken(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()));
 }
 
-/// Prints a file to stdout, with [`print`]'s view of a reader that closed its end.
+/// Prints a file to stdout, as [`print()`] does.
 pub(super) fn print_file(path: &Path) -> io::Result<()> {
     let mut file = File::open(path)?;
     let mut stdout = io::stdout().lock();
-    let _ = io::copy(&mut file, &mut stdout).and_then(|_| stdout.flush());
+    taken(io::copy(&mut file, &mut stdout).and_then(|_| stdout.flush()));
     Ok(())
+}
+
+/// A reader that closed its end (`| head`) wants no more: that is no failure.
+fn taken(done: io::Result<()>) {
+    if let Err(error) = done
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        let _ = STDOUT_FAILED.set(error.to_string());
+    }
+}
+
+/// Why stdout took less than was printed, as that of a full disk.
+pub(super) fn stdout_failed() -> Option<&'static str> {
+    STDOUT_FAILED.get().map(String::as_str)
+}
+
+/// A line on stderr. Where nobody reads it the work goes on.
+pub(super) fn say(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// An error, on stderr; one that lists several rows has a line for each.
 pub(super) fn error(message: &str) {
     for line in message.lines() {
-        eprintln!("error: {line}");
+        say(format_args!("error: {line}"));
     }
 }
 
 pub(super) fn note(message: &str) {
     if !quiet() {
-        eprintln!("note: {message}");
+        say(format_args!("note: {message}"));
     }
 }
 
 /// What is being done now, where no bar says it.
 pub(super) fn step(name: &str) {
     if !quiet() {
-        eprintln!("step: {name}");
+        say(format_args!("step: {name}"));
     }
 }
 
 pub(super) fn warning(message: &str) {
     if !quiet() {
-        eprintln!("warning: {message}");
+        say(format_args!("warning: {message}"));
     }
 }
 
@@ -68,11 +90,11 @@ pub(super) fn warnings(runs: &[ReplayedRun]) {
     }
     for run in runs {
         for warning in run.warnings.iter().take(WARNINGS_PRINTED) {
-            eprintln!("warning: {warning}");
+            say(format_args!("warning: {warning}"));
         }
         let more = run.warnings.len().saturating_sub(WARNINGS_PRINTED);
         if more > 0 {
-            eprintln!("warning: {}: {more} more warnings, all in replay.json", run.path.display());
+            say(format_args!("warning: {}: {more} more warnings, all in replay.json", run.path.display()));
         }
     }
 }

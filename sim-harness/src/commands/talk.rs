@@ -52,7 +52,7 @@ impl log::Log for Stages {
     fn log(&self, record: &log::Record<'_>) {
         if self.enabled(record.metadata()) {
             let seconds = BEGIN.get().map_or(0.0, |begin| begin.elapsed().as_secs_f64());
-            eprintln!("[{seconds:7.3} s] {}", record.args());
+            super::screen::say(format_args!("[{seconds:7.3} s] {}", record.args()));
         }
     }
 

@@ -56,6 +56,8 @@ const BIN_M: f64 = 50.0;
 const LEAST_BINS: usize = 40;
 const LEAST_CORRELATION: f64 = 0.6;
 const LEAST_LEAD: f64 = 0.1;
+/// Of two directions between the same ends; the other places are out already.
+const LEAST_LEAD_BETWEEN_ENDS: f64 = 0.05;
 /// Share of the fixes that must lie on the line.
 const LEAST_ON_LINE: f64 = 0.8;
 const AS_IT_IS: Placing = Placing::Shift { sign: 1.0, offset_m: 0.0, how: String::new() };
@@ -85,7 +87,10 @@ fn found(runs: &[Staged], given: Given) -> Placed {
 fn by(method: Method, why: String, runs: &[Staged], given: Given) -> Placed {
     let (places, line) = match method {
         Method::AsIs => (as_they_are(runs), Vec::new()),
-        Method::Stops => (shifted(runs, &[KnownLine::by_stops, KnownLine::by_speeds], &given.stops_m), Vec::new()),
+        Method::Stops => {
+            let ways = [KnownLine::by_stops, KnownLine::by_ends, KnownLine::by_speeds];
+            (shifted(runs, &ways, &given.stops_m), Vec::new())
+        }
         Method::Align => (shifted(runs, &[KnownLine::by_speeds], &[]), Vec::new()),
         Method::Line => on_line(runs, given.line),
     };
@@ -158,7 +163,17 @@ fn decided(runs: &[Staged], given: &Given) -> (Method, String) {
     {
         return (Method::AsIs, format!("{why}, and the trains stop at the same places as they are"));
     }
-    (Method::Stops, why)
+    let alike = one_length(&heads).map_or(0, |(_, alike)| alike);
+    let ends = if alike > 0 { format!(", and {alike} end at the same place") } else { String::new() };
+    (Method::Stops, format!("{why}{ends}"))
+}
+
+/// The length that four fifths of the runs have, and how many have it.
+fn one_length(runs: &[&Staged]) -> Option<(f64, usize)> {
+    let lengths_m: Vec<f64> = runs.iter().map(|run| run.length_m()).collect();
+    let length_m = middle(lengths_m.clone())?;
+    let alike = lengths_m.iter().filter(|other| (**other - length_m).abs() < STOP_M).count();
+    (runs.len() > 1 && 10 * alike >= 8 * runs.len()).then_some((length_m, alike))
 }
 
 /// By the stops of a track: as they are where most runs stop there already.
@@ -218,6 +233,8 @@ struct KnownLine {
     stops: Vec<f64>,
     /// Sum and count of speeds, by bin.
     speeds: std::collections::BTreeMap<i64, (f64, u32)>,
+    /// Both ends of the first run, m, where most are as long: they go from the one to the other, or back.
+    ends_m: Option<(f64, f64)>,
 }
 
 impl KnownLine {
@@ -260,6 +277,32 @@ impl KnownLine {
             best.iter().find(|other| other.1 != sign || (other.2 - offset_m).abs() > SAME_M).map_or(0, |other| other.0);
         let clear = count >= 3 && count > other && 2 * count >= own.len();
         clear.then(|| (sign, offset_m, format!("{count} of {} stops agree, {other} at the next best place", own.len())))
+    }
+
+    /// By both ends: only the direction is open, and the speeds over the location tell it.
+    fn by_ends(&self, run: &Staged) -> Option<(f64, f64, String)> {
+        let (low_m, high_m) = self.ends_m?;
+        if (run.length_m() - (high_m - low_m)).abs() >= STOP_M {
+            return None;
+        }
+        // Noise of the first reading is no offset.
+        let as_it_is = (run.ends_m.0 - low_m).abs() < STOP_M && (run.ends_m.1 - high_m).abs() < STOP_M;
+        let offset_m = |sign: f64| match sign > 0.0 {
+            true if as_it_is => 0.0,
+            true => low_m - run.ends_m.0,
+            false => high_m + run.ends_m.0,
+        };
+        let correlation = |sign: f64| {
+            let own = profile(run, sign);
+            self.correlation(&own, (offset_m(sign) / BIN_M).round() as i64, LEAST_BINS.max(own.len() * 6 / 10))
+        };
+        let (forth, back) = (correlation(1.0)?, correlation(-1.0)?);
+        let sign = if forth >= back { 1.0 } else { -1.0 };
+        ((forth - back).abs() >= LEAST_LEAD_BETWEEN_ENDS).then(|| {
+            let (r, other) = (forth.max(back), forth.min(back));
+            let how = format!("it has both ends of the others; speeds over the location correlate by {r:.2}, {other:.2} in the other direction");
+            (sign, offset_m(sign), how)
+        })
     }
 
     /// By the speeds over the location.
@@ -349,6 +392,8 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing>
     let mut known = KnownLine { stops: stops_m.to_vec(), ..KnownLine::default() };
     if let (Some(first), []) = (order.first(), stops_m) {
         known.add(&runs[*first], 1.0, 0.0);
+        let all: Vec<&Staged> = runs.iter().collect();
+        known.ends_m = one_length(&all).map(|_| runs[*first].ends_m);
         let how = "the run that the others are shifted to".to_owned();
         places[*first] = Some(Placing::Shift { sign: 1.0, offset_m: 0.0, how });
     }
@@ -373,12 +418,15 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing>
     // The chainage of a track stays.
     let zero_m = match stops_m {
         [] if runs.iter().any(|run| odometer::is_far(run.ends_m)) => least_m,
-        [] => least_m.min(0.0),
+        // A reading of a few metres below the first platform is noise.
+        [] if least_m > -STOP_M => 0.0,
+        [] => least_m,
         _ => 0.0,
     };
     let out = || {
         Placing::Out(
-            "neither its stops nor its speeds over the location agree with those of the other runs at one place only"
+            "neither its stops nor its speeds over the location agree with those of the other runs at one place only; \
+             --chainage as-is keeps the locations as they are, --track K.toml places runs by the stops of a track"
                 .to_owned(),
         )
     };

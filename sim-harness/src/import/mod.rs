@@ -96,6 +96,8 @@ pub struct Imported {
     pub warnings: Vec<String>,
     /// How many run logs were written.
     pub runs: usize,
+    /// How many runs cannot be put on the chainage.
+    pub left_out: usize,
 }
 
 impl Imported {
@@ -413,6 +415,7 @@ fn moved(place: &Placing, account: &mut Account) {
 fn left_out(run: &Staged, reason: &str, account: &mut Account, done: &mut Imported) {
     account.count("runs that cannot be put on the chainage, left out", 1);
     account.count("rows of runs without a place, left out", run.rows as u64);
+    done.left_out += 1;
     done.notes.push(format!("{} is left out: {reason}", run.name));
 }
 

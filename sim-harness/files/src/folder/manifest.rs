@@ -129,6 +129,12 @@ impl Listed {
         self.manifests.get(command).and_then(outputs)
     }
 
+    /// The files of all commands but these.
+    pub(super) fn files_but_of(&self, commands: &[&str]) -> BTreeSet<PathBuf> {
+        let others = self.manifests.iter().filter(|(command, _)| !commands.contains(&command.as_str()));
+        others.filter_map(|(_, manifest)| outputs(manifest)).flatten().collect()
+    }
+
     /// The manifests of other commands, each with the files that are its own when these have been written by `command`.
     pub(super) fn others(mut self, command: &str, written: &BTreeSet<PathBuf>) -> Vec<Value> {
         self.manifests.remove(command);

@@ -44,3 +44,12 @@ pub fn files_of(command: &str, folder: &Path) -> Result<Option<BTreeSet<PathBuf>
     let listed = manifest::Listed::read(folder).map_err(|source| WriteError { path: folder.to_owned(), source })?;
     Ok(listed.and_then(|listed| listed.files(command)))
 }
+
+/// Commands whose results are run logs.
+const MAKE_LOGS: [&str; 2] = ["import", "simulate"];
+
+/// The files, relative to the folder, that its manifest lists as results and that are no run logs; none where the manifest is another program's.
+pub fn results_in(folder: &Path) -> BTreeSet<PathBuf> {
+    let listed = manifest::Listed::read(folder).ok().flatten();
+    listed.map(|listed| listed.files_but_of(&MAKE_LOGS)).unwrap_or_default()
+}
