@@ -164,11 +164,17 @@ pub(crate) fn direction(
     warn: &mut impl FnMut(String),
 ) -> Direction {
     let travelled_m = travelled_m(rows);
-    let stated = indexed.or(match choice {
+    let chosen = match choice {
         DirectionChoice::Up => Some(Direction::Up),
         DirectionChoice::Down => Some(Direction::Down),
         DirectionChoice::Auto => None,
-    });
+    };
+    if let (Some(indexed), Some(chosen)) = (indexed, chosen)
+        && indexed != chosen
+    {
+        warn("the direction is that of the index, not the one asked for".to_owned());
+    }
+    let stated = indexed.or(chosen);
     match (stated, travelled_m) {
         (Some(stated), Some(travelled_m)) => {
             if travelled_m * stated.sign() < -SHORTEST_M {

@@ -30,16 +30,26 @@ pub(super) fn unbroken(command: Command) -> Command {
 /// Ends the process: help was asked for, or the arguments are wrong.
 pub(super) fn exit(error: &clap::Error) -> ! {
     let help = [ErrorKind::DisplayHelp, ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand];
-    if !help.contains(&error.kind()) {
-        error.exit();
-    }
-    let text = lines(&error.render().ansi().to_string(), width());
+    let said = error.render().ansi().to_string();
+    let text = if help.contains(&error.kind()) { lines(&said, width()) } else { expected(said) };
     // Whoever closed the other end wants no more.
     let _ = match error.use_stderr() {
         true => anstream::stderr().write_all(text.as_bytes()),
         false => anstream::stdout().write_all(text.as_bytes()),
     };
     std::process::exit(error.exit_code())
+}
+
+/// An error with what was expected, where the standard library says what it found.
+fn expected(said: String) -> String {
+    const NUMBERS: [(&str, &str); 5] = [
+        ("invalid digit found in string", "expected a whole number"),
+        ("cannot parse integer from empty string", "expected a whole number"),
+        ("invalid float literal", "expected a number"),
+        ("cannot parse float from empty string", "expected a number"),
+        ("number too large to fit in target type", "expected a smaller number"),
+    ];
+    NUMBERS.iter().fold(said, |said, (found, expected)| said.replace(found, expected))
 }
 
 /// Columns of the terminal, or what `COLUMNS` says where there is none.
@@ -127,6 +137,18 @@ mod tests {
     use super::*;
     use crate::commands::Arguments;
     use clap::CommandFactory;
+
+    #[test]
+    fn a_value_that_is_no_number_is_refused_by_what_was_expected() {
+        let said = |arguments: &[&str]| {
+            expected(Arguments::command().try_get_matches_from(arguments).unwrap_err().render().to_string())
+        };
+        assert!(said(&["rundown", "study", "--seed", "abc"]).contains("'--seed <SEED>': expected a whole number"));
+        assert!(said(&["rundown", "tune", "--seed", "1e99"]).contains("expected a whole number"));
+        assert!(said(&["rundown", "study", "--seed", "99999999999999999999"]).contains("expected a smaller number"));
+        let floats = said(&["rundown", "study", "--experiment", "wind", "--values", "a,b"]);
+        assert!(floats.contains("expected a number"), "{floats}");
+    }
 
     #[test]
     fn sentences_are_joined_and_items_and_examples_are_not() {

@@ -17,7 +17,7 @@ The file is the secret: whoever has it can change the board. Keep it where the o
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// The operator's name of the train
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     train_id: String,
     /// Number of the key, shown in lists; says nothing of the key
     #[arg(long, value_name = "N", default_value_t = 1)]

@@ -1,6 +1,6 @@
 //! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
 
-use super::talk::quiet;
+use super::talk::{quiet, say};
 use crate::{output::json::mode_word, report::regime_shares, report::resistance::Resistance};
 use indicatif::{ProgressBar, ProgressStyle};
 use rundown::estimator::config::{Config, Mode};
@@ -51,11 +51,6 @@ fn taken(done: io::Result<()>) {
 /// Why stdout took less than was printed, as that of a full disk.
 pub(super) fn stdout_failed() -> Option<&'static str> {
     STDOUT_FAILED.get().map(String::as_str)
-}
-
-/// A line on stderr. Where nobody reads it the work goes on.
-pub(super) fn say(line: std::fmt::Arguments<'_>) {
-    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// An error, on stderr; one that lists several rows has a line for each.
@@ -195,9 +190,10 @@ impl Foreseen {
             let rms_kmh = |squares_mps: &f64| 3.6 * (squares_mps / coasts).sqrt();
             (*coasts > 0.0).then(|| {
                 format!(
-                    "{}: {}, the speed at their end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
+                    "{}: {}, the speed at {} end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
                     crate::advice::vehicle::named(unit),
                     counted(*coasts as usize, "coast", "coasts"),
+                    if *coasts > 1.0 { "their" } else { "its" },
                     rms_kmh(learned),
                     rms_kmh(described)
                 )

@@ -8,6 +8,7 @@
 //!
 //! A stage is a line `[  0.123 s] read train.toml`: what was done, and when since the start.
 
+use std::io::Write;
 use std::sync::OnceLock;
 use std::time::Instant;
 
@@ -41,6 +42,11 @@ pub(super) fn quiet() -> bool {
     QUIET.get().copied().unwrap_or_default()
 }
 
+/// A line on stderr. Where nobody reads it the work goes on.
+pub(super) fn say(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// Says stages, with the time since the beginning.
 struct Stages;
 
@@ -52,7 +58,7 @@ impl log::Log for Stages {
     fn log(&self, record: &log::Record<'_>) {
         if self.enabled(record.metadata()) {
             let seconds = BEGIN.get().map_or(0.0, |begin| begin.elapsed().as_secs_f64());
-            super::screen::say(format_args!("[{seconds:7.3} s] {}", record.args()));
+            say(format_args!("[{seconds:7.3} s] {}", record.args()));
         }
     }
 

@@ -201,3 +201,19 @@ pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
     }
     Ok(files)
 }
+
+/// That nothing is there to be read; folders in a folder are not entered.
+pub fn no_files(arguments: &[PathBuf]) -> String {
+    let Some(folder) = arguments.iter().find(|argument| argument.is_dir()) else {
+        return "expected files to import, found none".to_owned();
+    };
+    let inside = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut folders: Vec<String> = inside.filter(|path| path.is_dir()).map(|path| path.display().to_string()).collect();
+    folders.sort();
+    let hint = if folders.is_empty() {
+        String::new()
+    } else {
+        format!("; folders in it are not entered, name one: {}", folders.join(", "))
+    };
+    format!("{}: expected files to import in this folder, found none{hint}", folder.display())
+}

@@ -58,6 +58,8 @@ const LEAST_CORRELATION: f64 = 0.6;
 const LEAST_LEAD: f64 = 0.1;
 /// Of two directions between the same ends; the other places are out already.
 const LEAST_LEAD_BETWEEN_ENDS: f64 = 0.05;
+/// So many runs that all go one way let another go that way, if its speeds agree a little better so.
+const ALL_ONE_WAY: usize = 10;
 /// Share of the fixes that must lie on the line.
 const LEAST_ON_LINE: f64 = 0.8;
 const AS_IT_IS: Placing = Placing::Shift { sign: 1.0, offset_m: 0.0, how: String::new() };
@@ -235,10 +237,15 @@ struct KnownLine {
     speeds: std::collections::BTreeMap<i64, (f64, u32)>,
     /// Both ends of the first run, m, where most are as long: they go from the one to the other, or back.
     ends_m: Option<(f64, f64)>,
+    /// How many runs go up, how many down.
+    ways: (usize, usize),
+    /// Each run was looked at once.
+    all_seen: bool,
 }
 
 impl KnownLine {
     fn add(&mut self, run: &Staged, sign: f64, offset_m: f64) {
+        *(if sign > 0.0 { &mut self.ways.0 } else { &mut self.ways.1 }) += 1;
         for stop in own_stops(run) {
             let at_m = offset_m + sign * stop;
             if self.stops.iter().all(|known| (known - at_m).abs() > STOP_M) {
@@ -298,7 +305,9 @@ impl KnownLine {
         };
         let (forth, back) = (correlation(1.0)?, correlation(-1.0)?);
         let sign = if forth >= back { 1.0 } else { -1.0 };
-        ((forth - back).abs() >= LEAST_LEAD_BETWEEN_ENDS).then(|| {
+        let others = if sign > 0.0 { self.ways } else { (self.ways.1, self.ways.0) };
+        let all_go_so = self.all_seen && others.0 >= ALL_ONE_WAY && others.1 == 0;
+        (all_go_so || (forth - back).abs() >= LEAST_LEAD_BETWEEN_ENDS).then(|| {
             let (r, other) = (forth.max(back), forth.min(back));
             let how = format!("it has both ends of the others; speeds over the location correlate by {r:.2}, {other:.2} in the other direction");
             (sign, offset_m(sign), how)
@@ -409,6 +418,7 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing>
                 places[*index] = Some(Placing::Shift { sign, offset_m, how });
             }
         }
+        known.all_seen = true;
     }
     let least = runs.iter().zip(&places).filter_map(|(run, place)| match place {
         Some(Placing::Shift { sign, offset_m, .. }) => Some(offset_m + (sign * run.ends_m.0).min(sign * run.ends_m.1)),

@@ -157,10 +157,10 @@ impl ImportOrder {
     }
 
     fn groups(&self) -> Result<(Vec<Group>, Vec<ReadError>), ImportError> {
-        let files = if self.files.is_empty() { self.mapping.files() } else { self.files.clone() };
-        let files = analysis::files(&files).map_err(|error| ImportError::nothing(vec![error], []))?;
+        let given = if self.files.is_empty() { self.mapping.files() } else { self.files.clone() };
+        let files = analysis::files(&given).map_err(|error| ImportError::nothing(vec![error], []))?;
         if files.is_empty() {
-            return Err(ImportError::nothing(Vec::new(), ["expected files to import, found none".to_owned()]));
+            return Err(ImportError::nothing(Vec::new(), [analysis::no_files(&given)]));
         }
         let (groups, mut errors) = analysis::analyse(&files, &self.mapping);
         errors.extend(groups.iter().filter_map(Group::asked));

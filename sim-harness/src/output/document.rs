@@ -31,12 +31,12 @@ bits back. A count of 0 or 1 may answer yes or no. Parquet has the same in its m
 
 All commands that write into a folder (`replay`, `check`, `study`, `gap`, `tune`, `simulate`, `import`, `export` and the
 benches) write their results beside the folder that `--out` names, which then takes the place of the old one: a command
-that is stopped leaves the old results or the new ones. Where the folder also holds other files, or two folders cannot
-be exchanged at once (Windows, some network file systems), results are moved into it one by one; a command that is
-killed while it does that is brought to its end by the next one. Where several commands write into one folder, the
-manifest is that of the last one and keeps the lists of the others under `earlier`: each command removes its own stale
-files, and never one that the list of another, or no list, has. The manifest alone has times: all other files have the
-same bytes each time.
+that is stopped leaves the old results or the new ones, and beside them what it had begun, `.NAME.rundown-new`, which
+the next one removes. Where the folder also holds other files, or two folders cannot be exchanged at once (Windows, some
+network file systems), results are moved into it one by one; a command that is killed while it does that is brought to
+its end by the next one. Where several commands write into one folder, the manifest is that of the last one and keeps
+the lists of the others under `earlier`: each command removes its own stale files, and never one that the list of
+another, or no list, has. The manifest alone has times: all other files have the same bytes each time.
 
 What is not on this page is no table: pages (`.html`, with their `.js`), pictures (`.svg`), descriptions and
 configurations (`.toml`, in [formats.md](formats.md)), the files of other programs
