@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let description = Description { effects, ..Description::new(&train, &track, config) };
     let recordings = recordings(arguments, &track)?;
     let desk = Desk::new(read_key(&arguments.key)?);
-    let link = arguments.to.open().map_err(|error| Failure::board(error))?;
+    let link = arguments.to.open().map_err(Failure::board)?;
     match &arguments.record {
         None => play(arguments, Session::new(link, desk), &description, &recordings)?,
         Some(path) => {
