@@ -131,7 +131,7 @@ impl Base {
     pub fn new(y: &DVector<f64>, columns: &[DVector<f64>], runs: &[Range<usize>]) -> Option<Self> {
         let x = if columns.is_empty() { DMatrix::zeros(y.len(), 0) } else { DMatrix::from_columns(columns) };
         let inverse = inverse(x.transpose() * &x)?;
-        let beta = &inverse * (x.transpose() * y);
+        let beta = &inverse * x.tr_mul(y);
         let residual = y - &x * &beta;
         Some(Self { x, inverse, beta, residual, runs: runs.to_vec() })
     }
@@ -141,7 +141,7 @@ impl Base {
         if self.x.ncols() == 0 {
             return column.clone();
         }
-        column - &self.x * (&self.inverse * (self.x.transpose() * column))
+        column - &self.x * (&self.inverse * self.x.tr_mul(column))
     }
 
     /// A Gram matrix of columns with the current model projected out.
@@ -173,7 +173,7 @@ impl Base {
     fn scores(&self, x: &DMatrix<f64>, residual: &DVector<f64>) -> DMatrix<f64> {
         let mut scores = DMatrix::zeros(x.ncols(), self.runs.len());
         for (k, range) in self.runs.iter().enumerate() {
-            let score = x.rows(range.start, range.len()).transpose() * residual.rows(range.start, range.len());
+            let score = x.rows(range.start, range.len()).tr_mul(&residual.rows(range.start, range.len()));
             scores.set_column(k, &score);
         }
         scores
@@ -186,7 +186,7 @@ impl Base {
         }
         let x = DMatrix::from_columns(&columns.iter().map(|c| self.beside(c)).collect::<Vec<_>>());
         let naive = inverse(x.transpose() * &x)?;
-        let beta = &naive * (x.transpose() * &self.residual);
+        let beta = &naive * x.tr_mul(&self.residual);
         let left = &self.residual - &x * &beta;
         let scores = self.scores(&x, &left);
         let count = self.runs.len() as f64;

@@ -136,11 +136,11 @@ impl Whitening {
         let mut whitened = DVector::from_vec(self.factor(column));
         for (range, (u, shrink)) in self.runs.iter().zip(&self.own) {
             let mut rows = whitened.rows_mut(range.start, range.len());
-            let along = (u.transpose() * &rows).component_mul(shrink);
+            let along = u.tr_mul(&rows).component_mul(shrink);
             rows -= u * along;
         }
         if let Some((u, shrink)) = &self.common {
-            let along = (u.transpose() * &whitened).component_mul(shrink);
+            let along = u.tr_mul(&whitened).component_mul(shrink);
             whitened -= u * along;
         }
         whitened

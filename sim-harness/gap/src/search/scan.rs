@@ -25,6 +25,48 @@ pub struct Scan {
     gram: DMatrix<f64>,
 }
 
+/// A term on all of the line before an edge, row by row. Only rows whose train stands across the edge are computed for each.
+struct Cumulative<'a> {
+    term: &'a Term,
+    context: &'a Context<'a>,
+    rows: &'a [Row],
+    from_m: f64,
+    /// What the term is on the whole line.
+    whole: Vec<f64>,
+    /// Between which locations the train is in each row, at most.
+    reach_m: Vec<(f64, f64)>,
+}
+
+impl<'a> Cumulative<'a> {
+    fn new(term: &'a Term, context: &'a Context<'a>, rows: &'a [Row], from_m: f64, to_m: f64) -> Self {
+        let whole = term.with(Shape::Section([from_m, to_m])).columns(context, rows).remove(0);
+        let length_m = context.believed.train().length_m();
+        let reach = |row: &Row| {
+            let at = row.interval.path.iter().map(|p| p.location_m);
+            let (low, high) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m), h.max(m)));
+            (low - length_m, high + length_m)
+        };
+        Self { term, context, rows, from_m, whole, reach_m: rows.iter().map(reach).collect() }
+    }
+
+    fn before(&self, edge_m: f64) -> Vec<f64> {
+        let term = self.term.with(Shape::Section([self.from_m, edge_m]));
+        let across = |(low, high): &(f64, f64)| *low < edge_m && edge_m < *high;
+        let mut column = Vec::with_capacity(self.rows.len());
+        for near in self.reach_m.chunk_by(|a, b| across(a) == across(b)) {
+            let rows = column.len()..column.len() + near.len();
+            if across(&near[0]) {
+                column.extend_from_slice(&term.columns(self.context, &self.rows[rows])[0]);
+            } else {
+                let behind =
+                    |(row, (_, high)): (usize, &(f64, f64))| if *high <= edge_m { self.whole[row] } else { 0.0 };
+                column.extend(rows.zip(near).map(behind));
+            }
+        }
+        column
+    }
+}
+
 impl Scan {
     /// Prepares the scan over the part of the line that was travelled.
     pub fn new(term: Term, context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Self {
@@ -37,22 +79,21 @@ impl Scan {
         let high = high + length_m;
         let step_m = (((high - low) / config.most_edges / edge_m).ceil() * edge_m).max(edge_m);
         let edges_m: Vec<f64> = (0..).map(|i| low + f64::from(i) * step_m).take_while(|e| *e < high + step_m).collect();
-        let columns: Vec<DVector<f64>> = edges_m
-            .iter()
-            .map(|edge| {
-                let column = term.with(Shape::Section([low - 1.0, *edge])).columns(context, rows);
-                whitening.whiten(&column[0])
-            })
-            .collect();
+        let cumulative = Cumulative::new(&term, context, rows, low - 1.0, edges_m[edges_m.len() - 1] + step_m);
+        let columns: Vec<DVector<f64>> =
+            edges_m.iter().map(|edge| whitening.whiten(&cumulative.before(*edge))).collect();
         let columns = DMatrix::from_columns(&columns);
         let gram = columns.transpose() * &columns;
         Self { term, config, edges_m, columns, gram }
     }
 
+    /// The columns times the residual, and their Gram matrix, beside the current model.
+    fn beside(&self, base: &Base) -> (DVector<f64>, DMatrix<f64>) {
+        (self.columns.tr_mul(&base.residual), base.project(&self.columns, &self.gram))
+    }
+
     /// The best section beside the current model, edges on the grid, with its naive gain.
-    pub fn best(&self, base: &Base) -> Option<([f64; 2], f64)> {
-        let with_residual = self.columns.transpose() * &base.residual;
-        let gram = base.project(&self.columns, &self.gram);
+    fn best(&self, (with_residual, gram): &(DVector<f64>, DMatrix<f64>)) -> Option<([f64; 2], f64)> {
         let mut best = None;
         let longest_m = self.config.longest_share * (self.edges_m[self.edges_m.len() - 1] - self.edges_m[0]);
         for a in 0..self.edges_m.len() {
@@ -77,8 +118,7 @@ impl Scan {
 
     /// Sections on the grid that lose less than `loss` of a gain of log-likelihood, with their coefficients and what they lose.
     pub fn within(&self, base: &Base, gain: f64, loss: f64) -> Vec<([f64; 2], f64, f64)> {
-        let with_residual = self.columns.transpose() * &base.residual;
-        let gram = base.project(&self.columns, &self.gram);
+        let (with_residual, gram) = self.beside(base);
         let mut within = Vec::new();
         for a in 0..self.edges_m.len() {
             for b in a + 1..self.edges_m.len() {
@@ -95,9 +135,9 @@ impl Scan {
 
     /// The same with edges refined below the grid: a cumulative column between two edges is, within a train's length, the straight line between theirs.
     pub fn refined(&self, base: &Base) -> Option<[f64; 2]> {
-        let with_residual = self.columns.transpose() * &base.residual;
-        let gram = base.project(&self.columns, &self.gram);
-        let (section, _) = self.best(base)?;
+        let beside = self.beside(base);
+        let (section, _) = self.best(&beside)?;
+        let (with_residual, gram) = &beside;
         let last = self.edges_m.len() - 2;
         let weights = |edge_m: f64| {
             let i = self.edges_m.partition_point(|e| *e <= edge_m).saturating_sub(1).min(last);
@@ -115,7 +155,7 @@ impl Scan {
                     .map(|(i, j, w)| w * gram[(*i, *j)])
                     .sum()
             };
-            let information = squared(&gram);
+            let information = squared(gram);
             // Nearly nothing beside the model: what it brings is rounding.
             if information > LEAST_INFORMATION * squared(&self.gram) { 0.5 * score * score / information } else { 0.0 }
         };
