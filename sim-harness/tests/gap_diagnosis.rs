@@ -50,7 +50,7 @@ fn truncated_speeds_are_put_right_said_and_named_no_wheel() {
 fn a_wheel_is_put_right_and_told_the_analyst_once() {
     let folder = truncated(1.013);
     let Said { out: screen, err, .. } = gap(&folder, &[]);
-    assert!(err.contains("the speed reads high by a factor: 1.01"), "{err}");
+    assert!(err.contains("the speed is off by a factor: read over true: 1.01"), "{err}");
     let json = folder.json("out/gap.json");
     assert_eq!(findings(&json), [("truncated_speed", "put_right"), ("speed_scale", "put_right")]);
     let wheels: Vec<&Value> =
@@ -61,7 +61,7 @@ fn a_wheel_is_put_right_and_told_the_analyst_once() {
     // A replay with the model that was found must not put the wheel right a second time.
     let model = ["replay", "--train", "out/model/train.toml", "--track", "out/model/track.toml", "--out", "replayed"];
     let said = folder.done(&[&model[..], &["set/runs"]].concat());
-    let said_of_wheel = said.err.lines().find(|line| line.contains("reads high by a factor"));
+    let said_of_wheel = said.err.lines().find(|line| line.contains("off by a factor"));
     assert!(said_of_wheel.is_none_or(|line| !line.contains("put right")), "{}", said.err);
 }
 

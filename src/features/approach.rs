@@ -1,6 +1,6 @@
 //! Final coast and final brake, section 3.3.
 //!
-//! In: the switching points up to the last standstill and the top speed since the stop before it. Out: two [`Phase`]s.
+//! In: the switching points up to the last standstill, where the train still is, and the top speed since the stop before it. Out: two [`Phase`]s.
 //!
 //! - The final brake begins with the first brake application by which the train leaves line speed, and ends where the train stands. A 40 km/h zone before the
 //!   platform is inside it: brake to 40 km/h, holding or coasting there, brake to the platform. What is done at less than `approach_share` of
@@ -12,14 +12,16 @@ use super::{Phase, SwitchingPoint};
 use crate::Real;
 use crate::tick::regime::Regime;
 
-/// Final coast and final brake, of so many switching points. None before the train has stood after a brake.
+/// Final coast and final brake, of so many switching points. None before the train has stood after a brake, and none where it `is_there` no more.
 pub(super) fn final_phases<'a>(
     points: usize,
     at: impl Fn(usize) -> Option<&'a SwitchingPoint>,
+    is_there: impl Fn(&SwitchingPoint) -> bool,
     line_speed_mps: Real,
 ) -> (Option<Phase>, Option<Phase>) {
     let backwards = |from: usize| (0..from).rev().filter_map(|i| Some((i, at(i)?)));
-    let Some((stop, end)) = backwards(points).find(|(_, point)| point.to == Regime::Standstill) else {
+    let last_stop = backwards(points).find(|(_, point)| point.to == Regime::Standstill);
+    let Some((stop, end)) = last_stop.filter(|(_, point)| is_there(point)) else {
         return (None, None);
     };
     let mut brake = None;
@@ -68,7 +70,7 @@ mod tests {
             points.push(SwitchingPoint { time_s, location_m: 0.0, speed_mps: kmh / 3.6, from, to });
             from = to;
         }
-        let (coast, brake) = final_phases(points.len(), |i| points.get(i), 70.0 / 3.6);
+        let (coast, brake) = final_phases(points.len(), |i| points.get(i), |_| true, 70.0 / 3.6);
         (coast.map(|phase| phase.start_time_s), brake.map(|phase| phase.start_time_s))
     }
 

@@ -28,6 +28,8 @@ const MAX_RECENT: usize = 24;
 const PAUSE_WINDOWS: Real = 2.0;
 /// As near a train goes on from where it was about to stand, m.
 const PLATFORM_M: Real = 100.0;
+/// A train that is farther from where it stood last has left, m: its final phases are still to come.
+const LEFT_M: Real = 300.0;
 
 in_place! {
     /// Collects the features of a run.
@@ -145,8 +147,10 @@ impl FeatureExtractor {
     /// As [`FeatureExtractor::features`], in the place of others: they take 2.6 kB, which the board does not have on its stack.
     pub fn features_in(&self, config: &FeatureConfig, features: &mut Features) {
         let line_speed_mps = config.approach_share * self.arrival_top_speed_mps;
-        (features.final_coast, features.final_brake) =
-            final_phases(self.recent.len(), |i| self.recent.get(i).map(|(_, point)| point), line_speed_mps);
+        let at = |i| self.recent.get(i).map(|(_, point)| point);
+        let is_there =
+            |stop: &SwitchingPoint| self.before.is_none_or(|last| (last.location_m - stop.location_m).abs() < LEFT_M);
+        (features.final_coast, features.final_brake) = final_phases(self.recent.len(), at, is_there, line_speed_mps);
         let recent = self.recent.iter().map(|(_, point)| point);
         features.switching_points.clear();
         features.switching_points_lost = self.lost;
@@ -444,6 +448,16 @@ mod tests {
             cut.end(&config);
             assert_eq!(cut.features(&config).final_brake, None);
         }
+    }
+
+    #[test]
+    fn a_train_that_has_left_its_last_stop_has_no_final_brake() {
+        let mut rows = arrival();
+        rows.extend([(0.0, Standstill), (0.0, Standstill), (30.0, Traction)]);
+        assert!(features_of(&rows).final_brake.is_some());
+        rows.extend([(60.0, Traction), (80.0, Traction), (80.0, Cruise)]);
+        let left = features_of(&rows);
+        assert_eq!((left.final_brake, left.final_coast), (None, None));
     }
 
     /// Rows are missing while the train stands at a platform: it stood, and did not brake for five minutes.

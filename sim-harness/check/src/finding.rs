@@ -66,6 +66,10 @@ pub enum Kind {
     EffortApart,
     /// The measured effort is older than the speed.
     EffortLate,
+    /// The measured effort of a train that stands is not 0.
+    EffortOffset,
+    /// The measured effort is 0 where the train brakes, or holds its speed.
+    EffortZeros,
     /// The speed reads zero below a threshold.
     DeadZone,
     /// The speed repeats the last value in some rows, and catches up after them.
@@ -132,8 +136,8 @@ impl Kind {
             Self::RoundedSpeed => "speeds are rounded to the nearest step",
             Self::TruncatedSpeed => "speeds are truncated to the step below",
             Self::SteppedSpeed => "speeds have a step; rounded or truncated is not known",
-            Self::SpeedOffset => "the speed reads low by the same everywhere",
-            Self::SpeedScale => "the speed reads high by a factor",
+            Self::SpeedOffset => "the speed is off by the same everywhere: true less read",
+            Self::SpeedScale => "the speed is off by a factor: read over true",
             Self::WheelChange => "the speed's scale changes: after over before",
             Self::Skew => "the speed is older than the location",
             Self::OtherUnit => "a column holds another unit: location over speed is off by a factor",
@@ -151,6 +155,8 @@ impl Kind {
             Self::AboveBrake => "measured efforts are beyond the described brake",
             Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
             Self::EffortLate => "measured efforts are older than the speed (below zero: the speed is)",
+            Self::EffortOffset => "the effort of a train that stands is not 0 but",
+            Self::EffortZeros => "the effort is 0 while the train brakes or holds its speed",
             Self::OutOfOrder => "rows are out of order",
             Self::CoarseClock => "rows have the time of the row before, and other readings",
             Self::SharedRows => "the log shares rows with another one",
@@ -173,6 +179,7 @@ impl Kind {
             Self::AboveTraction | Self::AboveBrake => {
                 Some("look whether train and mass are the described ones, and in which unit the effort is")
             }
+            Self::EffortZeros => Some("leave the field empty where no effort is recorded"),
             Self::EffortApart => Some("look at the column: which train's, which sign, which clock"),
             Self::OtherChainage | Self::TurnedChainage => {
                 Some("bring the runs onto one chainage: `rundown import --chainage align`")

@@ -16,6 +16,7 @@
 //! | does the speed read zero below a threshold? | [`dead_zone`] |
 //! | does the speed repeat old values? | [`held`] |
 //! | is the effort older than the speed? | `effort_age` |
+//! | is its zero one? | `effort_zero` |
 //! | do trains exceed what is described of them? | [`limits`] |
 //! | is a log another one again, whole or in part? | [`same`] |
 //! | do all runs count their locations from the same place? | [`chainage`] |
@@ -55,6 +56,7 @@ pub mod clock;
 pub mod dead_zone;
 pub mod effort;
 mod effort_age;
+mod effort_zero;
 pub mod finding;
 pub mod gradients;
 pub mod held;
@@ -400,6 +402,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let of_unit = |unit| {
         let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
         recorder.exceeds(recordings, &runs, known);
+        recorder.effort_zero(recordings, &runs);
         recorder.effort_age(recordings, &runs, known);
         recorder
     };
@@ -469,8 +472,14 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     (RunCheck { location_noise_m, ..RunCheck::of(recording, step_s, findings) }, of_speed)
 }
 
+/// With rows farther apart a train that starts or brakes between two of them runs another way than the mean of both speeds says, s.
+const MOST_STEP_S: f64 = 15.0;
+
 impl OfSpeed {
     fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
+        if step_s > MOST_STEP_S {
+            return None;
+        }
         let compared = Compared::fitted(differences(rows, step_s))?;
         Some(Self { agreement: compared.agreement(), change: wheel_change::within(&compared) })
     }

@@ -5,7 +5,8 @@ use crate::finding::{Done, Finding, Kind};
 use crate::own::Grown;
 use crate::{Correction, Known, LEAST_SCALE, OfSpeed, RecorderCheck, RunCheck, SURE};
 use crate::{
-    dead_zone, effort, effort_age, held, limits, lost_seconds, own, put_right, steps, wheel_change, with_evidence,
+    dead_zone, effort, effort_age, effort_zero, held, limits, lost_seconds, own, put_right, steps, wheel_change,
+    with_evidence,
 };
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
@@ -283,6 +284,39 @@ impl RecorderCheck {
             self.found(Kind::EffortApart, correlation, "", Done::Said);
             self.evidence.insert(Kind::EffortApart, evidence);
         }
+    }
+
+    /// Takes the zero of the effort from trains that stand, and leaves out zeros that are no effort of 0.
+    pub(crate) fn effort_zero(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
+        let is_own = |run: &RunCheck| run.unit == self.unit && run.refusal().is_none();
+        let own = || recordings.iter().zip(runs).filter(|(_, run)| is_own(run)).map(|(recording, _)| recording);
+        if self.findings.iter().any(|finding| finding.kind == Kind::EffortApart) {
+            return;
+        }
+        let offset = effort_zero::at_standstill(own());
+        let zeros = effort_zero::zeros(own());
+        let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| is_own(run));
+        let rows: Vec<&mut [Sample]> = rows.map(|(recording, _)| recording.rows.as_mut_slice()).collect();
+        if let Some((figure, count)) = offset {
+            self.found(Kind::EffortOffset, figure, "N/kg", Done::PutRight);
+            self.evidence.insert(Kind::EffortOffset, format!("in {count} rows, and so taken from all"));
+            let efforts = rows.into_iter().flatten().filter_map(|row| row.effort_n_per_kg.as_mut());
+            efforts.for_each(|effort| *effort -= figure.value);
+            return;
+        }
+        let (stretches, what, leave_out): (_, _, fn(&mut [Sample]) -> usize) = if zeros.drop_what_is_small() {
+            (zeros.holds, "holds its speed: all efforts of 0", effort_zero::leave_out_zeros)
+        } else if zeros.lack_the_brake() {
+            (zeros.brakes, "brakes: its efforts while it brakes", effort_zero::leave_out_brakes)
+        } else {
+            return;
+        };
+        let count: usize = rows.into_iter().map(leave_out).sum();
+        let figure = Figure { value: count as f64, sd: 0.0 };
+        let kind = Kind::EffortZeros;
+        self.findings.push(Finding { kind, figure, unit: "rows", count: 1, line: 0, done: Done::LeftOut });
+        let of = format!("{} of {} stretches in which the train {what}", stretches.with_zeros, stretches.all);
+        self.evidence.insert(kind, of);
     }
 
     /// Says that the effort is older than the speed, and brings it to its age where the rows are near enough in time. Where they are not, an effort that is late

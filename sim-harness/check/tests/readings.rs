@@ -141,3 +141,18 @@ fn rows_a_minute_apart_have_no_threshold() {
         assert!(!kinds(&found).contains(&Kind::DeadZone), "{seed}");
     }
 }
+
+/// Between rows 30 s apart a train starts: the mean of both speeds is no distance over time.
+#[test]
+fn rows_far_apart_tell_nothing_of_the_speed() {
+    for seed in 0..6 {
+        let recorder = Recorder { step_s: 30.0, ..Recorder::default() };
+        let (found, recordings) = recorder.check(74_000 + seed, 12, 8);
+        assert_eq!(found.recorders[0].compared, 0);
+        let of_speed = [Kind::TruncatedSpeed, Kind::SpeedOffset, Kind::SpeedScale, Kind::Skew];
+        assert!(kinds(&found).iter().all(|kind| !of_speed.contains(kind)), "{:?}", found.notes());
+        let was = recorder.runs(74_000 + seed, 12, 8);
+        let rows = recordings.iter().zip(&was).flat_map(|(is, was)| is.rows.iter().zip(&was.rows));
+        assert!(rows.into_iter().all(|(is, was)| is.speed_mps == was.speed_mps));
+    }
+}

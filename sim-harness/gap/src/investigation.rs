@@ -190,8 +190,8 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
     let limit = findings.limit(&context.config.search);
     let naming = findings.naming(context, &names);
     let mut all = named(&findings.terms, limit, &naming);
-    let gain_told = findings.gain.is_some_and(|gain| nuisances::is_told(gain, context.config));
-    confounded(&mut all, gain_told, &naming);
+    let gain = findings.gain.filter(|gain| nuisances::is_told(*gain, context.config)).map(|gain| gain.value);
+    confounded(&mut all, gain, &naming);
     // What no board takes is no effect of a train; the residuals still say that something is left.
     all.retain(|one| one.effect.check().is_ok());
     for one in &mut all {

@@ -56,12 +56,18 @@ impl Grounds<'_> {
             [] if beyond_doubt => Verdict::Unknown,
             [] if something => Verdict::Candidate,
             [] => Verdict::NoGap,
-            named if named.iter().all(of_one_run) && !something => Verdict::Explained,
+            named if named.iter().all(of_one_run) && !something && !self.is_left(config) => Verdict::Explained,
             named if named.iter().all(of_one_run) => Verdict::PartlyExplained,
             named if named.iter().all(unknown) => Verdict::Unknown,
             named if self.is_removed(config) && !named.iter().any(unknown) => Verdict::Explained,
             _ => Verdict::PartlyExplained,
         }
+    }
+
+    /// The hold-out runs have a gap that is still there.
+    fn is_left(&self, config: &GapConfig) -> bool {
+        let removed = self.gap.and_then(|(gap, _)| gap.removed);
+        removed.is_some_and(|removed| removed < config.holdout.explained)
     }
 
     /// The effects remove the gap on the hold-out runs.
@@ -111,6 +117,11 @@ mod tests {
         let scale = SpeedScale { measured_over_true: 1.01 };
         let wheel = Named { runs: vec!["a".to_owned()], ..Named::plain(scale.into(), Vec::new(), 20.0, 30.0) };
         assert_eq!(verdict(std::slice::from_ref(&wheel), &[], 0.3), Verdict::Explained);
-        assert_eq!(verdict(&[wheel], &[], 0.01), Verdict::PartlyExplained);
+        assert_eq!(verdict(std::slice::from_ref(&wheel), &[], 0.01), Verdict::PartlyExplained);
+        // Nor a gap that the hold-out runs have with and without it.
+        let gap = Share { runs: 8, before: 1.03, after: 1.03, floor: 0.14, removed: Some(0.0), removed_95: None };
+        let grounds =
+            Grounds { named: &[wheel], candidates: &[], p_value: 0.3, p_value_after: 1.0, gap: Some((&gap, None)) };
+        assert_eq!(grounds.verdict(&GapConfig::default()), Verdict::PartlyExplained);
     }
 }

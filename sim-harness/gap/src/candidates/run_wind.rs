@@ -24,6 +24,9 @@ impl Candidate for This {
     fn beside(&self, naming: &Naming<'_>) -> Option<(Named, Odds)> {
         let (sd_mps, sd) = naming.run_wind?;
         let config = naming.context.config;
+        if sd_mps > config.certainty.most_wind_mps {
+            return None;
+        }
         let effect = RunWind { sd_mps }.into();
         let interval = around("sd_mps", sd_mps, sd);
         // Without an effort column nobody knows when a brake was applied.

@@ -6,14 +6,18 @@ use crate::data::believed::Context;
 use crate::data::rows::Row;
 use crate::named::Named;
 use rundown::model::direction::Direction;
-use rundown::model::effects::{DavisError, Effect, EffectKind, PowerLimitSection};
+use rundown::model::effects::{DavisError, Effect, EffectKind, PowerLimitSection, TractionScale};
 
 /// Length of the places at which the described gradient is looked at, m.
 const PLACE_M: f64 = 100.0;
 
-/// Adds to what was named the causes that it may be in truth. `gain_told`: the effort column was put right by a gain.
-pub fn confounded(all: &mut [Named], gain_told: bool, naming: &Naming<'_>) {
-    let (have, odds) = (naming.have(), naming.context.config.certainty.confounded);
+/// Adds to what was named the causes that it may be in truth. `gain`: by how much more than 1 the effort column was put right by.
+pub fn confounded(all: &mut [Named], gain: Option<f64>, naming: &Naming<'_>) {
+    let certainty = &naming.context.config.certainty;
+    let (have, odds) = (naming.have(), certainty.confounded);
+    // The column as it reads has the described limit: force and limit are right, and the acceleration is that of another mass.
+    let reads_as_described =
+        |factor: f64| gain.is_some_and(|gain| ((1.0 + gain) * factor - 1.0).abs() < certainty.same_force);
     let wrong: Vec<[f64; 2]> = all
         .iter()
         .filter(|one| is_of_gradients(one))
@@ -23,7 +27,7 @@ pub fn confounded(all: &mut [Named], gain_told: bool, naming: &Naming<'_>) {
     for named in all {
         let rivals: &[EffectKind] = match &named.effect {
             // Beside another mass, or what else changes r(v), a wind is no single rival.
-            Effect::DavisError(davis) => match (!have.both_directions && is_like_wind(davis, naming), gain_told) {
+            Effect::DavisError(davis) => match (!have.both_directions && is_like_wind(davis, naming), gain.is_some()) {
                 (true, true) => &[EffectKind::SteadyWind, EffectKind::MassError],
                 (true, false) => &[EffectKind::SteadyWind],
                 (false, true) => &[EffectKind::MassError],
@@ -34,6 +38,7 @@ pub fn confounded(all: &mut [Named], gain_told: bool, naming: &Naming<'_>) {
             {
                 &[EffectKind::GradientError]
             }
+            Effect::TractionScale(TractionScale { factor }) if reads_as_described(*factor) => &[EffectKind::MassError],
             _ => &[],
         };
         for rival in rivals {
@@ -106,7 +111,7 @@ mod tests {
         let mut all = vec![Named::plain(limit.into(), Vec::new(), 40.0, 1e-3)];
         let of_gradient = |[from_m, to_m]: [f64; 2]| GradientError { from_m, to_m, delta_permille: 4.0 };
         all.extend(wrong.map(|wrong| Named::plain(of_gradient(wrong).into(), Vec::new(), 30.0, 1e-3)));
-        confounded(&mut all, false, &naming);
+        confounded(&mut all, None, &naming);
         all[0].ambiguous_with.clone()
     }
 
@@ -125,6 +130,35 @@ mod tests {
                 assert_eq!(rivals(context, section, wrong, 0, false), SHARED);
                 assert_eq!(rivals(context, section, wrong, 12, false), []);
             }
+        });
+    }
+
+    #[test]
+    fn a_limit_that_the_effort_column_shows_as_described_may_be_another_mass() {
+        on_a_hilly_line(20, |context| {
+            let rivals_of = |factor: f64, gain: Option<f64>| {
+                let kinematics = Kinematics::default();
+                let naming = Naming {
+                    context,
+                    runs: &[],
+                    rows: &[],
+                    measured: true,
+                    kinematics: &kinematics,
+                    run_wind: None,
+                    wind_gain: 0.0,
+                    limits: &[],
+                };
+                let mut all = vec![Named::plain(TractionScale { factor }.into(), Vec::new(), 40.0, 1e-3)];
+                let before = all[0].confidence;
+                confounded(&mut all, gain, &naming);
+                (all[0].ambiguous_with.clone(), all[0].confidence < before)
+            };
+            // Off by as much in the other direction: they cancel.
+            assert_eq!(rivals_of(0.948, Some(0.057)), (vec![EffectKind::MassError], true));
+            assert_eq!(rivals_of(1.33, Some(-0.24)), (vec![EffectKind::MassError], true));
+            // A column that reads too much of a train that is as weak as it shows.
+            assert_eq!(rivals_of(0.9, Some(0.05)), (Vec::new(), false));
+            assert_eq!(rivals_of(0.9, None), (Vec::new(), false));
         });
     }
 }
