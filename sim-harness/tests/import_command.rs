@@ -789,9 +789,11 @@ fn runs_that_stop_at_their_ends_only_are_placed_by_these_and_turned_by_their_spe
 
     // The same runs as those of trains that come back, each with an odometer of its own.
     let text = folder.read("set/runs/run007.csv");
-    let rows: Vec<Vec<f64>> = text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    let rows: Vec<Vec<f64>> =
+        text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
     let (end_s, end_m) = (last(&rows)[0], last(&rows)[1]);
-    let back: String = rows.iter().rev().map(|row| format!("{},{},{}\n", end_s - row[0], end_m - row[1], row[2])).collect();
+    let back: String =
+        rows.iter().rev().map(|row| format!("{},{},{}\n", end_s - row[0], end_m - row[1], row[2])).collect();
     let folder = folder.with("set/runs/run007.csv", &format!("time_s,location_m,speed_kmh\n{back}"));
     folder.done(&["import", "set/runs", "--out", "back"]);
     let index = folder.read("back/runs.csv");

@@ -286,9 +286,8 @@ mod tests {
 
     #[test]
     fn results_beside_the_logs_are_none() {
-        let manifest = |command: &str, file: &str| {
-            format!(r#"{{"command": "{command}", "outputs": [{{"file": "{file}"}}]}}"#)
-        };
+        let manifest =
+            |command: &str, file: &str| format!(r#"{{"command": "{command}", "outputs": [{{"file": "{file}"}}]}}"#);
         let folder = folder(&[("a.csv", ""), ("features.csv", ""), (MANIFEST, &manifest("replay", "features.csv"))]);
         let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
         assert_eq!((names(&set), set.notes.len()), (vec!["a"], 0));
