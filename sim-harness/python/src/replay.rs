@@ -30,11 +30,12 @@ pub struct Replay {
 
 /// A speed, or several, m/s.
 fn speeds(argument: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let found = match argument.try_iter() {
-        Ok(all) => all.map(|speed| speed?.extract()).collect(),
-        Err(_) => argument.extract().map(|speed| vec![speed]),
+    let several = match argument.try_iter() {
+        // What a generator raises is its own.
+        Ok(all) => all.collect::<PyResult<Vec<_>>>()?,
+        Err(_) => vec![argument.clone()],
     };
-    found.map_err(|_: PyErr| {
+    several.iter().map(|speed| speed.extract()).collect::<PyResult<_>>().map_err(|_| {
         let found = argument.get_type();
         PyTypeError::new_err(format!("speeds_mps: expected a speed or several, m/s, found {found}"))
     })

@@ -42,8 +42,8 @@ pub fn of(argument: &Bound<'_, PyAny>) -> PyResult<Runs> {
     if let Ok(paths) = argument.extract::<Paths>() {
         return Ok(Runs::Paths(paths.into()));
     }
-    let several: Vec<Bound<'_, PyAny>> =
-        argument.try_iter().and_then(Iterator::collect).map_err(|_| unknown(argument))?;
+    // What a generator raises is its own.
+    let several = argument.try_iter().map_err(|_| unknown(argument))?.collect::<PyResult<Vec<_>>>()?;
     if several.first().is_some_and(|first| first.hasattr(STREAM).unwrap_or(false)) {
         return tables(several.into_iter().enumerate().map(|(index, table)| {
             let run = Run::InColumnOr(format!("table{}", index + 1));
