@@ -139,15 +139,16 @@ def test_messages_name_the_arguments_of_python(made, reference, tmp_path):
     assert "--skip-bad-rows" in learned.to_json()
 
 
-def test_notes_name_the_arguments_of_python(tunnel, tmp_path):
-    made, _ = tunnel
-    described = {"train": made.train, "track": made.track}
+def test_notes_name_the_arguments_of_python(tunnel, made, tmp_path):
+    hidden, _ = tunnel
+    described = {"train": hidden.train, "track": hidden.track}
     with pytest.warns(UserWarning, match='effort_n_per_kg is not used: mode="measured" learns from it'):
-        learned = rundown.replay(made.runs, **described)
-    assert 'mode="measured"' in learned.notes[0] and "--" not in str(learned)
+        learned = rundown.replay(hidden.runs, **described)
+    assert any('mode="measured"' in note for note in learned.notes) and "--" not in str(learned)
     with pytest.raises(rundown.RundownError, match=r"^hold_out=10: an analysis needs 5 runs and there are 10"):
-        rundown.gap(made.runs, hold_out=10, **described)
-    out = tmp_path / "out"
+        rundown.gap(hidden.runs, hold_out=10, **described)
+    described, out = {"train": made.train, "track": made.track}, tmp_path / "out"
+    learned = rundown.replay(made.runs, **described)
     rundown.export(learned, to="sumo", max_speed=140, out=out, train=made.train)
     again = rundown.export(learned, to="altrios", max_speed=140, out=out, train=made.train)
     assert again.notes[-1].endswith("removed from an earlier export: sumo.add.xml; out= takes another folder, to= several formats")

@@ -108,17 +108,18 @@ def test_several_tables_are_the_runs_of_one(made, table, tunnel, tmp_path):
     with_run, bare = list(frames(table).values()), frames(table, ["run"])
     assert parameters(with_run, made) == expected
     assert parameters((one.to_pandas() for one in with_run), made) == expected
-    assert parameters({name: one.to_pandas() for name, one in table.to_pandas().groupby("run")}, made) == expected
+    assert parameters(dict(list(table.to_pandas().groupby("run"))), made) == expected
     assert parameters(bare, made) == expected
     # Two runs, then one: a table may have several.
     assert parameters([pyarrow.concat_tables(with_run[:2]), with_run[2]], made) == expected
     named = parameters([one.to_pandas() for one in bare.values()], made)
     assert named.pop("run") == ["table1", "table2", "table3"]
     assert named == {name: values for name, values in expected.items() if name != "run"}
-    assert rundown.check(with_run).to_json() == rundown.check(table).to_json()
+    ours, theirs = (pyarrow.table(rundown.check(runs).findings) for runs in (with_run, table))
+    assert ours.num_rows > 0 and ours.drop_columns(["line", "text"]) == theirs.drop_columns(["line", "text"])
     hidden, whole = tunnel
     found = rundown.gap(frames(pyarrow.table(rows_of(hidden)), ["run"]), train=hidden.train, track=hidden.track)
-    assert (found.verdict, len(set(found.residuals["run"]))) == (whole.verdict, len(set(whole.residuals["run"])))
+    assert pyarrow.table(found.residuals) == pyarrow.table(whole.residuals)
 
 
 def test_tables_that_are_not_clear_are_refused(made, table):
@@ -172,7 +173,7 @@ def test_tables_that_are_not_clear_are_refused(made, table):
             "expected the name of the run in each row, found an empty cell",
         ),
         (
-            lambda table: table.set_column(1, "time_s", table["time_s"].cast("int64").cast(pyarrow.timestamp("s"))),
+            lambda table: table.set_column(1, "time_s", table["time_s"].cast("int64", safe=False).cast(pyarrow.timestamp("s"))),
             "time_s",
             "expected numbers in this column, found Timestamp(s); seconds are (t - t.min()).dt.total_seconds() in pandas",
         ),
