@@ -19,6 +19,7 @@ use rundown_check::{Check, Known, RecorderCheck, RunCheck, check_beside};
 use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::run_rows;
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::sample::Sample;
 use rundown_files::{refusal::ReadError, run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
@@ -97,7 +98,10 @@ fn examined(
         read
     };
     let (read, inputs, notes): (Vec<Result<Recording, Failed>>, _, _) = match runs {
-        Runs::Table(table) => (table.recordings(line.as_ref())?.into_iter().map(Ok).collect(), Vec::new(), Vec::new()),
+        Runs::Tables(tables) => {
+            let recordings = run_rows::recordings(tables, line.as_ref())?;
+            (recordings.into_iter().map(Ok).collect(), Vec::new(), Vec::new())
+        }
         Runs::Paths(paths) => {
             let set = RunSet::find(&paths)?;
             // Where `done` unwinds, as for an interrupt, the other threads end, too.

@@ -5,7 +5,7 @@ use crate::exchange::{self, provenance};
 use crate::learned_train;
 use crate::output::files;
 use rundown_files::WriteError;
-use rundown_files::folder::{self, Provenance};
+use rundown_files::folder;
 use rundown_files::refusal::ReadError;
 use std::io::Write;
 use std::ops::RangeInclusive;
@@ -14,6 +14,7 @@ use thiserror::Error;
 
 pub use crate::exchange::ExchangeFormat;
 pub use crate::exchange::sfera::Traction;
+pub use crate::learned_train::Results;
 
 /// Largest speeds that a train may have, km/h.
 pub const MAX_SPEED_KMH: RangeInclusive<u16> = 1..=600;
@@ -21,8 +22,8 @@ pub const MAX_SPEED_KMH: RangeInclusive<u16> = 1..=600;
 /// What is to be exported: the arguments of `rundown export`.
 #[derive(Clone, Debug)]
 pub struct ExportOrder {
-    /// Folder with the results of a replay, or the recording of a board.
-    pub replay: PathBuf,
+    /// What was learned.
+    pub replay: Results,
     /// Description of the train with which the replay was made.
     pub train: PathBuf,
     /// Files to write, beside `train.toml`.
@@ -80,7 +81,7 @@ impl ExportOrder {
     /// # Errors
     /// [`ExportError`]: then the folder is as it was.
     pub fn export(&self, out: &Path) -> Result<Exported, ExportError> {
-        let begun = Provenance::begin(&[learned_train::file_of(&self.replay), self.train.clone()]);
+        let begun = self.replay.provenance(&self.train);
         let learned = learned_train::read(&self.replay, &self.train, self.unit.as_deref())?;
         let train = &learned.train;
         let identity = self.identity(&train.name)?;

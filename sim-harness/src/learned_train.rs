@@ -1,6 +1,6 @@
 //! The train as its runs have shown it: the description with what was learned in the place of what was stated.
 //!
-//! In: the folder of a replay, or the recording of a board, and the train file it was made with. Out: a [`LearnedTrain`], which is a train file again, and which of its values are learned.
+//! In: a replay, its folder, or the recording of a board, and the train file it was made with. Out: a [`LearnedTrain`], which is a train file again, and which of its values are learned.
 //!
 //! | value | from |
 //! |---|---|
@@ -12,6 +12,7 @@
 //! what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show no habit. Runs that the replay set aside count nowhere.
 
 use rundown::model::resistance::Davis;
+use rundown_files::folder::Provenance;
 use rundown_files::refusal::{Place, ReadError};
 use rundown_files::train_file::TrainFile;
 use rundown_wire::Learned;
@@ -99,17 +100,55 @@ struct Features {
     power_max_w_per_kg: Option<f64>,
 }
 
+/// What was learned, by a replay or a board.
+#[derive(Clone, Debug)]
+pub enum Results {
+    /// Folder with the results of a replay, or the recording of a board.
+    At(PathBuf),
+    /// A replay that is in memory.
+    Replayed {
+        /// `replay.json`.
+        json: String,
+        /// The train as it was described.
+        train: Box<TrainFile>,
+        /// What it was made from.
+        provenance: Provenance,
+    },
+}
+
+impl Results {
+    /// For a folder with what is made of these and the description of the train.
+    pub(crate) fn provenance(&self, train: &Path) -> Provenance {
+        match self {
+            Self::At(path) => Provenance::begin(&[file_of(path), train.to_owned()]),
+            Self::Replayed { provenance, .. } => Provenance::begin(&[train.to_owned()]).and(provenance),
+        }
+    }
+}
+
 /// Where the results are: `replay.json` of a folder, or a recording.
-pub fn file_of(results: &Path) -> PathBuf {
+fn file_of(results: &Path) -> PathBuf {
     if results.is_file() { results.to_owned() } else { results.join("replay.json") }
 }
 
-/// Reads the folder of a replay, or a board's recording; `unit` where the replay has several.
+/// Reads the train, and what was learned of it; `unit` where the replay has several.
 ///
 /// # Errors
 /// [`ReadError`] of the train file, or of the results.
-pub fn read(results: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
+pub fn read(results: &Results, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
     let (described, _) = TrainFile::read(train)?;
+    match results {
+        Results::At(path) => at(path, described, unit),
+        Results::Replayed { train, .. } if **train != described => {
+            let message = "expected the train that was replayed, found another one in the train file";
+            Err(Place::of_file("replay").refuse("train", message).into())
+        }
+        Results::Replayed { json, .. } => of_json(Path::new("replay"), json, described, unit),
+    }
+}
+
+/// Of a folder, or of a board's recording.
+fn at(results: &Path, described: TrainFile, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
     let path = file_of(results);
     if results.is_file() && !results.ends_with("replay.json") {
         return of_board(path, described, unit);
@@ -120,8 +159,13 @@ pub fn read(results: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedT
     }
     let text = std::fs::read_to_string(&path).map_err(|source| ReadError::Io { path: path.clone(), source })?;
     log::info!("read {}", path.display());
-    let results = serde_json::from_str(&text).map_err(|error| {
-        let place = Place { file: path.clone(), line: Some(error.line()), column: Some(error.column()) };
+    of_json(&path, &text, described, unit)
+}
+
+/// Of the text of a `replay.json`; `path` is for the messages.
+fn of_json(path: &Path, text: &str, described: TrainFile, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
+    let results = serde_json::from_str(text).map_err(|error| {
+        let place = Place { file: path.to_owned(), line: Some(error.line()), column: Some(error.column()) };
         place.refuse("", format!("expected the results of `rundown replay`, found {error}"))
     })?;
     learn(described, results, unit).map_err(|(field, message)| Place::of_file(path).refuse(field, message).into())

@@ -54,7 +54,7 @@ impl fmt::Display for OffTrack {
         let ([off, all], [first_m, last_m]) = (self.counts, self.ends_m);
         write!(
             f,
-            "{off} of {all} locations of moving trains ({:.0} %) are not on the described track: they go from {first_m:.0} to {last_m:.0} m, the track from 0 to {:.0} m. Nothing is known of gradients there; bring the runs onto its chainage with rundown import --chainage align, or describe the track from where their locations count, with its whole length_m",
+            "{off} of {all} locations of moving trains ({:.0} %) are not on the described track: they go from {first_m:.0} to {last_m:.0} m, the track from 0 to {:.0} m. Nothing is known of gradients there; bring the runs onto its chainage with `rundown import --chainage align`, or describe the track from where their locations count, with its whole length_m",
             100.0 * self.share(),
             self.length_m
         )

@@ -108,8 +108,9 @@ impl Recording {
 
 /// A warning of columns that the format does not know: a wanted one may be misspelt.
 pub(crate) fn unknown_columns(path: &Path, names: &[String]) -> Option<String> {
-    let warning =
-        || format!("{}: expected no other columns, found {}; they are not used", path.display(), names.join(", "));
+    let said = names.iter().map(|name| if name.is_empty() { "one without a name" } else { name });
+    let found = said.collect::<Vec<&str>>().join(", ");
+    let warning = || format!("{}: expected no other columns, found {found}; they are not used", path.display());
     (!names.is_empty()).then(warning)
 }
 
@@ -246,6 +247,8 @@ mod tests {
         let run =
             recording("time_s,location_m,speed_kmh,note,effort_n_kg\n0,5,36,a,0\n1,9,36,b,0\n", None, None).unwrap();
         assert_eq!(run.warnings, ["run.csv: expected no other columns, found note, effort_n_kg; they are not used"]);
+        let run = recording(",time_s,location_m,speed_kmh\n0,0,5,36\n1,1,9,36\n", None, None).unwrap();
+        assert_eq!(run.warnings, ["run.csv: expected no other columns, found one without a name; they are not used"]);
     }
 
     #[test]

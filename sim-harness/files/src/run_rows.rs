@@ -61,9 +61,15 @@ impl Places {
         }
         let known = |name: &String| TEXTS.contains(&name.as_str()) || COLUMNS.iter().any(|column| column.name == name);
         let numbers = COLUMNS.iter().filter_map(|column| Some((column, find(column.name)?))).collect();
-        let unknown = names.iter().filter(|name| !known(name)).cloned().collect();
+        let unknown = names.iter().filter(|name| !known(name) && !is_index(name)).cloned().collect();
         Ok(Self { texts: TEXTS.map(find), numbers, unknown })
     }
+}
+
+/// What pandas adds for the index of a frame: no column of the user.
+fn is_index(name: &str) -> bool {
+    let level = name.strip_prefix("__index_level_").and_then(|name| name.strip_suffix("__"));
+    level.is_some_and(|level| level.parse::<u32>().is_ok())
 }
 
 /// Takes batches, gives recordings. Holds a batch and the run that the next batch may go on with.
@@ -115,11 +121,14 @@ impl Recordings {
     /// Adds the next rows.
     ///
     /// # Errors
-    /// [`Refusal`] of a direction that is none, and of a run that goes on after another one.
+    /// [`Refusal`] of a row without a run, of a direction that is none, and of a run that goes on after another one.
     pub fn add(&mut self, batch: &Batch) -> Result<(), Refusal> {
         let [names, units, directions, drivers] = &batch.texts;
         for (row, name) in names.iter().enumerate() {
-            let name = name.as_deref().unwrap_or_default();
+            let Some(name) = name.as_deref().filter(|name| !name.is_empty()) else {
+                let place = Place::of_line(&self.path, self.row as u64 + 1);
+                return Err(place.refuse(TEXTS[0], "expected the name of the run in each row, found an empty cell"));
+            };
             let unit = units.get(row).and_then(Option::as_deref).unwrap_or_default();
             if self.open.as_ref().is_some_and(|open| open.name != name || open.unit != unit) {
                 self.ready.extend(self.open.take());
@@ -231,6 +240,27 @@ impl RunTable {
     }
 }
 
+/// All runs of several tables; a run is in one of them.
+///
+/// # Errors
+/// As [`RunTable::recordings`], and [`Refusal`] of a run that an earlier table has, too.
+pub fn recordings(tables: Vec<RunTable>, line: Option<&CentreLine>) -> Result<VecDeque<Recording>, ReadError> {
+    let (mut all, mut begun) = (VecDeque::new(), HashSet::new());
+    for table in tables {
+        for recording in table.recordings(line)? {
+            let Recording { path, name, unit, .. } = &recording;
+            if !begun.insert(digest(unit, name)) {
+                let expected = "expected each run in one table";
+                let mend = "concatenate its rows, or give each run a name of its own";
+                let found = format!("{expected}, found {name:?} in an earlier one, too: {mend}");
+                return Err(Place::of_file(path).refuse(TEXTS[0], found).into());
+            }
+            all.push_back(recording);
+        }
+    }
+    Ok(all)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -294,6 +324,39 @@ mod tests {
             let table = RunTable { path: "runs".into(), places: places.clone(), batches: vec![batch] };
             let warnings = table.recordings(None).unwrap()[0].warnings.join("; ");
             assert_eq!(warnings.contains("a force has to be divided"), is_doubted, "{warnings}");
+        }
+    }
+
+    #[test]
+    fn a_row_without_a_run_is_refused() {
+        let mut missing = table("a", [None; 3], 1.0);
+        missing.batches[0].texts[0][1] = None;
+        let error = missing.recordings(None).unwrap_err().to_string();
+        assert_eq!(error, "runs:2: run: expected the name of the run in each row, found an empty cell");
+    }
+
+    #[test]
+    fn a_run_of_two_tables_is_refused_and_others_follow_each_other() {
+        let of = |names: &[&str]| recordings(names.iter().map(|name| table(name, [None; 3], 1.0)).collect(), None);
+        let names: Vec<String> = of(&["b", "a"]).unwrap().into_iter().map(|run| run.name).collect();
+        assert_eq!(names, ["b", "a"]);
+        let error = of(&["b", "b"]).unwrap_err().to_string();
+        assert!(
+            error.starts_with("runs: run: expected each run in one table, found \"b\" in an earlier one"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn the_index_of_pandas_is_no_unknown_column() {
+        let names = ["run", "time_s", "location_m", "speed_kmh", "__index_level_0__", "__index_level_12__"];
+        let unknown = |more: &str| {
+            let names: Vec<String> = names.into_iter().chain([more]).map(str::to_owned).collect();
+            Places::find("runs".as_ref(), &names).unwrap().unknown
+        };
+        assert_eq!(unknown("unit"), <[&str; 0]>::default());
+        for name in ["__index_level__", "__index_level_x__", "index", ""] {
+            assert_eq!(unknown(name), [name]);
         }
     }
 

@@ -12,7 +12,7 @@ use rundown_files::folder::Provenance;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::Place;
-use rundown_files::run_rows::RunTable;
+use rundown_files::run_rows::{self, RunTable};
 use rundown_files::{run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
 use std::path::{Path, PathBuf};
 
@@ -117,19 +117,19 @@ impl Input {
         Ok(described.with(loaded, set.files.len(), dataset.join(" "), provenance))
     }
 
-    /// The same with a table of runs in memory, which says the directions itself.
+    /// The same with tables of runs in memory, which say the directions themselves.
     ///
     /// # Errors
-    /// [`Refusal`] names the file, or the column of the table.
-    pub fn of_table(train: &Path, track: &Path, table: RunTable, as_recorded: bool) -> Result<Self, Refusal> {
+    /// [`Refusal`] names the file, or the column of a table.
+    pub fn of_tables(train: &Path, track: &Path, tables: Vec<RunTable>, as_recorded: bool) -> Result<Self, Refusal> {
         let described = Described::read(train, track)?;
         let provenance = Provenance::begin(&described.files);
-        let dataset = table.path.display().to_string();
+        let dataset: Vec<String> = tables.iter().map(|table| table.path.display().to_string()).collect();
         let line = CentreLine::new(&described.track_file.centre_line);
-        let recordings = table.recordings(line.as_ref()).map_err(Refusal::unread)?;
+        let recordings = run_rows::recordings(tables, line.as_ref()).map_err(Refusal::unread)?;
         let count = recordings.len();
-        let loaded = load::of_table(recordings, &described.train, &described.track_file, as_recorded);
-        Ok(described.with(loaded, count, dataset, provenance))
+        let loaded = load::of_tables(recordings, &described.train, &described.track_file, as_recorded);
+        Ok(described.with(loaded, count, dataset.join(" "), provenance))
     }
 
     /// Reads a folder as `rundown simulate` writes it.

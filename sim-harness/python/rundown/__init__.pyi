@@ -1,4 +1,4 @@
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, Protocol, Union, final
@@ -36,6 +36,9 @@ __all__ = [
 
 class _ArrowTable(Protocol):
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+
+# One, several, or several with the names of their runs.
+_Tables = Union[_ArrowTable, Iterable[_ArrowTable], Mapping[str, _ArrowTable]]
 
 class RundownError(Exception):
     file: Path | None
@@ -202,7 +205,7 @@ def import_logs(
 def preview_logs(files: _Paths | None = None, *, mapping: _Path | None = None) -> Preview: ...
 def convert(file: _Path, *, out: _Path, set: dict[str, float] | None = None) -> Converted: ...
 def replay(
-    runs: _Paths | _ArrowTable,
+    runs: _Paths | _Tables,
     *,
     train: _Path,
     track: _Path,
@@ -227,13 +230,14 @@ def simulate(
     progress: _Runs | None = None,
 ) -> Simulated: ...
 def check(
-    runs: _Paths | _ArrowTable,
+    runs: _Paths | _Tables,
     *,
     track: _Path | None = None,
+    train: _Path | None = None,
     progress: _Runs | None = None,
 ) -> Check: ...
 def gap(
-    runs: _Paths | _ArrowTable,
+    runs: _Paths | _Tables,
     *,
     train: _Path,
     track: _Path,
@@ -244,7 +248,7 @@ def gap(
     progress: bool | Callable[[str], object] | None = None,
 ) -> Gap: ...
 def export(
-    replay: _Path,
+    replay: Replay | _Path,
     *,
     train: _Path,
     to: _Format | Sequence[_Format],

@@ -26,7 +26,7 @@ impl Converted {
     /// Every field that is not kept, or read in a certain sense.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.done.notes.clone()
+        crate::said::messages(&self.done.notes)
     }
 
     fn __repr__(&self) -> String {

@@ -1,5 +1,6 @@
 //! Refusals as exceptions, with the place that the refusal names.
 
+use crate::options::in_python;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use rundown_files::refusal::{ReadError, Refusal};
@@ -13,7 +14,7 @@ pyo3::create_exception!(
     rundown,
     RundownError,
     PyException,
-    "A refusal. `str(error)` is the message of the command: `file:line:column: field: expected X, found Y`.\n\n\
+    "A refusal. `str(error)` is the message of the command, with arguments in the place of its options: `file:line:column: field: expected X, found Y`.\n\n\
      Attributes: file, line, column, field, reason; each is None where it is not known. Lines and columns count from 1."
 );
 
@@ -82,17 +83,18 @@ pub fn not_exported(error: ExportError) -> PyErr {
     }
 }
 
+/// Where all refusals pass: here they get the words of Python.
 fn with_place(text: &str, refusal: Option<&Refusal>) -> PyErr {
-    let error = RundownError::new_err(text.to_owned());
+    let error = RundownError::new_err(in_python(text));
     let set = |py: Python<'_>| -> PyResult<()> {
         let value = error.value(py);
         let place = refusal.map(|refusal| &refusal.place);
         value.setattr("file", place.map(|place| &place.file))?;
         value.setattr("line", place.and_then(|place| place.line))?;
         value.setattr("column", place.and_then(|place| place.column))?;
-        let field = refusal.map(|refusal| refusal.field.as_str()).filter(|field| !field.is_empty());
+        let field = refusal.map(|refusal| in_python(&refusal.field)).filter(|field| !field.is_empty());
         value.setattr("field", field)?;
-        value.setattr("reason", refusal.map_or(text, |refusal| refusal.message.as_str()))
+        value.setattr("reason", in_python(refusal.map_or(text, |refusal| refusal.message.as_str())))
     };
     Python::attach(set).err().unwrap_or(error)
 }

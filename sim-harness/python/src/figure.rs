@@ -1,5 +1,6 @@
 //! Pictures, as the reports have them.
 
+use crate::error::refused;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use rundown_pages::chart::standalone;
@@ -27,8 +28,14 @@ impl Figure {
 
 #[pymethods]
 impl Figure {
-    /// Writes the picture to a file.
+    /// Writes the picture to a file, as SVG.
     fn save(&self, path: PathBuf) -> PyResult<()> {
+        if path.extension().is_some_and(|end| !end.eq_ignore_ascii_case("svg")) {
+            let found = path.display();
+            return Err(refused(format!(
+                "path: expected a name that ends with .svg, as the picture is SVG, found {found}"
+            )));
+        }
         let failed = |error| PyOSError::new_err(format!("{}: cannot be written: {error}", path.display()));
         std::fs::write(&path, &self.svg).map_err(failed)
     }

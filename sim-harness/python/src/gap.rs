@@ -2,8 +2,9 @@
 
 use crate::error::{no_answer, refused};
 use crate::figure::Figure;
+use crate::options::in_python;
 use crate::progress::{Progress, Wanted};
-use crate::said::{read_json, warn};
+use crate::said::{self, read_json, warn};
 use crate::{paths, runs, table::Table};
 use pyo3::prelude::*;
 use rundown_files::recording::DirectionChoice;
@@ -32,7 +33,7 @@ impl Gap {
     /// What a person should know: of the logs, then of the answer.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.answer.input.notes.iter().cloned().chain(notes(&self.answer)).collect()
+        said::messages(self.answer.input.notes.iter().cloned().chain(notes(&self.answer)))
     }
 
     /// The effects that were named: name, confidence, rivals, parameters with their 95 % intervals, as `gap.json` has them.
@@ -90,7 +91,7 @@ impl Gap {
     }
 
     fn __str__(&self) -> String {
-        story(&self.answer)
+        in_python(&story(&self.answer))
     }
 
     fn __repr__(&self) -> String {
@@ -100,8 +101,11 @@ impl Gap {
 
 /// Finds which effect a model of train and track lacks, as `rundown gap` does.
 ///
-/// `runs`: run logs, folders of run logs, or a table in memory as `replay` takes it, which says the directions itself. A table has no dates: what happens
-/// over the days is not looked for in it. `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` is called with the name of each step.
+/// `runs`: run logs, folders of run logs, or tables in memory as `replay` takes them, which say the directions themselves. A table has no dates: what
+/// happens over the days is not looked for in it. `train`, `track`: the model, as files. `config`: a file of thresholds and priors. `hold_out`: how many
+/// runs evaluate the repaired model; a fifth without it, and at least five must be left. `direction`: of the runs that no index names, "up" or "down".
+/// `as_recorded=True` takes the logs as they are, with what `check` would put right. `progress`: a function of the name of each step, or True for lines
+/// on stderr.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), example="hidden_effect", runs=10)
@@ -123,21 +127,21 @@ pub fn gap(
     progress: Option<Wanted>,
 ) -> PyResult<Gap> {
     let (runs, choice) = (runs::of(runs)?, paths::direction(direction)?);
-    if matches!(runs, Runs::Table(_)) && choice != DirectionChoice::Auto {
+    if matches!(runs, Runs::Tables(_)) && choice != DirectionChoice::Auto {
         return Err(refused(format!(
             "direction: expected auto for a table, which says it in a column, found {direction}"
         )));
     }
-    let said = Progress::new(progress, 0);
+    let told = Progress::new(progress, 0);
     let work = || -> Result<Answer, Refusal> {
         let config = config.as_deref().map_or_else(|| Ok(GapConfig::default()), read_config)?;
         let input = match runs {
             Runs::Paths(paths) => Input::read(&train, &track, &paths, choice, as_recorded)?,
-            Runs::Table(table) => Input::of_table(&train, &track, table, as_recorded)?,
+            Runs::Tables(tables) => Input::of_tables(&train, &track, tables, as_recorded)?,
         };
-        rundown_gap::run(input, config, hold_out, |step| said.step(step))
+        rundown_gap::run(input, config, hold_out, |step| told.step(step))
     };
-    let answer = said.during(py, work)?.map_err(no_answer)?;
+    let answer = told.during(py, work)?.map_err(no_answer)?;
     let gap = Gap { answer };
     warn(py, &gap.notes())?;
     Ok(gap)

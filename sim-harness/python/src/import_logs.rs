@@ -2,8 +2,10 @@
 
 use crate::error::{not_imported, unread};
 use crate::figure::Figure;
+use crate::options::in_python;
 use crate::paths::{Paths, chosen};
 use crate::progress::Progress;
+use crate::said;
 use pyo3::prelude::*;
 use rundown_pages::numbers::counted;
 use sim_harness::import::{ImportError, ImportOrder, Method};
@@ -27,19 +29,19 @@ impl Imported {
     /// Files that cannot be read or need an answer in `import.toml`, while others were imported: the messages, with their place.
     #[getter]
     fn failed(&self) -> Vec<String> {
-        self.done.errors.iter().map(ToString::to_string).collect()
+        said::messages(self.done.errors.iter().map(ToString::to_string))
     }
 
     /// What a person may want to know, as the evidence for units and clocks.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.done.notes.clone()
+        said::messages(&self.done.notes)
     }
 
     /// What was left out or changed.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.done.warnings.clone()
+        said::messages(&self.done.warnings)
     }
 
     /// Run logs that were written.
@@ -48,7 +50,7 @@ impl Imported {
     }
 
     fn __str__(&self) -> String {
-        self.done.words(&self.folder)
+        in_python(&self.done.words(&self.folder))
     }
 
     fn __repr__(&self) -> String {
@@ -61,7 +63,7 @@ impl Imported {
 /// `files`: a file, a folder of files, or a list of them; None for those that the mapping names. `mapping`: an `import.toml` that says what the files do not,
 /// or that of an earlier import. `chainage`: how the runs come onto one chainage, "as-is", "stops", "line" or "align"; found from what is there without it.
 /// `track`: a track whose centre line gives the chainage of positions. `track_out`: where a track to begin with is written. `strict`: refuse where anything
-/// is to be warned of, and write nothing.
+/// is to be warned of, and write nothing. Files that were not imported, and the first of the warnings, are warnings of Python, too.
 ///
 /// >>> import pathlib, rundown, tempfile
 /// >>> folder = pathlib.Path(tempfile.mkdtemp())
@@ -93,7 +95,11 @@ pub fn import_logs(
     order.track_out = track_out;
     order.strict = strict;
     let done: Result<_, ImportError> = Progress::new(None, 0).during(py, || order.import())?;
-    Ok(Imported { folder: out, done: done.map_err(not_imported)? })
+    let imported = Imported { folder: out, done: done.map_err(not_imported)? };
+    let failed = said::first_of(&imported.failed(), ["file not imported", "files not imported"], "failed");
+    let warnings = said::first_of(&imported.warnings(), ["warning", "warnings"], "warnings");
+    said::warn(py, &failed.into_iter().chain(warnings).collect::<Vec<_>>())?;
+    Ok(imported)
 }
 
 /// What an import would do. `print(preview)` says columns with meaning and unit, and the first rows.
@@ -107,13 +113,13 @@ impl Preview {
     /// Files that cannot be read or need an answer in `import.toml`: the messages, with their place.
     #[getter]
     fn failed(&self) -> Vec<String> {
-        self.done.found.errors.iter().map(ToString::to_string).collect()
+        said::messages(self.done.found.errors.iter().map(ToString::to_string))
     }
 
     /// What a person may want to know, as the evidence for units and clocks.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.done.found.notes.clone()
+        said::messages(&self.done.found.notes)
     }
 
     /// The speeds as they would be imported.
@@ -122,7 +128,7 @@ impl Preview {
     }
 
     fn __str__(&self) -> String {
-        self.done.found.lines.join("\n")
+        in_python(&self.done.found.lines.join("\n"))
     }
 
     fn __repr__(&self) -> String {

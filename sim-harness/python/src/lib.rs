@@ -7,6 +7,7 @@
 //! | how does one of theirs come as runs? | `runs` |
 //! | how are pictures seen? | `figure` |
 //! | how is a refusal raised? | `error` |
+//! | how does a message name an argument? | `options` |
 //! | how is progress said? | `progress` |
 //!
 //! Nothing is calculated here: every number is that of `sim-harness`, as the command `rundown` has it. What is documented for Python stands in
@@ -21,6 +22,7 @@ mod export;
 mod figure;
 mod gap;
 mod import_logs;
+mod options;
 mod paths;
 mod progress;
 mod replay;

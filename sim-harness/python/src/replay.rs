@@ -4,7 +4,7 @@ use crate::error::{no_runs, not_replayed, refused};
 use crate::figure::Figure;
 use crate::paths;
 use crate::progress::{Progress, Wanted};
-use crate::said::{read_json, warn};
+use crate::said::{self, read_json, warn};
 use crate::{resistance, runs, table::Table};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -13,6 +13,7 @@ use rundown_files::column::{About, Column, Filled, Kind, filled};
 use rundown_files::table::Cell;
 use rundown_files::{replay::ReplayedRun, replay::Tick, run_log::BadRows};
 use rundown_pages::numbers::counted;
+use sim_harness::exporting::Results;
 use sim_harness::output::tables::Tables;
 use sim_harness::output::{coast_ahead, estimates, features, parameters};
 use sim_harness::replaying::{PERIOD, Replayed, Request, is_period};
@@ -28,13 +29,24 @@ pub struct Replay {
 }
 
 /// A speed, or several, m/s.
-#[derive(FromPyObject)]
-enum Speeds {
-    One(f64),
-    Several(Vec<f64>),
+fn speeds(argument: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let several = match argument.try_iter() {
+        // What a generator raises is its own.
+        Ok(all) => all.collect::<PyResult<Vec<_>>>()?,
+        Err(_) => vec![argument.clone()],
+    };
+    several.iter().map(|speed| speed.extract()).collect::<PyResult<_>>().map_err(|_| {
+        let found = argument.get_type();
+        PyTypeError::new_err(format!("speeds_mps: expected a speed or several, m/s, found {found}"))
+    })
 }
 
 impl Replay {
+    /// For an export.
+    pub fn results(&self) -> Results {
+        self.replayed.results()
+    }
+
     /// The run of this name.
     fn named(&self, name: &str) -> PyResult<usize> {
         let unknown = || refused(format!("run: expected the name of a run that was replayed, found {name:?}"));
@@ -73,15 +85,9 @@ impl Replay {
 
     /// What a person should know, in the order of its weight: what was refused, what was found, what is the matter with rows.
     fn said(&self) -> Vec<String> {
-        let (Replayed { failed, notes, .. }, warnings) = (&self.replayed, self.warnings());
-        let all = |count: usize, [one, many]: [&str; 2], first: &str, all: &str| {
-            format!("{}, the first: {first}; all in .{all}", counted(count, one, many))
-        };
-        let refused = ["log refused", "logs refused"];
-        let refused = failed.first().map(|first| all(failed.len(), refused, &first.error, "failed"));
-        let of_rows = ["warning of a log", "warnings of logs"];
-        let of_rows = warnings.first().map(|first| all(warnings.len(), of_rows, first, "warnings"));
-        refused.into_iter().chain(notes.iter().cloned()).chain(of_rows).collect()
+        let refused = said::first_failed(&self.replayed.failed);
+        let of_rows = said::first_of(&self.warnings(), ["warning of a log", "warnings of logs"], "warnings");
+        refused.into_iter().chain(self.notes()).chain(of_rows).collect()
     }
 
     fn fastest_mps(&self) -> f64 {
@@ -125,19 +131,19 @@ impl Replay {
     /// Logs that could not be used, with the reason.
     #[getter]
     fn failed(&self) -> Vec<(PathBuf, String)> {
-        self.replayed.failed.iter().map(|failed| (failed.file.clone(), failed.error.clone())).collect()
+        said::failed(&self.replayed.failed)
     }
 
     /// What a person should know about all runs.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.replayed.notes.clone()
+        said::messages(&self.replayed.notes)
     }
 
     /// Warnings of single rows.
     #[getter]
-    fn warnings(&self) -> Vec<&str> {
-        self.replayed.runs.iter().flat_map(|run| &run.warnings).map(String::as_str).collect()
+    fn warnings(&self) -> Vec<String> {
+        said::messages(self.replayed.runs.iter().flat_map(|run| &run.warnings))
     }
 
     /// A row for each tick of a run, or of all runs, as in `<run>.estimates.csv`.
@@ -181,16 +187,13 @@ impl Replay {
     fn resistance(
         &self,
         py: Python<'_>,
-        speeds_mps: Speeds,
+        speeds_mps: &Bound<'_, PyAny>,
         run: Option<&str>,
         unit: Option<&str>,
         of: &str,
     ) -> PyResult<Table> {
         let chosen = self.chosen(run, unit)?;
-        let speeds_mps = match speeds_mps {
-            Speeds::One(speed_mps) => vec![speed_mps],
-            Speeds::Several(speeds_mps) => speeds_mps,
-        };
+        let speeds_mps = speeds(speeds_mps)?;
         if let Some(speed_mps) = speeds_mps.iter().find(|speed_mps| !speed_mps.is_finite() || **speed_mps < 0.0) {
             return Err(refused(format!("speeds_mps: expected speeds from 0 m/s on, found {speed_mps}")));
         }
@@ -265,8 +268,14 @@ impl Replay {
 ///
 /// `runs`: run logs, folders of run logs, Parquet files of runs; or a table in memory that has Arrow's PyCapsule interface (pyarrow, polars, pandas,
 /// DuckDB), with the columns `run`, `time_s`, `location_m`, `speed_kmh`, and if known `unit`, `direction` and the others of a Parquet file of runs.
-/// The rows of a run follow each other. `tick`: seconds; without it every sample is a step. `carry=False` begins every run with the vehicle as its
-/// manufacturer describes it. Logs that are refused, notes and the first of the warnings are warnings of Python, too. `progress`: a function of (done, total), or True for lines on stderr.
+/// The rows of a run follow each other. In a list of tables one without the column `run` is a run: `table1`, `table2`; in a dictionary it has the name of
+/// its key. `train`, `track`, `config`: the descriptions and the configuration, as files.
+///
+/// `mode`: "gated" learns while the train coasts, "measured" from the column `effort_n_per_kg`, "paper" from the effort calculated at each step; without it
+/// that of the configuration, else "gated". `tick`: seconds; without it every sample is a step. `direction`: of the runs that no index names, "up" or
+/// "down". `carry=False` begins every run with the vehicle as its manufacturer describes it. `as_recorded=True` leaves as it is what `check` would put
+/// right. `skip_bad_rows=True` leaves out rows that cannot be read, with a warning, instead of refusing their run. `progress`: a function of (done, total),
+/// or True for lines on stderr. Logs that are refused, notes and the first of the warnings are warnings of Python, too.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), runs=2, seed=7)

@@ -1,7 +1,7 @@
-//! The runs of a call: paths, or a table of another tool.
+//! The runs of a call: paths, or tables of another tool.
 //!
-//! In: whatever has Arrow's PyCapsule interface (`__arrow_c_stream__`): a table of pyarrow, a frame of polars or pandas, a relation of DuckDB.
-//! Out: its rows by the columns of Parquet files of runs. A column of another type is refused by its name.
+//! In: whatever has Arrow's PyCapsule interface (`__arrow_c_stream__`): a table of pyarrow, a frame of polars or pandas, a relation of DuckDB; several in
+//! a list, or with names in a dictionary. Out: their rows by the columns of Parquet files of runs. A column of another type is refused by its name.
 
 use crate::error::unread;
 use crate::paths::Paths;
@@ -13,63 +13,180 @@ use arrow_array::types::{
 };
 use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchReader};
 use arrow_pyarrow::FromPyArrow;
-use arrow_schema::DataType;
+use arrow_schema::{ArrowError, DataType};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use rundown_files::refusal::{Place, Refusal};
+use pyo3::types::PyDict;
+use rundown_files::refusal::{Place, ReadError, Refusal};
 use rundown_files::run_rows::{Batch, Places, RunTable, TEXTS};
+use rundown_files::sample::{NumberColumn, TIME};
 use sim_harness::replaying::Runs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// What stands for the file in messages.
-const NAME: &str = "runs";
+/// The interface of a table.
+const STREAM: &str = "__arrow_c_stream__";
 
 /// The argument `runs`.
 pub fn of(argument: &Bound<'_, PyAny>) -> PyResult<Runs> {
-    if argument.hasattr("__arrow_c_stream__")? {
-        return table(argument).map(Runs::Table);
+    if argument.hasattr(STREAM)? {
+        let one = Arrived { path: "runs".into(), run: Run::InColumn };
+        return Ok(Runs::Tables(vec![one.table(argument)?]));
+    }
+    if let Ok(named) = argument.cast::<PyDict>() {
+        return tables(named.iter().map(|(name, table)| {
+            let arrived =
+                Arrived { path: format!("runs[{}]", name.repr()?).into(), run: Run::Named(name.str()?.to_string()) };
+            Ok((arrived, table))
+        }));
     }
     if let Ok(paths) = argument.extract::<Paths>() {
         return Ok(Runs::Paths(paths.into()));
     }
-    let several = argument.try_iter().and_then(|all| all.map(|path| path?.extract::<PathBuf>()).collect());
-    several.map(Runs::Paths).map_err(|_| {
-        let found = argument.get_type();
-        let collect = if argument.hasattr("collect").unwrap_or(false) { ": call its collect()" } else { "" };
-        let expected = "expected a path, several paths, or a table with Arrow's interface (polars, pandas from 2.2, pyarrow, DuckDB)";
-        PyTypeError::new_err(format!("runs: {expected}, found {found}{collect}"))
-    })
-}
-
-fn table(argument: &Bound<'_, PyAny>) -> PyResult<RunTable> {
-    let reader = RecordBatchStreamReader::from_pyarrow_bound(argument)?;
-    let names: Vec<String> = reader.schema().fields().iter().map(|field| field.name().clone()).collect();
-    let places = Places::find(Path::new(NAME), &names).map_err(|refusal| unread(refusal.into()))?;
-    let mut batches = Vec::new();
-    for part in reader {
-        let part = part.map_err(crate::error::refused)?;
-        batches.push(batch(&places, &part).map_err(|refusal| unread(refusal.into()))?);
+    // What a generator raises is its own.
+    let several = argument.try_iter().map_err(|_| unknown(argument))?.collect::<PyResult<Vec<_>>>()?;
+    if several.first().is_some_and(|first| first.hasattr(STREAM).unwrap_or(false)) {
+        return tables(several.into_iter().enumerate().map(|(index, table)| {
+            let run = Run::InColumnOr(format!("table{}", index + 1));
+            Ok((Arrived { path: format!("runs[{index}]").into(), run }, table))
+        }));
     }
-    Ok(RunTable { path: NAME.into(), places, batches })
+    let paths: PyResult<Vec<PathBuf>> = several.iter().map(|path| path.extract()).collect();
+    paths.map(Runs::Paths).map_err(|_| unknown(argument))
 }
 
-fn batch(places: &Places, part: &RecordBatch) -> Result<Batch, Refusal> {
-    let text = |index: usize| match places.texts[index] {
-        None => Ok(vec![None; part.num_rows()]),
-        Some(place) => texts(part.column(place)).ok_or_else(|| refused(TEXTS[index], "texts", part.column(place))),
-    };
-    let number = |&(column, place): &(&'static _, usize)| {
-        let column: &'static rundown_files::sample::NumberColumn = column;
-        let values = numbers(part.column(place)).ok_or_else(|| refused(column.name, "numbers", part.column(place)))?;
-        Ok((column, values))
-    };
-    let numbers = places.numbers.iter().map(number).collect::<Result<Vec<_>, Refusal>>()?;
-    Ok(Batch { texts: [text(0)?, text(1)?, text(2)?, text(3)?], numbers })
+fn unknown(argument: &Bound<'_, PyAny>) -> PyErr {
+    let found = argument.get_type();
+    let collect = if argument.hasattr("collect").unwrap_or(false) { ": call its collect()" } else { "" };
+    let expected = "expected a path, several paths, or a table with Arrow's interface (polars, pandas from 2.2, pyarrow, DuckDB) or several";
+    PyTypeError::new_err(format!("runs: {expected}, found {found}{collect}"))
 }
 
-fn refused(column: &str, expected: &str, found: &ArrayRef) -> Refusal {
-    let message = format!("expected {expected} in this column, found {}", found.data_type());
-    Place::of_file(NAME).refuse(column, message)
+/// Each with rows: one that was filtered to nothing is no run.
+fn tables<'py>(several: impl Iterator<Item = PyResult<(Arrived, Bound<'py, PyAny>)>>) -> PyResult<Runs> {
+    let one = |arrived: PyResult<(Arrived, Bound<'py, PyAny>)>| {
+        let (arrived, argument) = arrived?;
+        if !argument.hasattr(STREAM)? {
+            let (path, found) = (arrived.path.display(), argument.get_type());
+            return Err(PyTypeError::new_err(format!(
+                "{path}: expected a table with Arrow's interface, found {found}"
+            )));
+        }
+        let table = arrived.table(&argument)?;
+        if table.batches.iter().all(|batch| batch.texts[0].is_empty()) {
+            return Err(unread(Place::of_file(&arrived.path).refuse("", "expected rows, found none").into()));
+        }
+        Ok(table)
+    };
+    several.map(one).collect::<PyResult<Vec<RunTable>>>().map(Runs::Tables)
+}
+
+/// A table before it is read.
+struct Arrived {
+    /// What stands for the file in messages.
+    path: PathBuf,
+    run: Run,
+}
+
+/// How the runs of a table are named.
+enum Run {
+    /// By the column.
+    InColumn,
+    /// By the column, or without it all rows are one run of this name.
+    InColumnOr(String),
+    /// All rows are one run of this name; where there is a column it says the same.
+    Named(String),
+}
+
+impl Arrived {
+    fn table(&self, argument: &Bound<'_, PyAny>) -> PyResult<RunTable> {
+        let reader = RecordBatchStreamReader::from_pyarrow_bound(argument)?;
+        let names: Vec<String> = reader.schema().fields().iter().map(|field| field.name().clone()).collect();
+        self.read(reader, names).map_err(unread)
+    }
+
+    fn read(
+        &self,
+        parts: impl Iterator<Item = Result<RecordBatch, ArrowError>>,
+        mut names: Vec<String>,
+    ) -> Result<RunTable, ReadError> {
+        let has_run = names.iter().any(|name| name == TEXTS[0]);
+        if !has_run && self.run.name().is_none() {
+            let message =
+                "expected a column of this name, found none; in a list a table without it is a run: runs=[table]";
+            return Err(self.refuse(TEXTS[0], message.to_owned()).into());
+        }
+        if !has_run {
+            // Behind the others, where no part has a column.
+            names.push(TEXTS[0].to_owned());
+        }
+        let places = Places::find(&self.path, &names)?;
+        let mut batches = Vec::new();
+        for part in parts {
+            let part = part.map_err(|error| self.refuse("", error.to_string()))?;
+            batches.push(self.batch(&places, &part)?);
+        }
+        if !has_run {
+            self.check_one_run(&batches)?;
+        }
+        Ok(RunTable { path: self.path.clone(), places, batches })
+    }
+
+    fn batch(&self, places: &Places, part: &RecordBatch) -> Result<Batch, Refusal> {
+        let refused = |column: &str, expected: &str, found: &ArrayRef| {
+            let kind = found.data_type();
+            let mend = if kind.is_temporal() { "; seconds are (t - t.min()).dt.total_seconds() in pandas" } else { "" };
+            self.refuse(column, format!("expected {expected} in this column, found {kind}{mend}"))
+        };
+        let text = |index: usize| match places.texts[index].map(|place| part.columns().get(place)) {
+            None => Ok(vec![None; part.num_rows()]),
+            Some(None) => Ok(vec![self.run.name().map(str::to_owned); part.num_rows()]),
+            Some(Some(column)) => texts(column).ok_or_else(|| refused(TEXTS[index], "texts or whole numbers", column)),
+        };
+        let number = |&(column, place): &(&'static _, usize)| {
+            let column: &'static NumberColumn = column;
+            let found = part.column(place);
+            Ok((column, numbers(found).ok_or_else(|| refused(column.name, "numbers", found))?))
+        };
+        let numbers = places.numbers.iter().map(number).collect::<Result<Vec<_>, Refusal>>()?;
+        let texts = [text(0)?, text(1)?, text(2)?, text(3)?];
+        if let Run::Named(name) = &self.run
+            && let Some(other) = texts[0].iter().find(|found| found.as_ref() != Some(name))
+        {
+            let found = other.as_deref().unwrap_or_default();
+            return Err(self.refuse(TEXTS[0], format!("expected {name:?}, the name of the table, found {found:?}")));
+        }
+        Ok(Batch { texts, numbers })
+    }
+
+    /// Runs one after the other in a table that does not say so would be one, and all but the first be dropped as a clock that goes back.
+    fn check_one_run(&self, batches: &[Batch]) -> Result<(), Refusal> {
+        let of = |batch: &Batch| batch.numbers.iter().find(|(column, _)| column.name == TIME).map(|(_, t)| t.clone());
+        let times = batches.iter().filter_map(of).flatten().flatten().filter(|time_s| time_s.is_finite());
+        let mut last_s = f64::NEG_INFINITY;
+        for time_s in times {
+            if time_s < last_s {
+                let message = format!(
+                    "expected times that rise, as there is no column run, found {time_s} after {last_s}: name the runs in a column run"
+                );
+                return Err(self.refuse(TIME, message));
+            }
+            last_s = time_s;
+        }
+        Ok(())
+    }
+
+    fn refuse(&self, field: &str, message: String) -> Refusal {
+        Place::of_file(&self.path).refuse(field, message)
+    }
+}
+
+impl Run {
+    fn name(&self) -> Option<&str> {
+        match self {
+            Self::InColumn => None,
+            Self::InColumnOr(name) | Self::Named(name) => Some(name),
+        }
+    }
 }
 
 /// None where they are something else.

@@ -36,7 +36,8 @@ enum Example {
 /// Simulates runs with known truth into the folder `out`, as `rundown simulate` does; the same scenario and seed give the same bytes.
 ///
 /// `scenario` is a scenario file; without it `example` is taken: "case_study" with the loads and winds of everyday, "hidden_effect" with a tunnel that
-/// the described track lacks, or None for the case study in still air with the described load.
+/// the described track lacks, or None for the case study in still air with the described load. `seed`, `runs` (how many) and `recorder`
+/// ("event_recorder", "phone", "tram_gnss", "jru") replace those of the scenario. `force=True` takes the place of an earlier set.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), runs=2, seed=7)
@@ -56,6 +57,9 @@ pub fn simulate(
     force: bool,
     progress: Option<Wanted>,
 ) -> PyResult<Simulated> {
+    if scenario.is_some() && example.is_some() {
+        return Err(refused("scenario, example: expected one of them, found both"));
+    }
     let recorders = Recorder::ALL.map(|recorder| (recorder.name(), recorder));
     let recorder = recorder.map(|name| chosen("recorder", name, &recorders)).transpose()?;
     let examples = [("case_study", Example::CaseStudy), ("hidden_effect", Example::HiddenEffect)];

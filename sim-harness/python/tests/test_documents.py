@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import rundown
+from conftest import ROOT
 from rundown import _rundown
 
 PUBLIC = [name for name in rundown.__all__ if not name.startswith("_")]
@@ -21,6 +22,20 @@ def test_the_examples_run(name):
     assert test.examples, f"{name} has no example"
     failed, tried = doctest.DocTestRunner().run(test)
     assert (failed, tried) == (0, len(test.examples))
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/python.md"])
+def test_the_lines_of_the_documents_run_again(document, monkeypatch, tmp_path, capsys):
+    """In a folder in which they have run before; on 10 runs, as the other tests."""
+    text = (ROOT / document).read_text()
+    lines = text.split("```python\n")[1].split("```")[0]
+    simulate = rundown.simulate
+    monkeypatch.setattr(rundown, "simulate", lambda *out, **options: simulate(*out, runs=10, **options))
+    monkeypatch.chdir(tmp_path)
+    simulate("tunnel", runs=1)
+    exec(compile(lines, document, "exec"), {})
+    printed = capsys.readouterr().out
+    assert "verdict: explained" in printed and "resistance_n_per_kg" in printed and "run010" in printed
 
 
 def members(node):
@@ -82,6 +97,9 @@ def test_pictures_of_a_replay_are_drawn(reference, tmp_path):
         assert paths_of(learned.plot(name)) > 2, name
     learned.plot().save(tmp_path / "r.svg")
     assert (tmp_path / "r.svg").read_text() == learned.plot("resistance")._repr_svg_()
+    with pytest.raises(rundown.RundownError, match="expected a name that ends with .svg"):
+        learned.plot().save(tmp_path / "r.png")
+    assert not (tmp_path / "r.png").exists()
     with pytest.raises(rundown.RundownError, match="what: expected resistance"):
         learned.plot("resistence")
 

@@ -123,6 +123,64 @@ def test_an_export_is_refused_with_its_place(made, tmp_path):
     assert not out.exists()
 
 
+def test_messages_name_the_arguments_of_python(made, reference, tmp_path):
+    with pytest.raises(rundown.RundownError, match="overwrite with force=True$") as caught:
+        rundown.simulate(made.folder)
+    assert caught.value.reason.endswith("overwrite with force=True")
+    bad, text = tmp_path / "bad.csv", reference["runs"].read_text()
+    bad.write_text(text.replace("\n100.0,", "\nx,", 1))
+    assert bad.read_text() != text
+    with pytest.raises(rundown.RundownError, match="leave such rows out with skip_bad_rows=True$"):
+        rundown.replay(**{**reference, "runs": bad})
+    with pytest.warns(UserWarning, match="leave such rows out with skip_bad_rows=True"):
+        learned = rundown.replay(**{**reference, "runs": [bad, reference["runs"]]})
+    assert learned.failed[0][1].endswith("skip_bad_rows=True") and "skip_bad_rows=True" in str(learned)
+    # The command's own words stay in what the command writes.
+    assert "--skip-bad-rows" in learned.to_json()
+
+
+def test_notes_name_the_arguments_of_python(tunnel, made, tmp_path):
+    hidden, _ = tunnel
+    described = {"train": hidden.train, "track": hidden.track}
+    with pytest.warns(UserWarning, match='effort_n_per_kg is not used: mode="measured" learns from it'):
+        learned = rundown.replay(hidden.runs, **described)
+    assert any('mode="measured"' in note for note in learned.notes) and "--" not in str(learned)
+    with pytest.raises(rundown.RundownError, match=r"^hold_out=10: an analysis needs 5 runs and there are 10"):
+        rundown.gap(hidden.runs, hold_out=10, **described)
+    described, out = {"train": made.train, "track": made.track}, tmp_path / "out"
+    learned = rundown.replay(made.runs, **described)
+    rundown.export(learned, to="sumo", max_speed=140, out=out, train=made.train)
+    again = rundown.export(learned, to="altrios", max_speed=140, out=out, train=made.train)
+    assert again.notes[-1].endswith("removed from an earlier export: sumo.add.xml; out= takes another folder, to= several formats")
+    apart = rundown.replay(made.runs, carry=False, **described)
+    with pytest.raises(rundown.RundownError, match="found a replay made with carry=False"):
+        rundown.export(apart, to="sumo", max_speed=140, out=out, train=made.train)
+
+
+def test_what_an_import_leaves_out_is_said_in_words_of_python(tmp_path):
+    """Runs whose locations begin at 0, at stops that do not agree."""
+    for number in (1, 2, 3):
+        rows, location = [], 0.0
+        for second in range(600):
+            speed = 12.0 if second % (100 + 37 * number) > 20 else 0.0
+            location += speed
+            rows.append(f"{second};{location};{3.6 * speed}")
+        (tmp_path / f"log{number}.csv").write_text("\n".join(["time [s];location [m];speed [km/h]", *rows]))
+    with pytest.warns(UserWarning, match="the first: .*all in .warnings$"):
+        imported = rundown.import_logs(tmp_path, out=tmp_path / "runs")
+    said = "\n".join(imported.notes)
+    assert 'chainage="as-is" keeps the locations as they are, track="K.toml" places runs by the stops of a track' in said
+    with pytest.raises(rundown.RundownError, match="strict=True: expected nothing to be warned of"):
+        rundown.import_logs(tmp_path, out=tmp_path / "strict", strict=True)
+
+
+def test_one_of_two_sources_is_asked_for(made, tmp_path):
+    with pytest.raises(rundown.RundownError, match="scenario, example: expected one of them, found both"):
+        rundown.simulate(tmp_path / "set", scenario=made.truth / "scenario.toml", example="hidden_effect")
+    with pytest.raises(rundown.RundownError, match="train: expected a track beside it, found none"):
+        rundown.check(made.runs, train=made.train)
+
+
 def test_progress_counts_the_runs(made, capsys):
     told = []
     rundown.replay(made.runs, train=made.train, track=made.track, progress=lambda *now: told.append(now))

@@ -80,6 +80,71 @@ def test_a_file_of_runs_and_its_table_are_the_same(made, table, tmp_path):
     assert parameters(tmp_path / "runs.parquet", made) == parameters(table, made)
 
 
+def test_the_index_of_a_frame_is_no_column(made, table, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    frame = table.to_pandas()
+    parts = [part.reset_index(drop=True) for _, part in frame.groupby("run")]
+    filtered = pandas.concat(parts)
+    assert "__index_level_0__" in pyarrow.table(filtered).column_names
+    filtered.to_parquet(tmp_path / "runs.parquet")
+    filtered["speed_mps"] = filtered["speed_kmh"] / 3.6
+    for runs, unknown in [(pandas.concat(parts), []), (tmp_path / "runs.parquet", []), (filtered, ["speed_mps"])]:
+        learned = rundown.replay(runs, train=made.train, track=made.track)
+        found = [text.split("found ")[1].split(";")[0] for text in learned.warnings if "no other columns" in text]
+        assert found == unknown
+
+
+def frames(table, without=()):
+    """A table for each run, without these columns."""
+    names = sorted(set(table["run"].to_pylist()))
+    runs = table["run"].to_pylist()
+    rows = {name: [row for row, run in enumerate(runs) if run == name] for name in names}
+    return {name: table.take(pyarrow.array(rows[name])).drop_columns(list(without)) for name in names}
+
+
+def test_several_tables_are_the_runs_of_one(made, table):
+    expected = parameters(table, made)
+    pandas = pytest.importorskip("pandas")
+    with_run, bare = list(frames(table).values()), frames(table, ["run"])
+    assert parameters(with_run, made) == expected
+    assert parameters((one.to_pandas() for one in with_run), made) == expected
+    assert parameters(dict(list(table.to_pandas().groupby("run"))), made) == expected
+    assert parameters(bare, made) == expected
+    # Two runs, then one: a table may have several.
+    assert parameters([pyarrow.concat_tables(with_run[:2]), with_run[2]], made) == expected
+    named = parameters([one.to_pandas() for one in bare.values()], made)
+    assert named.pop("run") == ["table1", "table2", "table3"]
+    assert named == {name: values for name, values in expected.items() if name != "run"}
+    ours, theirs = (pyarrow.table(rundown.check(runs).findings) for runs in (with_run, table))
+    assert ours.num_rows > 0 and ours.drop_columns(["line", "text"]) == theirs.drop_columns(["line", "text"])
+
+
+def test_tables_that_are_not_clear_are_refused(made, table):
+    first, second, third = frames(table).values()
+    bare = frames(table, ["run"])["run001"]
+    both = pyarrow.concat_tables([first, second])
+    wrong = [
+        ([first, first], "runs[1]", "run", 'expected each run in one table, found "run001" in an earlier one, too'),
+        ([first, bare.slice(0, 0)], "runs[1]", None, "expected rows, found none"),
+        ([both.drop_columns(["run"])], "runs[0]", "time_s", "expected times that rise, as there is no column run"),
+        ({"run001": first, "b": second}, "runs['b']", "run", 'expected "b", the name of the table, found "run002"'),
+        ([first, second.drop_columns(["time_s"])], "runs[1]", "time_s", "expected a column of this name, found none"),
+    ]
+    for runs, file, field, reason in wrong:
+        with pytest.raises(rundown.RundownError) as caught:
+            rundown.replay(runs, train=made.train, track=made.track)
+        assert (str(caught.value.file), caught.value.field) == (file, field)
+        assert caught.value.reason.startswith(reason), caught.value.reason
+    for runs, place in [([first, "run002.csv"], r"runs\[1\]"), ({"a": "run001.csv"}, r"runs\['a'\]")]:
+        with pytest.raises(TypeError, match=place + ": expected a table with Arrow's interface, found <class 'str'>"):
+            rundown.replay(runs, train=made.train, track=made.track)
+    with pytest.raises(ZeroDivisionError):
+        rundown.replay((first if one else 1 / 0 for one in [1, 0]), train=made.train, track=made.track)
+    # The same rows twice are one run, as everywhere.
+    with pytest.warns(UserWarning, match="1 log refused, the first: .*holds the same rows as another one"):
+        assert rundown.replay([bare, bare], train=made.train, track=made.track).runs == ["table1"]
+
+
 @pytest.mark.parametrize(
     ("change", "field", "reason"),
     [
@@ -87,12 +152,27 @@ def test_a_file_of_runs_and_its_table_are_the_same(made, table, tmp_path):
         (
             lambda table: table.set_column(0, "run", [[0.5] * len(table)]),
             "run",
-            "expected texts in this column, found Float64",
+            "expected texts or whole numbers in this column, found Float64",
         ),
         (
             lambda table: table.append_column("direction", [["UP"] * len(table)]),
             "direction",
             'expected up, down or an empty cell, found "UP"',
+        ),
+        (
+            lambda table: table.drop_columns(["run"]),
+            "run",
+            "expected a column of this name, found none; in a list a table without it is a run: runs=[table]",
+        ),
+        (
+            lambda table: table.set_column(0, "run", [[None] * len(table)]),
+            "run",
+            "expected the name of the run in each row, found an empty cell",
+        ),
+        (
+            lambda table: table.set_column(1, "time_s", table["time_s"].cast("int64", safe=False).cast(pyarrow.timestamp("s"))),
+            "time_s",
+            "expected numbers in this column, found Timestamp(s); seconds are (t - t.min()).dt.total_seconds() in pandas",
         ),
     ],
 )
@@ -123,12 +203,13 @@ def test_a_table_is_checked_as_its_files_are(made, table, bare):
     assert ours.drop_columns(["line", "text"]) == theirs.drop_columns(["line", "text"])
 
 
-def test_a_gap_is_found_in_a_table_as_in_its_files(tunnel, tmp_path):
+def test_a_gap_is_found_in_tables_as_in_their_files(tunnel, tmp_path):
     made, _ = tunnel
     for log in made.runs.glob("run[0-9]*.csv"):
         shutil.copy(log, tmp_path)
     described = {"train": made.train, "track": made.track}
-    ours, theirs = (rundown.gap(runs, **described) for runs in (pyarrow.table(rows_of(made)), tmp_path))
+    tables = frames(pyarrow.table(rows_of(made)), ["run"])
+    ours, theirs = (rundown.gap(runs, **described) for runs in (tables, tmp_path))
     assert ours.verdict == "explained"
     assert pyarrow.table(ours.residuals) == pyarrow.table(theirs.residuals)
     assert json.loads(ours.to_json())["effects"] == json.loads(theirs.to_json())["effects"]
@@ -172,6 +253,12 @@ def test_what_a_person_should_know_is_a_warning(made, tmp_path):
         learned.resistance(100)
     with pytest.raises(rundown.RundownError, match="expected speeds from 0 m/s on, found -1"):
         learned.resistance([10, -1])
+    assert learned.resistance(v for v in [10, 20]).to_dict() == learned.resistance([10, 20]).to_dict()
+    for wrong in ["20", ["20"], None]:
+        with pytest.raises(TypeError, match="speeds_mps: expected a speed or several, m/s, found <class"):
+            learned.resistance(wrong)
+    with pytest.warns(UserWarning, match="1 log refused, the first: .*run001.csv"):
+        assert rundown.check(logs).failed[0][0] == logs[0]
 
 
 def test_what_is_no_table_is_refused_with_its_type(made):

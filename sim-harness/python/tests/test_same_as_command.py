@@ -89,6 +89,9 @@ def test_check(made, command):
     assert found.to_json() + "\n" == command("check", "--json", made.runs)
     assert str(found) == command("check", made.runs)
     assert "truncated_speed" in found.findings["kind"]
+    described = rundown.check(made.runs, train=made.train, track=made.track)
+    options = ["--train", made.train, "--track", made.track]
+    assert described.to_json() + "\n" == command("check", "--json", *options, made.runs)
 
 
 def test_gap(tunnel, command, tmp_path):
@@ -165,6 +168,18 @@ def test_export(made, command, tmp_path):
     assert str(exported) == text
     same_files(tmp_path / "command", out)
     assert exported.files[-1] == out / "train.toml" and len(exported.files) == len(formats) + 1
+    # A replay in memory is that of its folder; what it was made from stands in the manifest.
+    replayed = rundown.replay(made.runs, train=made.train, track=made.track)
+    again = rundown.export(replayed, to=formats, out=tmp_path / "again", id="unit 7", tc_version="3", **options)
+    same_files(out, again.folder)
+    inputs = [one["file"] for one in json.loads((again.folder / "manifest.json").read_text())["inputs"]]
+    assert inputs.count(str(made.train)) == 1 and str(made.runs / "run001.csv") in inputs
+    other = tmp_path / "other.toml"
+    other.write_text(made.train.read_text().replace("364000", "365000"))
+    with pytest.raises(rundown.RundownError, match="replay: train: expected the train that was replayed"):
+        rundown.export(replayed, to="sumo", max_speed=140, train=other, out=tmp_path / "other")
+    with pytest.raises(TypeError, match="replay: expected a rundown.Replay, the folder of one, .* found <class 'int'>"):
+        rundown.export(7, to="sumo", max_speed=140, train=other, out=tmp_path / "other")
     # The learned train is one for a replay.
     rundown.replay(made.runs, train=exported.files[-1], track=made.track)
     one = rundown.export(learned, to="sumo", train=made.train, max_speed=140, out=tmp_path / "one")

@@ -2,7 +2,7 @@
 
 use super::{Failure, WRONG_ARGUMENTS, screen};
 use crate::exchange::sfera;
-use crate::exporting::{ExchangeFormat, ExportError, ExportOrder, Traction};
+use crate::exporting::{ExchangeFormat, ExportError, ExportOrder, Results, Traction};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut formats = arguments.to.clone();
     formats.extend(arguments.sfera.then_some(ExchangeFormat::Sfera));
     let order = ExportOrder {
-        replay: arguments.replay.clone(),
+        replay: Results::At(arguments.replay.clone()),
         train: arguments.train.clone(),
         formats,
         unit: arguments.unit.clone(),

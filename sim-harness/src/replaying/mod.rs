@@ -11,6 +11,7 @@ mod stream;
 pub use source::Runs;
 pub use stream::{CHUNK, StreamError};
 
+use crate::learned_train::Results;
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
 use crate::report::page::HISTORY_KMH;
@@ -414,6 +415,13 @@ impl Replayed {
             write_report(folder, &self.report())
         })?;
         Ok(json)
+    }
+
+    /// For an export.
+    pub fn results(&self) -> Results {
+        // The text, not its value: a number that is read again may differ in the last bit, and is to be that of the file.
+        let json = format!("{:#}\n", self.json());
+        Results::Replayed { json, train: Box::new(self.train.clone()), provenance: self.provenance.clone() }
     }
 
     /// Names of the pictures that [`Replayed::picture`] knows; all but the first two are of a run.

@@ -6,7 +6,7 @@ use crate::parquet_runs::ParquetRuns;
 use rayon::prelude::*;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_rows::RunTable;
+use rundown_files::run_rows::{self, RunTable};
 use rundown_files::{run_log::BadRows, run_set::RunSet};
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -16,8 +16,8 @@ use std::path::PathBuf;
 pub enum Runs {
     /// Run logs, folders of them, or Parquet files.
     Paths(Vec<PathBuf>),
-    /// A table in memory, with the columns of Parquet files of runs.
-    Table(RunTable),
+    /// Tables in memory, with the columns of Parquet files of runs.
+    Tables(Vec<RunTable>),
 }
 
 /// What of it was read is forgotten.
@@ -25,7 +25,7 @@ pub enum Runs {
 pub(super) enum Source {
     Logs { set: RunSet, next: usize },
     Parquet(ParquetRuns),
-    Table(VecDeque<Recording>),
+    Tables(VecDeque<Recording>),
 }
 
 impl Source {
@@ -35,7 +35,7 @@ impl Source {
                 Some(runs) => Ok(Self::Parquet(runs)),
                 None => Ok(Self::Logs { set: RunSet::find(&paths)?, next: 0 }),
             },
-            Runs::Table(table) => Ok(Self::Table(table.recordings(line)?)),
+            Runs::Tables(tables) => Ok(Self::Tables(run_rows::recordings(tables, line)?)),
         }
     }
 
@@ -43,7 +43,7 @@ impl Source {
         match self {
             Self::Logs { set, .. } => set.files.len(),
             Self::Parquet(runs) => runs.runs(),
-            Self::Table(runs) => runs.len(),
+            Self::Tables(runs) => runs.len(),
         }
     }
 
@@ -59,14 +59,14 @@ impl Source {
         match self {
             Self::Logs { set, .. } => set.paths(),
             Self::Parquet(runs) => runs.files().to_vec(),
-            Self::Table(_) => Vec::new(),
+            Self::Tables(_) => Vec::new(),
         }
     }
 
     pub(super) fn notes(&self) -> &[String] {
         match self {
             Self::Logs { set, .. } => &set.notes,
-            Self::Parquet(_) | Self::Table(_) => &[],
+            Self::Parquet(_) | Self::Tables(_) => &[],
         }
     }
 
@@ -87,7 +87,7 @@ impl Source {
                 files.map(|file| logs::read(file, bad_rows, line, direction)).collect()
             }
             Self::Parquet(runs) => runs.next_chunk(most)?.into_iter().map(Ok).collect(),
-            Self::Table(runs) => runs.drain(..most.min(runs.len())).map(Ok).collect(),
+            Self::Tables(runs) => runs.drain(..most.min(runs.len())).map(Ok).collect(),
         };
         Ok((!chunk.is_empty()).then_some(chunk))
     }

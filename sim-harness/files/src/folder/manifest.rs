@@ -53,6 +53,17 @@ impl Provenance {
         Self { started, inputs: inputs.par_iter().map(listed).collect() }
     }
 
+    /// With what was read for something before, too.
+    #[must_use]
+    pub fn and(mut self, before: &Self) -> Self {
+        for input in &before.inputs {
+            if !self.inputs.contains(input) {
+                self.inputs.push(input.clone());
+            }
+        }
+        self
+    }
+
     /// The manifest of the files of a folder. `earlier` are the manifests of other commands whose files stay.
     pub(super) fn manifest(
         &self,

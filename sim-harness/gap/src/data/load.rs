@@ -52,8 +52,8 @@ pub fn runs(set: &RunSet, train: &Train, track: &TrackFile, direction: Direction
     usable(read, train, track, as_recorded)
 }
 
-/// The same of runs that came as a table.
-pub fn of_table(
+/// The same of runs that came as tables.
+pub fn of_tables(
     recordings: impl IntoIterator<Item = Recording>,
     train: &Train,
     track: &TrackFile,

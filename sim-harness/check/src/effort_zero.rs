@@ -1,0 +1,157 @@
+//! What an effort column has for no effort: a zero that is off, and zeros that are no effort of 0 but none that is known.
+//!
+//! In: rows of all runs of a unit, put right. Out: the reading of trains that stand; and how many trains hold their speed or brake with an effort of 0.
+//!
+//! A constant on the effort goes into the resistance one to one, and at standstill it is seen alone. A column that has traction only, or drops what is small, has zeros
+//! where a coast has them: as measurements of a coast they would teach the deceleration of the brake, or no resistance at all.
+
+use crate::agreement::Figure;
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+
+/// So many rows at standstill tell the zero, and this share of them has it within [`SAME_N_PER_KG`].
+const LEAST_STANDING: usize = 20;
+const MOST_STANDING: f64 = 0.8;
+const SAME_N_PER_KG: f64 = 2e-4;
+/// More than this is the brake that holds the train, not a zero, N/kg.
+const LARGEST_ZERO_N_PER_KG: f64 = 0.02;
+
+/// Regimes are looked for in stretches of so long, s.
+const STRETCH_S: f64 = 20.0;
+/// A train that slows down faster than this brakes, m/s²: on any gradient of a railway a coast is slower.
+const BRAKES_MPS2: f64 = 0.45;
+/// A train at this speed, m/s, that changes it by less than this over a stretch, m/s, holds it, on gradients that repeat in both directions or not.
+const HOLDS_FROM_MPS: f64 = 12.0;
+const HOLDS_WITHIN_MPS: f64 = 0.15;
+/// So many such stretches, and this share of them with zeros, tell.
+const LEAST_STRETCHES: usize = 20;
+const LEAST_SHARE: f64 = 0.7;
+/// Held speeds are this share of the stretches with zeros: fewer are coasts on slopes that just keep the speed.
+const LEAST_OF_ZEROS: f64 = 0.4;
+/// A zero is none of a coast from where the train slows down faster than this, m/s², until it powers again, and for so long before, s.
+const SLOWS_MPS2: f64 = 0.15;
+const BEFORE_S: f64 = 10.0;
+
+/// The effort that the column has where trains stand, N/kg, and in how many rows; nothing where that is 0, or differs.
+pub(crate) fn at_standstill<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<(Figure, usize)> {
+    let standing = recordings.flat_map(|recording| {
+        // The rows beside it may hold the mean of an interval in which the train still moved.
+        recording.rows.windows(3).filter(|rows| rows.iter().all(|row| row.speed_mps == Some(0.0)))
+    });
+    let mut efforts: Vec<f64> = standing.filter_map(|rows| rows[1].effort_n_per_kg).collect();
+    efforts.sort_by(f64::total_cmp);
+    let zero = *efforts.get(efforts.len() / 2)?;
+    let same: Vec<f64> = efforts.iter().copied().filter(|effort| (effort - zero).abs() < SAME_N_PER_KG).collect();
+    let is_one = same.len() as f64 >= MOST_STANDING * efforts.len() as f64;
+    let is_off = (SAME_N_PER_KG..LARGEST_ZERO_N_PER_KG).contains(&zero.abs());
+    let value = same.iter().sum::<f64>() / same.len() as f64;
+    (same.len() >= LEAST_STANDING && is_one && is_off).then_some((Figure { value, sd: 0.0 }, same.len()))
+}
+
+/// Stretches of moving trains, and how many of them have efforts of 0 throughout.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Stretches {
+    pub all: usize,
+    pub with_zeros: usize,
+}
+
+impl Stretches {
+    fn add(&mut self, is_zero: bool) {
+        self.all += 1;
+        self.with_zeros += usize::from(is_zero);
+    }
+
+    fn tell(self) -> bool {
+        self.all >= LEAST_STRETCHES && self.with_zeros as f64 >= LEAST_SHARE * self.all as f64
+    }
+}
+
+/// By what a moving train does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Zeros {
+    pub brakes: Stretches,
+    pub holds: Stretches,
+    /// Whatever it does.
+    moves: Stretches,
+}
+
+impl Zeros {
+    /// The column has no brake: its zeros are none while the train brakes.
+    pub fn lack_the_brake(&self) -> bool {
+        self.brakes.tell()
+    }
+
+    /// The column drops what is small: no zero is one.
+    pub fn drop_what_is_small(&self) -> bool {
+        let share = self.holds.with_zeros as f64 / self.moves.with_zeros.max(1) as f64;
+        self.holds.tell() && share >= LEAST_OF_ZEROS
+    }
+}
+
+/// Takes the efforts out that are 0.
+pub(crate) fn leave_out_zeros(rows: &mut [Sample]) -> usize {
+    let zeros = rows.iter_mut().filter(|row| row.effort_n_per_kg == Some(0.0));
+    zeros.map(|row| row.effort_n_per_kg = None).count()
+}
+
+/// Takes the efforts of 0 out while the train brakes.
+pub(crate) fn leave_out_brakes(rows: &mut [Sample]) -> usize {
+    let (mut count, mut from) = (0, 0);
+    while from < rows.len() {
+        let is_zero = |row: &Sample| row.effort_n_per_kg == Some(0.0);
+        let long = rows[from..].iter().take_while(|row| is_zero(row)).count();
+        let zeros = &mut rows[from..from + long];
+        let slows = |after: &&[Sample]| {
+            let speeds = after[0].speed_mps.zip(after[after.len() - 1].speed_mps);
+            let long_s = after[after.len() - 1].time_s - after[0].time_s;
+            speeds
+                .is_some_and(|(first, last)| first > 0.0 && last - first < -SLOWS_MPS2 * long_s.max(f64::MIN_POSITIVE))
+        };
+        let first_s = zeros.windows(3).find(slows).map(|rows| rows[0].time_s - BEFORE_S);
+        let braking = zeros.iter_mut().filter(|row| first_s.is_some_and(|first_s| row.time_s >= first_s));
+        count += braking.map(|row| row.effort_n_per_kg = None).count();
+        from += long.max(1);
+    }
+    count
+}
+
+/// Of all runs of a unit.
+pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Zeros {
+    let mut found = Zeros::default();
+    for recording in recordings {
+        for rows in stretches(&recording.rows) {
+            let speeds = rows.iter().filter_map(|row| row.speed_mps);
+            let (low, high) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            let (first, last) = (&rows[0], &rows[rows.len() - 1]);
+            let long_s = last.time_s - first.time_s;
+            let rate = (last.speed_mps.unwrap_or_default() - first.speed_mps.unwrap_or_default()) / long_s;
+            let is_zero = rows.iter().all(|row| row.effort_n_per_kg == Some(0.0));
+            if rate < -BRAKES_MPS2 {
+                found.brakes.add(is_zero);
+            }
+            if low > HOLDS_FROM_MPS {
+                found.moves.add(is_zero);
+                if high - low < HOLDS_WITHIN_MPS {
+                    found.holds.add(is_zero);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Stretches in which each row has a speed and an effort.
+fn stretches(rows: &[Sample]) -> Vec<&[Sample]> {
+    let (mut found, mut begin) = (Vec::new(), 0);
+    for end in 1..rows.len() {
+        let complete = rows[end].speed_mps.is_some() && rows[end].effort_n_per_kg.is_some();
+        let long_s = rows[end].time_s - rows[begin].time_s;
+        if !complete || long_s > 2.0 * STRETCH_S {
+            begin = end;
+        } else if long_s >= STRETCH_S {
+            found.push(&rows[begin..=end]);
+            begin = end;
+        }
+    }
+    found
+}

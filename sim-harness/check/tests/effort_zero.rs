@@ -1,0 +1,120 @@
+//! Is a zero of the effort that is off taken from trains that stand, and are zeros that are none left out?
+
+mod simulated;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rundown_check::check;
+use rundown_check::finding::{Done, Finding, Kind};
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+use simulated::recording;
+
+/// Eight runs from stop to stop, a row a second: power, a held speed, a coast, a brake. The column is `read` of the effort and of whether the train stands.
+fn runs(seed: u64, read: impl Fn(f64, bool) -> Option<f64>) -> Vec<Recording> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut run = |number: usize| {
+        let (mut rows, mut time_s, mut location_m, mut speed_mps) = (Vec::new(), 0.0, 0.0, 0.0_f64);
+        for _ in 0..8 {
+            let top_mps = random.random_range(15.0..40.0);
+            let [hold_s, coast_s] = [random.random_range(60.0..200.0), random.random_range(20.0..80.0)];
+            let (mut phase, mut since_s) = (0, 0.0);
+            while phase < 5 {
+                let resistance = 0.02 + 4e-5 * speed_mps * speed_mps;
+                let effort = match phase {
+                    0 => 0.45,
+                    1 => resistance + 1e-3 * f64::sin(time_s / 7.0),
+                    2 | 4 => 0.0,
+                    _ => -0.6,
+                };
+                let stands = speed_mps == 0.0 && phase > 2;
+                let effort_n_per_kg = read(if stands { 0.0 } else { effort }, stands);
+                let row = Sample { time_s, effort_n_per_kg, ..Sample::default() };
+                rows.push(Sample { location_m: Some(location_m), speed_mps: Some(speed_mps), ..row });
+                let rate = if stands { 0.0 } else { effort - resistance };
+                let after = (speed_mps + rate).max(0.0);
+                location_m += 0.5 * (speed_mps + after);
+                (speed_mps, time_s, since_s) = (after, time_s + 1.0, since_s + 1.0);
+                let over = match phase {
+                    0 => speed_mps >= top_mps,
+                    1 => since_s >= hold_s,
+                    2 => since_s >= coast_s,
+                    3 => speed_mps == 0.0,
+                    _ => since_s >= 45.0,
+                };
+                if over {
+                    (phase, since_s) = (phase + 1, 0.0);
+                }
+            }
+        }
+        recording(&format!("run{number}"), rows)
+    };
+    (0..8).map(&mut run).collect()
+}
+
+fn found(recordings: &mut [Recording]) -> Vec<Finding> {
+    let check = check(recordings);
+    let of_effort = |finding: &&Finding| matches!(finding.kind, Kind::EffortOffset | Kind::EffortZeros);
+    check.recorders[0].findings.iter().filter(of_effort).cloned().collect()
+}
+
+#[test]
+fn a_right_zero_is_left_alone() {
+    for seed in 0..6 {
+        assert_eq!(found(&mut runs(70_000 + seed, |effort, _| Some(effort))), []);
+        // A brake holds the train that stands.
+        assert_eq!(found(&mut runs(70_000 + seed, |effort, stands| Some(if stands { -0.4 } else { effort }))), []);
+        // Noise.
+        let noisy = |effort: f64, _| Some(effort + 1e-3 * (effort * 1e7).sin());
+        assert_eq!(found(&mut runs(70_000 + seed, noisy)), []);
+    }
+}
+
+#[test]
+fn a_constant_on_the_effort_is_taken_from_it() {
+    for (seed, off) in [(0, -0.002), (1, 0.001), (2, 0.004), (3, -0.0005)] {
+        let mut recordings = runs(71_000 + seed, |effort, _| Some(effort + off));
+        let findings = found(&mut recordings);
+        let [finding] = findings.as_slice() else { panic!("{off}: {findings:?}") };
+        assert_eq!((finding.kind, finding.done), (Kind::EffortOffset, Done::PutRight));
+        let truth = runs(71_000 + seed, |effort, _| Some(effort));
+        let rows = recordings.iter().zip(&truth).flat_map(|(a, b)| a.rows.iter().zip(&b.rows));
+        let worst = rows.filter_map(|(a, b)| Some((a.effort_n_per_kg? - b.effort_n_per_kg?).abs())).fold(0.0, f64::max);
+        assert!(worst < 1e-9, "{off}: {worst}");
+    }
+}
+
+#[test]
+fn zeros_of_a_brake_that_is_not_recorded_are_left_out() {
+    for seed in 0..4 {
+        let mut recordings = runs(72_000 + seed, |effort, _| Some(effort.max(0.0)));
+        let findings = found(&mut recordings);
+        assert!(
+            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
+            "{findings:?}"
+        );
+        let truth = runs(72_000 + seed, |effort, _| Some(effort));
+        let read = recordings.iter().flat_map(|one| &one.rows).map(|row| row.effort_n_per_kg);
+        let pairs: Vec<_> = read.zip(truth.iter().flat_map(|one| &one.rows)).collect();
+        let is_brake = |row: &Sample| row.effort_n_per_kg.is_some_and(|effort| effort < -0.05);
+        let wrong = pairs.iter().filter(|(read, truth)| *read == Some(0.0) && is_brake(truth)).count();
+        let coasts = |row: &Sample| row.effort_n_per_kg == Some(0.0) && row.speed_mps > Some(0.0);
+        let coasts: Vec<_> = pairs.iter().filter(|(_, truth)| coasts(truth)).collect();
+        let (all, kept) = (coasts.len(), coasts.iter().filter(|(read, _)| read.is_some()).count());
+        // Of each coast the last ten seconds may be the brake that comes up, and two rows are needed to see it.
+        assert!(wrong == 0 && kept + 8 * 8 * 12 >= all, "{wrong} wrong, {kept} of {all} coasting rows kept");
+    }
+}
+
+#[test]
+fn zeros_of_a_column_that_drops_what_is_small_are_left_out() {
+    for seed in 0..4 {
+        let mut recordings = runs(73_000 + seed, |effort, _| Some(if effort.abs() < 0.09 { 0.0 } else { effort }));
+        let findings = found(&mut recordings);
+        assert!(
+            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
+            "{findings:?}"
+        );
+        assert!(recordings.iter().flat_map(|one| &one.rows).all(|row| row.effort_n_per_kg != Some(0.0)));
+    }
+}
