@@ -313,7 +313,7 @@ mod tests {
         assert_eq!(verdict(&home, "0.00738"), Verdict::Reproduced);
         assert_eq!(verdict(&elsewhere, "third moment"), Verdict::Reproduced);
         assert!(summary::elsewhere(&elsewhere).starts_with("Of all 45 claims 29 are not judged: "));
-        assert_eq!(summary::by_kind(&elsewhere), "input 1 of 1, predicted 0 of 15");
+        assert_eq!(summary::by_kind(&elsewhere), "input 1 of 1, predicted 1 of 15");
         assert_eq!(summary::elsewhere(&home), "");
     }
 

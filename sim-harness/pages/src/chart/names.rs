@@ -74,12 +74,12 @@ mod tests {
     fn names_stand_on_the_axis_in_place_of_numbers() {
         let dots = Layer::dots("", RGBColor(1, 2, 3), 1.0, vec![(1.0, 5.0), (2.0, 6.0)]);
         let figure = Figure::in_grid("train", 0.5..2.5, Panel::new("error, %", 200, vec![dots], ""));
-        assert!(figure.to_svg().contains("\n0.5\n"));
+        assert!(figure.to_svg().contains("\n2\n"));
         let long = "a diesel whose lever has eight notches and an engineer who knows them all by heart and uses each, on a wet day";
         let named = figure.with_names(vec![(1.0, "tram".to_owned()), (2.0, long.to_owned())]);
         let svg = named.to_svg();
         assert!(svg.contains("\ntram\n") && svg.contains("eight notches"), "{svg}");
-        assert!(!svg.contains("\n0.5\n") && !svg.contains("\n1.5\n") && !svg.contains(long));
+        assert!(!svg.contains("\n2\n") && !svg.contains("\n1\n") && !svg.contains(long));
         assert!(named.bottom(2000) > BOTTOM);
     }
 
