@@ -46,14 +46,14 @@ const ASIDE: f64 = 0.12;
 
 /// The axis on which the variants stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
+pub enum VariantAxis {
     /// At their values; the name ends with their unit.
     Values(&'static str),
     /// Side by side, each under its name.
     Kinds(&'static str),
 }
 
-impl Axis {
+impl VariantAxis {
     const fn label(self) -> &'static str {
         match self {
             Self::Values(label) | Self::Kinds(label) => label,
@@ -65,7 +65,7 @@ impl Axis {
 pub struct Answer {
     pub name: &'static str,
     pub question: &'static str,
-    pub axis: Axis,
+    pub axis: VariantAxis,
     /// Name with its unit, and label of the axis.
     pub columns: Vec<(&'static str, &'static str)>,
     pub rows: Vec<ArmRow>,
@@ -77,7 +77,12 @@ pub struct Answer {
 }
 
 impl Answer {
-    pub fn new(plan: &Plan<'_>, axis: Axis, columns: Vec<(&'static str, &'static str)>, rows: Vec<ArmRow>) -> Self {
+    pub fn new(
+        plan: &Plan<'_>,
+        axis: VariantAxis,
+        columns: Vec<(&'static str, &'static str)>,
+        rows: Vec<ArmRow>,
+    ) -> Self {
         let Plan { name, question, sets, runs, seed, .. } = *plan;
         Self { name, question, axis, columns, rows, notes: Vec::new(), sets, runs, seed }
     }
@@ -159,7 +164,7 @@ impl Answer {
     /// What stands at which place of the axis, where that are kinds.
     fn names(&self) -> Vec<(f64, String)> {
         let mut names: Vec<(f64, String)> = Vec::new();
-        if let Axis::Kinds(_) = self.axis {
+        if let VariantAxis::Kinds(_) = self.axis {
             names.extend(self.groups().into_iter().map(|(variant, x, _)| (x, variant.to_owned())));
             names.dedup();
         }
@@ -170,8 +175,8 @@ impl Answer {
         let groups = self.groups();
         let ends = range_of(groups.iter().map(|(_, x, _)| *x));
         let margin = match self.axis {
-            Axis::Values(_) => 0.06 * (ends.end - ends.start).max(1e-6),
-            Axis::Kinds(_) => 0.5,
+            VariantAxis::Values(_) => 0.06 * (ends.end - ends.start).max(1e-6),
+            VariantAxis::Kinds(_) => 0.5,
         };
         let x = ends.start - margin..ends.end + margin;
         let mut arms: Vec<Arm> = Vec::new();
@@ -185,8 +190,8 @@ impl Answer {
         for (number, arm) in arms.into_iter().enumerate() {
             // Of kinds the arms stand beside each other, so that none hides another.
             let aside = match self.axis {
-                Axis::Values(_) => 0.0,
-                Axis::Kinds(_) => ASIDE * (number as f64 - middle),
+                VariantAxis::Values(_) => 0.0,
+                VariantAxis::Kinds(_) => ASIDE * (number as f64 - middle),
             };
             let (mut line, mut bars) = (Vec::new(), Vec::new());
             for (variant, x, _) in groups.iter().filter(|(.., of)| *of == arm) {
@@ -200,12 +205,12 @@ impl Answer {
             let dots = line.iter().flatten().copied().collect();
             layers.push(Layer::threads("", arm.colour, 0.8, bars));
             match self.axis {
-                Axis::Values(_) => {
+                VariantAxis::Values(_) => {
                     layers.push(Layer::line(arm.name, arm.colour, Stroke::Thin, line));
                     layers.push(Layer::dots("", arm.colour, 1.0, dots));
                 }
                 // Between two kinds there is nothing.
-                Axis::Kinds(_) => layers.push(Layer::dots(arm.name, arm.colour, 1.0, dots)),
+                VariantAxis::Kinds(_) => layers.push(Layer::dots(arm.name, arm.colour, 1.0, dots)),
             }
         }
         let panel = Panel::new(self.columns[column].1, 420, layers, "no value");

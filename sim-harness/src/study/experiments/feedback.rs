@@ -14,7 +14,7 @@
 //! Without that noise the filter takes a calculated effort for exact, and so the speed with which a coast begins.
 //! With Table 1's initial deviations the coefficients can hardly move, so wider ones are tried. Each run begins with the description.
 
-use super::answer::{Answer, Arm, Axis};
+use super::answer::{Answer, Arm, VariantAxis};
 use super::look::{Driven, Look, misses};
 use super::metrics::{NEGATIVE, RESISTANCE, error_percent, mean};
 use super::plan::Plan;
@@ -76,7 +76,7 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
     })?;
     Ok(Answer::new(
         plan,
-        Axis::Values("initial deviations of r0, r1, r2, decades above Table 1"),
+        VariantAxis::Values("initial deviations of r0, r1, r2, decades above Table 1"),
         MEASURED.to_vec(),
         rows,
     )

@@ -1,6 +1,6 @@
 //! Many variants in several modes: the frame of most experiments.
 
-use super::answer::{Answer, Arm, ArmRow, Axis};
+use super::answer::{Answer, Arm, ArmRow, VariantAxis};
 use super::look::Driven;
 use super::metrics::Metric;
 use super::plan::Plan;
@@ -44,7 +44,7 @@ pub struct Own {
 
 pub struct Sweep {
     pub variants: Vec<Variant>,
-    pub axis: Axis,
+    pub axis: VariantAxis,
     /// None where the variants are kinds.
     pub own: Option<Own>,
     pub arms: &'static [Estimated],
@@ -59,7 +59,7 @@ impl Sweep {
             return Ok(None);
         };
         let variants = values.iter().map(|value| variant(*value)).collect::<Result<_, _>>()?;
-        Ok(Some(Self { variants, axis: Axis::Values(axis), ..self }))
+        Ok(Some(Self { variants, axis: VariantAxis::Values(axis), ..self }))
     }
 
     pub fn answer(&self, plan: &Plan<'_>) -> Result<Answer, Refused> {
@@ -110,7 +110,7 @@ mod tests {
         let metrics = vec![metrics::RESISTANCE, metrics::REGIMES, metrics::LARGEST_POWER];
         let sweep = Sweep {
             variants,
-            axis: Axis::Values("x"),
+            axis: VariantAxis::Values("x"),
             own: None,
             arms: &[Estimated::PAPER, Estimated::GATED],
             metrics,

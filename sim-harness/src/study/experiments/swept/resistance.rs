@@ -2,7 +2,7 @@
 
 use super::variants;
 use crate::study::Refused;
-use crate::study::experiments::answer::Axis;
+use crate::study::experiments::answer::VariantAxis;
 use crate::study::experiments::metrics::{BIAS, COAST, INSIDE, POWER, RESISTANCE};
 use crate::study::experiments::sweep::{Estimated, Own, Sweep};
 use crate::study::experiments::variant::Variant;
@@ -27,7 +27,7 @@ pub fn seasons() -> Result<Sweep, Refused> {
                 "[dates]\ndays = 300.0\n[[effect]]\nname = \"temperature_resistance\"\ndr0_per_degC = -1e-4\nref_c = 10.0",
             ),
         ])?,
-        axis: Axis::Kinds("seasonal change"),
+        axis: VariantAxis::Kinds("seasonal change"),
         own: Some(Own {
             axis: "growth of r0 over 300 days, N/kg",
             variant: |dr0| {
@@ -54,7 +54,7 @@ pub fn gradient() -> Result<Sweep, Refused> {
             ("coast, 0.5 \u{2030} off", &fields(WHERE_IT_COASTS, "0.5")),
             ("coast, 2 \u{2030} off", &fields(WHERE_IT_COASTS, "2.0")),
         ])?,
-        axis: Axis::Kinds("where 6 km are steeper than described"),
+        axis: VariantAxis::Kinds("where 6 km are steeper than described"),
         own: Some(Own {
             axis: "6 km in which trains coast are steeper by, permille",
             variant: |permille| {
@@ -80,7 +80,7 @@ pub fn wind() -> Result<Sweep, Refused> {
             ("sd 4 m/s between runs", "[wind]\nsd_mps = 4.0"),
             ("headwind of 4 m/s in all", "[[effect]]\nname = \"steady_wind\"\nwind_mps = 4.0"),
         ])?,
-        axis: Axis::Kinds("wind along the line"),
+        axis: VariantAxis::Kinds("wind along the line"),
         own: Some(Own {
             axis: "wind along the line, sd between runs, m/s",
             variant: |mps| {
@@ -103,7 +103,7 @@ pub fn load() -> Result<Sweep, Refused> {
             ("fuel used up: 4 % lighter", "[[effect]]\nname = \"mass_error\"\nrelative = -0.04"),
             ("10 % heavier than described", "[[effect]]\nname = \"mass_error\"\nrelative = 0.10"),
         ])?,
-        axis: Axis::Kinds("mass"),
+        axis: VariantAxis::Kinds("mass"),
         own: Some(Own {
             axis: "load, sd between runs, of the described mass",
             variant: |sd| Variant::parse(format!("load, sd {sd}"), sd, &format!("[load]\nsd = {sd:?}")),

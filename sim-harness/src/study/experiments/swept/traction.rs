@@ -2,7 +2,7 @@
 
 use super::variants;
 use crate::study::Refused;
-use crate::study::experiments::answer::Axis;
+use crate::study::experiments::answer::VariantAxis;
 use crate::study::experiments::metrics::{
     AT_THE_TOP, BRAKE, COAST, LARGEST_EFFORT, LARGEST_POWER, LOW_EFFORT, MEAN_POWER, POWER, POWER_SPREAD, RESISTANCE,
 };
@@ -24,7 +24,7 @@ pub fn automatic_operation() -> Result<Sweep, Refused> {
             ("ATO, load sd 5 %", &format!("{ato}{loaded}")),
             ("ATO, supply weak in 40 % of runs", &format!("{ato}{weak}")),
         ])?,
-        axis: Axis::Kinds("who drives, and what varies besides"),
+        axis: VariantAxis::Kinds("who drives, and what varies besides"),
         own: Some(Own {
             axis: "ATO, load sd, of the described mass",
             variant: |sd| {
@@ -51,7 +51,7 @@ pub fn supply() -> Result<Sweep, Refused> {
             ("90 %", &section(0.9)),
             ("75 %", &section(0.75)),
         ])?,
-        axis: Axis::Kinds("supply of the first 4 km, motors of 120 % of the described power"),
+        axis: VariantAxis::Kinds("supply of the first 4 km, motors of 120 % of the described power"),
         own: Some(Own {
             axis: "supply of the first 4 km, of the described power; motors of 1.2",
             variant: |factor| Variant::parse(format!("{factor} of the described power"), factor, &section(factor)),
@@ -75,7 +75,7 @@ pub fn adhesion() -> Result<Sweep, Refused> {
             ("dry, every second", every_second),
             ("40 % on 40 % of the days, every second", &format!("{every_second}{}", slippery(0.4))),
         ])?,
-        axis: Axis::Kinds("largest effort below 60 km/h, of the described"),
+        axis: VariantAxis::Kinds("largest effort below 60 km/h, of the described"),
         own: Some(Own {
             axis: "effort below 60 km/h on 40 % of the days, of the described",
             variant: |factor| Variant::parse(format!("{factor} on 40 % of the days"), factor, &slippery(factor)),
@@ -99,7 +99,7 @@ pub fn capability() -> Result<Sweep, Refused> {
             ("both: 82 % in half of the runs", &limited(0.82, 0.5)),
             ("ATO: all that there is", "[driver]\nkind = \"ato\""),
         ])?,
-        axis: Axis::Kinds("what limits the power"),
+        axis: VariantAxis::Kinds("what limits the power"),
         own: Some(Own {
             axis: "what the motors give, of the described power",
             variant: |factor| Variant::parse(format!("motors give {factor}"), factor, &limited(factor, 1.0)),

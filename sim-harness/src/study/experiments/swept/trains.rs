@@ -2,7 +2,7 @@
 
 use crate::accuracy_bench::fleets;
 use crate::study::Refused;
-use crate::study::experiments::answer::Axis;
+use crate::study::experiments::answer::VariantAxis;
 use crate::study::experiments::metrics::{INSIDE, POWER, POWER_SPREAD, REGIMES, RESISTANCE};
 use crate::study::experiments::sweep::{Estimated, Sweep};
 use crate::study::experiments::variant::Variant;
@@ -25,7 +25,7 @@ pub fn other_trains() -> Result<Sweep, Refused> {
     let arms = &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED];
     Ok(Sweep {
         variants,
-        axis: Axis::Kinds("train"),
+        axis: VariantAxis::Kinds("train"),
         own: None,
         arms,
         metrics: vec![RESISTANCE, INSIDE, REGIMES, POWER],
@@ -43,7 +43,7 @@ pub fn diesel() -> Result<Sweep, Refused> {
     let arms = &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED];
     Ok(Sweep {
         variants,
-        axis: Axis::Kinds("lever"),
+        axis: VariantAxis::Kinds("lever"),
         own: None,
         arms,
         metrics: vec![POWER, POWER_SPREAD, RESISTANCE, REGIMES],
