@@ -435,6 +435,9 @@ fn an_experiment_is_a_figure_and_the_table_behind_it() {
     let said = quiet(&folder, &["study", "--experiment", "wind", "--seeds", "2", "--count", "2", "--out", "wind"]);
     assert!(said.out.starts_with("wind: What does wind do"), "{}", said.out);
     assert_eq!(names(&folder.path("wind")), ["manifest.json", "wind.csv", "wind.svg"].map(str::to_owned).into());
+    // Kinds stand under their names, wrapped.
+    let svg = folder.read("wind/wind.svg");
+    assert!(svg.contains("\nstill air\n") && svg.contains("\nheadwind of 4"), "names on the axis");
     let table = csv_table(&folder, "wind/wind.csv");
     // Five variants, three modes, two sets.
     assert_eq!(table.rows.len(), 5 * 3 * 2);

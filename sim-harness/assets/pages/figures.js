@@ -19,7 +19,7 @@ const ticks = (u, values, axis, space, step) => {
 
 /** Arrays of layers stand once in the data; here they come into their places. */
 function unpack(drawing) {
-  const names = ["x", "y", "to", "high"];
+  const names = ["x", "y", "to", "high", "strength"];
   for (const layer of drawing.views.flatMap((view) => view.figures).flatMap((figure) => figure.panels).flatMap((panel) => panel.layers)) {
     for (const name of names) if (layer[name] !== undefined) layer[name] = drawing.arrays[layer[name]];
   }
@@ -79,10 +79,11 @@ function valueOf(layer) {
 }
 
 function seriesOf(layer) {
-  const isArea = !["line", "verticals", "marks", "dots"].includes(layer.kind);
+  const isArea = !["line", "verticals", ...POINTS].includes(layer.kind);
+  const area = () => (layer.kind === "cells" ? `linear-gradient(to right, ${shade(layer.colour)}, transparent)` : shade(layer.colour, Math.max(layer.opacity ?? 1, 0.25)));
   return {
-    label: layer.legend, class: layer.kind === "dots" || layer.kind === "marks" ? "dot" : isArea ? "area" : `line-${layer.stroke}`,
-    stroke: () => shade(layer.colour), fill: () => (isArea ? shade(layer.colour, Math.max(layer.opacity ?? 1, 0.25)) : "transparent"),
+    label: layer.legend, class: POINTS.includes(layer.kind) || layer.kind === "cells" ? layer.kind : isArea ? "area" : `line-${layer.stroke}`,
+    stroke: () => shade(layer.colour), fill: () => (isArea ? area() : "transparent"),
     paths: () => null, points: { show: false }, value: valueOf(layer),
   };
 }

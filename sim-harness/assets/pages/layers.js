@@ -11,6 +11,18 @@ function shade(hex, opacity) {
 const WIDTHS = { solid: 2, thin: 1.4, dashed: 1.8, dotted: 2 };
 const DASHES = { solid: [], thin: [], dashed: [9, 6], dotted: [2, 4] };
 
+/** Half of a cross. */
+const MARK_PX = 5;
+/** Layers of single points. */
+const POINTS = ["marks", "dots"];
+
+/** The points of the part of the axes that is shown. */
+function eachShown(u, layer, point) {
+  const within = ({ min, max }, value) => min <= value && value <= max;
+  const { x, y } = u.scales;
+  eachPoint(u, layer.x, layer.y, (px, py, i) => within(x, layer.x[i]) && within(y, layer.y[i]) && point(px, py));
+}
+
 /** Calls back with the place of each point on the canvas; without one where the line is broken. */
 function eachPoint(u, xs, ys, point, gap) {
   for (let i = 0; i < xs.length; i++) {
@@ -69,11 +81,11 @@ function drawBars(u, layer) {
 }
 
 function drawMarks(u, layer) {
-  const { ctx } = u, half = 5 * devicePixelRatio;
+  const { ctx } = u, half = MARK_PX * devicePixelRatio;
   ctx.strokeStyle = shade(layer.colour);
   ctx.lineWidth = 2 * devicePixelRatio;
   ctx.beginPath();
-  eachPoint(u, layer.x, layer.y, (x, y) => {
+  eachShown(u, layer, (x, y) => {
     for (const way of [half, -half]) {
       ctx.moveTo(x - half, y - way);
       ctx.lineTo(x + half, y + way);
@@ -85,7 +97,7 @@ function drawMarks(u, layer) {
 function drawDots(u, layer) {
   const { ctx } = u, radius = 2.6 * devicePixelRatio;
   ctx.fillStyle = shade(layer.colour, layer.opacity);
-  eachPoint(u, layer.x, layer.y, (x, y) => {
+  eachShown(u, layer, (x, y) => {
     ctx.beginPath();
     ctx.arc(x, y, radius, 0, 7);
     ctx.fill();
@@ -124,8 +136,7 @@ function drawCells(u, layer) {
   layer.x.forEach((from, i) => {
     const [x0, x1] = [from, layer.to[i]].map((x) => u.valToPos(x, "x", true));
     const [y0, y1] = [layer.y[i], layer.high[i]].map((y) => u.valToPos(y, "y", true));
-    // A map of colours has its own scale: it stays as it is.
-    ctx.fillStyle = layer.colours[i];
+    ctx.fillStyle = shade(layer.colour, layer.strength[i]);
     ctx.fillRect(x0, y1, x1 - x0 + 0.5, y0 - y1 + 0.5);
   });
 }
@@ -145,13 +156,18 @@ const DRAW = {
   verticals: drawVerticals, columns: drawColumns, cells: drawCells, word: drawWord,
 };
 
+/** Nothing is drawn beyond the plot by more than this, px of the screen. */
+function clip(u, beyond) {
+  const { ctx, bbox } = u, margin = beyond * devicePixelRatio;
+  ctx.beginPath();
+  ctx.rect(bbox.left - margin, bbox.top - margin, bbox.width + 2 * margin, bbox.height + 2 * margin);
+  ctx.clip();
+}
+
 /** Draws what the legend has not switched off, from back to front, within the plot. */
 function drawLayers(u, panel) {
   const { ctx, bbox } = u;
   ctx.save();
-  ctx.beginPath();
-  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-  ctx.clip();
   const { min, max } = u.scales.y;
   if (panel.axes !== "strip" && min < 0 && max > 0) {
     ctx.fillStyle = colour("dim");
@@ -159,6 +175,8 @@ function drawLayers(u, panel) {
   }
   for (const layer of panel.layers) {
     ctx.save();
+    // A point at the end of an axis is seen whole.
+    clip(u, POINTS.includes(layer.kind) ? MARK_PX + 1 : 0);
     if (!layer.series || u.series[layer.series].show) DRAW[layer.kind](u, layer);
     ctx.restore();
   }

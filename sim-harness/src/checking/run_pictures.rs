@@ -20,11 +20,11 @@ pub(super) fn readings(run: &RunCheck, recorded: &[Sample], right: &Recording) -
     let at: HashMap<u64, f64> = rows.iter().map(|row| (row.line, minutes(row.time_s))).collect();
     let x_of = |row: &Sample| at.get(&row.line).copied();
     let speeds = |rows: &[Sample]| rows.iter().map(|row| Some((x_of(row)?, 3.6 * row.speed_mps?))).collect();
-    let pauses = gaps(rows, run.step_s).into_iter().map(|gap| minutes(gap.start)..minutes(gap.end)).collect();
-    let mut speed = vec![
-        Layer::spans("no rows", colours::HELD, 0.2, pauses),
-        Layer::line("as recorded", colours::MEASURED, Stroke::Thin, speeds(recorded)),
-    ];
+    let pauses: Vec<_> = gaps(rows, run.step_s).into_iter().map(|gap| minutes(gap.start)..minutes(gap.end)).collect();
+    let mut speed = vec![Layer::line("as recorded", colours::MEASURED, Stroke::Thin, speeds(recorded))];
+    if !pauses.is_empty() {
+        speed.insert(0, Layer::spans("no rows", colours::HELD, 0.2, pauses));
+    }
     let distance = |legend: &str, colour, rows: &[Sample]| {
         let layers = [Layer::line(legend, colour, Stroke::Thin, less_distance(rows, &x_of))];
         Panel::new("location \u{2212} distance by speed, m", 260, layers, "location and speed are not both there")

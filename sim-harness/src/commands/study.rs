@@ -160,13 +160,15 @@ struct DescribedCase {
     config: Option<Config>,
 }
 
-/// What of each run is kept beside its row.
+/// What is kept or shown beside the rows of the runs.
 #[derive(Clone, Copy)]
 struct Kept<'a> {
     /// A file for the runs themselves.
     runs: Option<&'a Path>,
     /// A page for each.
     pages: bool,
+    /// The last figure, beside those of the runs: the tunnel.
+    last: Option<&'a Picture>,
 }
 
 pub(super) struct Study {
@@ -199,14 +201,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         return readings(arguments, &arguments.out);
     }
     if arguments.tunnel {
-        return tunnel(arguments, &arguments.out);
+        return tunnel(arguments, &arguments.out).map(|_| ExitCode::SUCCESS);
     }
     let simulation = match &arguments.scenario {
         Some(path) => Simulation::read(path),
         None => case_study(),
     }?;
     let as_recorded = arguments.recorded.as_recorded;
-    Ok(case_study_or_runs(arguments, config, simulation, as_recorded, &arguments.out)?.0)
+    Ok(case_study_or_runs(arguments, config, simulation, as_recorded, None, &arguments.out)?.0)
 }
 
 /// Every figure and table, each part in a folder of its own.
@@ -220,9 +222,11 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
         ("skewed", config, skewed_case_study()?, true),
         ("skewed_put_right", config, skewed_case_study()?, false),
     ];
+    let tunnel = tunnel(arguments, &part("tunnel"))?;
     let (mut codes, mut compared) = (Vec::new(), Vec::new());
     for ((folder, config, simulation, as_recorded), name) in cases.into_iter().zip(claims::markdown::READINGS) {
-        let (code, claims) = case_study_or_runs(arguments, config, simulation, as_recorded, &part(folder))?;
+        let last = (folder == "study").then_some(&tunnel);
+        let (code, claims) = case_study_or_runs(arguments, config, simulation, as_recorded, last, &part(folder))?;
         codes.push(code);
         compared.push((name, claims));
     }
@@ -231,7 +235,6 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     })?;
     codes.push(readings(arguments, &part("readings"))?);
     codes.push(truth_slope(arguments, config, &part("slope"))?);
-    codes.push(tunnel(arguments, &part("tunnel"))?);
     Ok(codes.into_iter().find(|code| *code != ExitCode::SUCCESS).unwrap_or(ExitCode::SUCCESS))
 }
 
@@ -241,6 +244,7 @@ fn case_study_or_runs(
     config: Config,
     simulation: Simulation,
     as_recorded: bool,
+    last: Option<&Picture>,
     out: &Path,
 ) -> Result<(ExitCode, Vec<Claim>), Failure> {
     arguments.keep_runs.as_deref().map_or(Ok(()), |file| place_of_runs(file, out))?;
@@ -252,7 +256,7 @@ fn case_study_or_runs(
             config,
             arguments.seed.unwrap_or(SEED),
             arguments.example.as_deref(),
-            Kept { runs: arguments.keep_runs.as_deref(), pages: arguments.pages.run_pages },
+            Kept { runs: arguments.keep_runs.as_deref(), pages: arguments.pages.run_pages, last },
             folder,
         )?;
         let (notes, failed) = (&study.gathered.notes, &study.gathered.failed);
@@ -378,7 +382,7 @@ pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
     let runs = simulation.runs;
     let described = simulated(simulation, seed, runs, 1, false)?;
     folder::write("study", out, &Provenance::begin(&[]), |folder| {
-        study(described, Config::default(), seed, None, Kept { runs: None, pages: true }, folder)
+        study(described, Config::default(), seed, None, Kept { runs: None, pages: true, last: None }, folder)
     })
 }
 
@@ -423,8 +427,10 @@ fn study(
         sensitivity: &trials.sensitivity,
         filter: config.paper,
         has_run_pages: kept.pages,
+        tunnel: kept.last,
     });
     write::pictures(out, &pictures)?;
+    write::pictures(out, kept.last.map_or(&[], std::slice::from_ref))?;
     write::pictures(out, &slopes)?;
     write::records(&out.join("claims.csv"), &claims::records(&claims))?;
     write::text(&out.join("claims.md"), &claims::markdown::one(&claims))?;
@@ -658,7 +664,8 @@ fn write_readings(
     Ok(ExitCode::SUCCESS)
 }
 
-fn tunnel(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
+/// Out: its picture.
+fn tunnel(arguments: &Arguments, out: &Path) -> Result<Picture, Failure> {
     let (answer, json) = folder::write("study", out, &Provenance::begin(&[]), |folder| {
         let answer = tunnel_at_best::answer(folder, arguments.seed, arguments.count, screen::note)?;
         let json = tunnel_json(&answer);
@@ -673,7 +680,7 @@ fn tunnel(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
             screen::print(&format!("\nresults: {}\n", out.display()));
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(answer.picture())
 }
 
 fn tunnel_json(answer: &tunnel_at_best::TunnelAnswer) -> String {

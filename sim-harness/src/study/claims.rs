@@ -28,7 +28,7 @@ use rundown_pages::numbers::{NOTHING, number};
 /// What a claim that holds on simulated runs is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClaimKind {
-    /// Put into the scenario or into the description: it says that they are the paper's.
+    /// Put into the scenario, the description or the method: it could not fail, and says that they are the paper's.
     Input,
     /// Put into the scenario, and found again by the extractor with the error that is said.
     Recovered,
@@ -51,7 +51,7 @@ impl ClaimKind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     pub kind: ClaimKind,
-    /// Figure or section of the paper: `2` to `9`, or `3.1`, `3.2`, `4.1`, `4.2`.
+    /// Figure or section of the paper: `2` to `9`, or `3.1`, `3.2`, `4.1`, `4.2`, `4.4`.
     pub place: &'static str,
     pub statement: &'static str,
     pub paper: String,
@@ -61,7 +61,7 @@ pub struct Claim {
     pub error: String,
     pub verdict: Verdict,
     pub why: String,
-    /// It could have failed, and has a number of the paper's train all the same.
+    /// It has numbers of the paper's own line, train or drivers.
     pub is_of_the_train: bool,
     /// Of a claim of direction: the least change that counts, with its reason.
     pub least: Option<Size>,
@@ -85,9 +85,9 @@ fn is_at_home(gathered: &Gathered, train: &Train) -> bool {
 
 /// What is judged of runs on another line or with another train: what the method does, not what the paper's line, train and drivers put into its numbers.
 fn judged_elsewhere(claim: Claim) -> Claim {
-    match claim.kind {
-        ClaimKind::Predicted if !claim.is_of_the_train => claim,
-        _ => Claim { verdict: Verdict::Elsewhere, ..claim },
+    match claim.is_of_the_train {
+        true => Claim { verdict: Verdict::Elsewhere, ..claim },
+        false => claim,
     }
 }
 
@@ -105,6 +105,7 @@ pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim>
     claims.extend(driving::regimes(gathered, train));
     claims.extend(driving::style(gathered));
     claims.extend(driving::brake(gathered));
+    claims.push(driving::transition(train));
     claims.extend(driving::power(gathered, train));
     if !is_at_home(gathered, train) {
         claims = claims.into_iter().map(judged_elsewhere).collect();
@@ -120,8 +121,8 @@ pub fn columns() -> Vec<Column<Claim>> {
     let verdict = "over all sets: `reproduced`, `not reproduced`, `not visible` (not reproduced: the change is smaller than a \
         reader of the paper could see), `no data` or `not judged` (it has numbers of the paper's own line, train or drivers, and these runs are others)";
     let least = "the least change that counts, with its reason";
-    let place = "figure of the paper, `2` to `9`, or its section, `3.1`, `3.2`, `4.1`, `4.2`";
-    let kind = "`input`: put into the scenario; `recovered`: put in and found again; `predicted`: could have failed";
+    let place = "figure of the paper, `2` to `9`, or its section, `3.1`, `3.2`, `4.1`, `4.2`, `4.4`";
+    let kind = "`input`: put into scenario, description or method; `recovered`: put in and found again; `predicted`: could have failed";
     let error = "of the paper's mode against the truth, where the claim is `recovered`";
     vec![
         Column::text("place", place, |claim: &Claim| claim.place),
@@ -201,15 +202,19 @@ impl Claim {
         Self { is_of_the_train: true, ..self }
     }
 
+    fn of_any_train(self) -> Self {
+        Self { is_of_the_train: false, ..self }
+    }
+
     /// The scenario was made so.
     fn input(self) -> Self {
-        Self { kind: ClaimKind::Input, ..self }
+        Self { kind: ClaimKind::Input, ..self }.of_the_train()
     }
 
     /// The scenario was made so, and the extractor must find it: what the paper's mode found and what was true differ by no more than the margin.
     /// Comes after the criterion; without a truth that alone decides.
     fn recovered(self, found: Option<f64>, truth: Option<f64>, margin: f64, words: impl Fn(f64) -> String) -> Self {
-        let claim = Self { kind: ClaimKind::Recovered, ..self };
+        let claim = Self { kind: ClaimKind::Recovered, ..self }.of_the_train();
         let Some((found, truth)) = found.zip(truth) else {
             return claim;
         };
@@ -262,7 +267,7 @@ fn from_to(moments: &Moments, per_unit: f64, decimals: usize) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::trials::{Misses, Pace, Sensitivity};
+    use crate::study::trials::{Missed, Misses, Pace, Sensitivity};
     use crate::{study::case::case_study, study::description};
 
     fn train() -> Train {
@@ -300,13 +305,15 @@ mod tests {
         let (home, elsewhere) = (of(32_103.0), of(18_000.0));
         assert!(home.iter().all(|claim| claim.verdict != Verdict::Elsewhere));
         for (there, here) in home.iter().zip(&elsewhere) {
-            let of_the_method = there.kind == ClaimKind::Predicted && !there.statement.contains("0.00738");
+            let of_the_method = there.kind == ClaimKind::Predicted && !there.statement.contains("0.00738")
+                || there.statement.contains("third moment");
             let expected = if of_the_method { there.verdict } else { Verdict::Elsewhere };
             assert_eq!(here.verdict, expected, "{}", here.statement);
         }
         assert_eq!(verdict(&home, "0.00738"), Verdict::Reproduced);
-        assert_eq!(verdict(&elsewhere, "never negative"), Verdict::Reproduced);
-        assert!(summary::elsewhere(&elsewhere).starts_with("26 of them are not judged"));
+        assert_eq!(verdict(&elsewhere, "third moment"), Verdict::Reproduced);
+        assert!(summary::elsewhere(&elsewhere).starts_with("Of all 45 claims 29 are not judged: "));
+        assert_eq!(summary::by_kind(&elsewhere), "input 1 of 1, predicted 1 of 15");
         assert_eq!(summary::elsewhere(&home), "");
     }
 
@@ -340,6 +347,34 @@ mod tests {
     }
 
     #[test]
+    fn coefficients_that_stay_where_they_are_say_nothing_of_their_sign() {
+        let of = |sd: f64, negative_runs| {
+            let mut gathered = Gathered::default();
+            (gathered.paper.runs, gathered.paper.negative_runs) = (2, negative_runs);
+            [-sd, sd].into_iter().for_each(|off| gathered.paper.davis_samples[0].add(7.3e-3 + off));
+            verdict(&claims(&gathered, &train(), &Trials::default()), "never negative")
+        };
+        assert_eq!(
+            [of(5e-5, 0), of(5e-7, 0), of(5e-5, 1), of(5e-7, 1)],
+            [Verdict::Reproduced, Verdict::NotVisible, Verdict::Not, Verdict::Not]
+        );
+    }
+
+    #[test]
+    fn steps_of_the_brake_are_alike_in_pairs() {
+        let mut gathered = Gathered::default();
+        for (moments, rate) in gathered.paper.brake_steps[1..].iter_mut().zip([0.25, 0.30, 0.31, 0.40]) {
+            (0..10).for_each(|run| moments.add(rate + 0.01 * f64::from(run)));
+        }
+        let claims = claims(&gathered, &train(), &Trials::default());
+        let of = |needle| verdict(&claims, needle);
+        assert_eq!(
+            [of("40 to 80 km/h are alike"), of("above 80 km/h are alike")],
+            [Verdict::Reproduced, Verdict::NoData]
+        );
+    }
+
+    #[test]
     fn negative_coefficients_are_those_of_the_changed_filter() {
         let of = |negative_runs| {
             let found = |factor| Sensitivity {
@@ -360,18 +395,20 @@ mod tests {
     fn a_slow_filter_and_samples_that_do_no_harm_are_no_reproduction() {
         let of = |step_ms, thinned_s| {
             let misses = |s: f64| {
-                let mut moments = Moments::default();
-                moments.add(s);
-                Misses { paper: [moments; 2], gated: [moments; 2] }
+                let (mut length, mut regimes) = (Moments::default(), Moments::default());
+                length.add(s);
+                regimes.add(0.01 * s);
+                let missed = Missed { lengths_s: [length; 2], regimes };
+                Misses { paper: missed, gated: missed }
             };
             let pace = Pace { step_ms, run_s: 1 };
             let trials =
                 Trials { pace: Some([pace; 2]), thinned: Some([misses(5.0), misses(thinned_s)]), ..Trials::default() };
             let claims = claims(&Gathered::default(), &train(), &trials);
-            ["computation time", "every second sample"].map(|n| verdict(&claims, n))
+            ["computation time", "less accurate regimes", "less accurate features"].map(|n| verdict(&claims, n))
         };
-        assert_eq!(of(1, 8.0), [Verdict::Reproduced; 2]);
-        assert_eq!(of(2_000, 4.0), [Verdict::Not; 2]);
+        assert_eq!(of(1, 8.0), [Verdict::Reproduced; 3]);
+        assert_eq!(of(2_000, 4.0), [Verdict::Not; 3]);
     }
 
     #[test]

@@ -76,11 +76,36 @@ pub struct Shaken {
     pub more_n_per_kg: f64,
 }
 
-/// How far lengths are from the truth: final coast and final brake, s.
+/// How far both modes are from the truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Misses {
-    pub paper: [Moments; 2],
-    pub gated: [Moments; 2],
+    pub paper: Missed,
+    pub gated: Missed,
+}
+
+/// How far regimes and features are from the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Missed {
+    /// Distance of the lengths of final coast and final brake, s.
+    pub lengths_s: [Moments; 2],
+    /// 1 for each sample that has another regime, 0 for the others.
+    pub regimes: Moments,
+}
+
+impl Missed {
+    fn add(&mut self, seen: &Seen, truth: &Seen) {
+        let lengths = |of: &Seen| [of.outcome.coast_s, of.outcome.brake_s];
+        for (moments, (seen_s, was_s)) in self.lengths_s.iter_mut().zip(lengths(seen).into_iter().zip(lengths(truth))) {
+            seen_s.zip(was_s).into_iter().for_each(|(seen_s, was_s)| moments.add((seen_s - was_s).abs()));
+        }
+        let mut were = truth.points.regimes.iter().peekable();
+        for (time_s, regime) in &seen.points.regimes {
+            while were.next_if(|(at_s, _)| at_s < time_s).is_some() {}
+            if let Some((_, was)) = were.peek().filter(|(at_s, _)| at_s == time_s) {
+                self.regimes.add(f64::from(u8::from(was != regime)));
+            }
+        }
+    }
 }
 
 /// How long it takes here at most: a step in whole ms, a run in whole s. Coarse, so that the same seed gives the same report.
@@ -205,22 +230,17 @@ fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> {
     let known: Vec<(&Recording, &Seen)> =
         drawn.iter().filter_map(|run| Some((&run.recording, run.truth.as_ref()?))).collect();
     let misses = |estimator: &Estimator, every: usize| {
-        let of_run = |(recording, truth): &(&Recording, &Seen)| {
+        let of_run = |(recording, _): &(&Recording, &Seen)| {
             let mut recording = (*recording).clone();
             recording.rows = recording.rows.into_iter().step_by(every).collect();
             let mut vehicle = estimator.new_vehicle();
             let run = replay(estimator, &mut vehicle, &recording, Tick::EverySample);
-            let (seen, was) = (Seen::of_replay(&run, estimator.train()).outcome, &truth.outcome);
-            [(seen.coast_s, was.coast_s), (seen.brake_s, was.brake_s)].map(|(seen, was)| Some((seen? - was?).abs()))
+            Seen::of_replay(&run, estimator.train())
         };
-        let of_runs: Vec<_> = known.par_iter().map(of_run).collect();
-        let mut moments = [Moments::default(); 2];
-        for miss in of_runs {
-            for (moments, miss_s) in moments.iter_mut().zip(miss) {
-                miss_s.into_iter().for_each(|s| moments.add(s));
-            }
-        }
-        moments
+        let of_runs: Vec<Seen> = known.par_iter().map(of_run).collect();
+        let mut missed = Missed::default();
+        of_runs.iter().zip(&known).for_each(|(seen, (_, truth))| missed.add(seen, truth));
+        missed
     };
     let of = |every| Misses { paper: misses(&estimators.paper, every), gated: misses(&estimators.gated, every) };
     (!known.is_empty()).then(|| [1, KEPT].map(of))

@@ -74,6 +74,8 @@ pub struct Points {
     pub brake: Vec<(f64, f64)>,
     /// Speed in km/h, power in kW and location in m of each interval of the first acceleration.
     pub power: Vec<PowerPoint>,
+    /// Time in s and regime of each sample.
+    pub regimes: Vec<(f64, Regime)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,7 +164,9 @@ impl Seen {
         };
         let davis = run.estimates.iter().map(|estimate| estimate.belief.mean);
         let davis = davis.map(|mean| [mean[state::R0], mean[state::R1], mean[state::R2]]).collect();
-        let (points, coast_mps2) = Points::of(davis, run.estimates.windows(2).enumerate().map(interval), kw);
+        let (mut points, coast_mps2) = Points::of(davis, run.estimates.windows(2).enumerate().map(interval), kw);
+        let times_s = run.estimates.iter().map(|estimate| estimate.time_s);
+        points.regimes = times_s.zip(run.regimes.iter().copied()).collect();
         let (mut squares, mut readings) = (0.0, 0.0);
         for (estimate, measurement) in run.estimates.iter().zip(&run.measurements) {
             if let Some(reading) = measurement.speed_mps {
@@ -226,8 +230,9 @@ impl Seen {
                 location_m: now.location_m,
             }
         };
-        let (points, coast_mps2) =
+        let (mut points, coast_mps2) =
             Points::of(vec![davis; truth.samples.len()], truth.samples.windows(2).map(interval), kw);
+        points.regimes = truth.samples.iter().map(|sample| (sample.time_s, regime(sample.regime))).collect();
         let rate_mps2 =
             |pair: &[TruthSample]| (pair[0].speed_mps - pair[1].speed_mps) / (pair[1].time_s - pair[0].time_s);
         let mut times_s = [0.0; 5];

@@ -89,12 +89,18 @@ pub fn place(paper: &PaperConfig) -> Place {
     std::array::from_fn(|i| PARAMETERS[i].coordinate(values[i]))
 }
 
-/// The values at a place, each within its range.
-pub fn values(place: &Place) -> Place {
+/// The nearest place within the ranges.
+pub fn within(place: &Place) -> Place {
     std::array::from_fn(|i| {
         let [least, most] = PARAMETERS[i].ends();
-        PARAMETERS[i].value(place[i].clamp(least, most))
+        place[i].clamp(least, most)
     })
+}
+
+/// The values at a place, each within its range.
+pub fn values(place: &Place) -> Place {
+    let place = within(place);
+    std::array::from_fn(|i| PARAMETERS[i].value(place[i]))
 }
 
 /// The configuration at a place: the paper's mode, all else as it was.

@@ -1,9 +1,8 @@
 //! The surface of the score around the optimum: each parameter alone, and the two readings' noise against each other.
 
-use super::parameters::{COUNT, PARAMETERS, Place};
+use super::parameters::{COUNT, PARAMETERS, Place, within};
 use super::score::Bench;
 use crate::study::figures::Picture;
-use plotters::style::RGBColor;
 use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
@@ -52,7 +51,7 @@ pub fn profile_columns() -> Vec<Column<SurfaceRow>> {
 }
 
 const LOSS: &str = "loss of likelihood a sample, less that of the optimum";
-const NO_FILTER: &str = "no filter runs with these values";
+const NO_FILTER: &str = "no filter runs with these values, or the search does not go there";
 
 /// A place of the plane: noise of location, m, of speed, km/h, and the loss.
 type PlaneRow = [f64; 3];
@@ -76,17 +75,19 @@ fn spot(bench: &Bench, place: &Place, value: f64, least: f64) -> Spot {
 }
 
 pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn()) -> Picture {
-    let least = bench.cost(optimum);
+    // The simplex ends at the end of a range give or take its last digits.
+    let optimum = within(optimum);
+    let least = bench.cost(&optimum);
     let (mut figures, mut rows) = (Vec::new(), Vec::new());
     for (index, parameter) in PARAMETERS.iter().enumerate() {
         let [from, to] = parameter.ends();
         let spots: Vec<Spot> = (-HALF..=HALF)
             .filter_map(|step| {
-                let mut place = *optimum;
+                let mut place = optimum;
                 place[index] += REACH * f64::from(step) / f64::from(HALF);
                 done();
-                let within = (from..=to).contains(&place[index]);
-                within.then(|| spot(bench, &place, place[index], least))
+                let is_within = (from..=to).contains(&place[index]);
+                is_within.then(|| spot(bench, &place, place[index], least))
             })
             .collect();
         for spot in &spots {
@@ -144,32 +145,38 @@ fn panel(index: usize, spots: &[Spot], optimum: f64, table1: f64) -> Figure {
 
 /// The score over the noise of both readings.
 pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
-    let least = bench.cost(optimum);
+    let optimum = within(optimum);
+    let least = bench.cost(&optimum);
     let step = 2.0 * REACH / f64::from(HALF);
     let at = |axis: usize, k: i32| optimum[PLANE[axis]] + step * f64::from(k - HALF / 2);
     let (mut cells, mut rows) = (Vec::new(), Vec::new());
     for i in 0..=HALF {
         for j in 0..=HALF {
-            let mut place = *optimum;
+            let mut place = optimum;
             place[PLANE[0]] = at(0, i);
             place[PLANE[1]] = at(1, j);
             done();
-            let spot = spot(bench, &place, 0.0, least);
+            // Beyond the ranges there is the score of their ends alone.
+            let above = if within(&place) == place { spot(bench, &place, 0.0, least).above } else { f64::INFINITY };
             let around = |middle: f64| middle - 0.5 * step..middle + 0.5 * step;
-            cells.push((around(at(0, i)), around(at(1, j)), shade(spot.above)));
-            rows.push([PARAMETERS[PLANE[0]].value(at(0, i)), PARAMETERS[PLANE[1]].value(at(1, j)), spot.above]);
+            cells.push((around(at(0, i)), around(at(1, j)), strength(above)));
+            rows.push([PARAMETERS[PLANE[0]].value(at(0, i)), PARAMETERS[PLANE[1]].value(at(1, j)), above]);
         }
     }
     let figure = Figure::new(
         "Likelihood over the noise of both readings",
-        "Dark where the likelihood is largest",
+        "Strong where the likelihood is largest",
         "log10 location_sd, m",
         at(0, 0) - 0.5 * step..at(0, HALF) + 0.5 * step,
         [Panel::new(
             "log10 speed_sd, km/h",
             620,
             vec![
-                Layer::Cells { cells },
+                Layer::cells(
+                    format!("loss a sample: strong 0, none {DEEPEST} and more"),
+                    colours::CONSTANT_TERM,
+                    cells,
+                ),
                 Layer::marks("optimum", colours::ESTIMATED, vec![(optimum[PLANE[0]], optimum[PLANE[1]])]),
             ],
             "",
@@ -179,18 +186,16 @@ pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
     Picture {
         name: "tune_plane".to_owned(),
         caption: format!(
-            "Loss of likelihood a sample over the noise of both readings, the other parameters as at the optimum: the stronger the colour, the smaller the loss; no colour at {DEEPEST} and more."
+            "Loss of likelihood a sample over the noise of both readings, the other parameters as at the optimum: the stronger the colour, the smaller the loss; no colour at {DEEPEST} and more, or where the search does not go."
         ),
         drawing: figure.into(),
         numbers: filled(plane_columns(), rows),
     }
 }
 
-/// Dark blue for no loss, white for the deepest.
-fn shade(above: f64) -> RGBColor {
-    let part = (above / DEEPEST).clamp(0.0, 1.0);
-    let mix = |dark: f64| (dark + (255.0 - dark) * part).round() as u8;
-    RGBColor(mix(20.0), mix(50.0), mix(120.0))
+/// Of the colour: full for no loss, none for the deepest.
+fn strength(above: f64) -> f64 {
+    1.0 - (above / DEEPEST).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -214,7 +219,21 @@ mod tests {
         };
         assert!(level(&profiles) >= COUNT);
         assert!(level(&plane) >= 1);
-        assert_eq!(shade(0.0), RGBColor(20, 50, 120));
-        assert_eq!(shade(f64::INFINITY), RGBColor(255, 255, 255));
+        assert_eq!([0.0, 1.0, f64::INFINITY].map(strength), [1.0, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn an_optimum_at_an_end_of_the_search_is_on_its_profile() {
+        let (bench, [mut optimum, table1]) = (bench(1), starts());
+        let noise = COUNT - 1;
+        // The simplex stops at the end of a range, give or take its last digits.
+        optimum[noise] = PARAMETERS[noise].ends()[0] - 1e-12;
+        let profiles = profiles(&bench, &optimum, &table1, || ());
+        let [names, costs] = ["parameter", "cost_above_optimum"]
+            .map(|name| &profiles.numbers.iter().find(|(about, _)| about.name == name).unwrap().1);
+        let is_optimum = |(name, cost): (&Cell, &Cell)| {
+            *name == Cell::from(PARAMETERS[noise].name) && matches!(cost, Cell::Number(cost) if cost.abs() < 1e-9)
+        };
+        assert!(names.iter().zip(costs).any(is_optimum), "{costs:?}");
     }
 }

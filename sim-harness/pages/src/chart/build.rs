@@ -15,7 +15,7 @@ impl Figure {
         panels: impl Into<Vec<Panel>>,
     ) -> Self {
         let [title, description, x_label] = [title.into(), description.into(), x_label.into()];
-        Self { title, description, x_label, x, panels: panels.into() }
+        Self { title, description, x_label, x, names: Vec::new(), panels: panels.into() }
     }
 
     /// One of a [`Grid`], whose title and description stand for it.
@@ -92,6 +92,11 @@ impl Layer {
     /// [`Layer::Verticals`].
     pub fn verticals(legend: impl Into<String>, colour: RGBColor, stroke: Stroke, at: Vec<Real>) -> Self {
         Self::Verticals { legend: legend.into(), colour, stroke, at }
+    }
+
+    /// [`Layer::Cells`].
+    pub fn cells(legend: impl Into<String>, colour: RGBColor, cells: Vec<(Range<Real>, Range<Real>, Real)>) -> Self {
+        Self::Cells { legend: legend.into(), colour, cells }
     }
 
     /// [`Layer::Histogram`].

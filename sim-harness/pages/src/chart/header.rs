@@ -35,6 +35,14 @@ pub(super) fn draw_header(area: &Canvas, panel: &Panel, width: u32) -> Result<()
                 [(left, middle - 12), (left + SWATCH, middle + 12)],
                 colour.mix(opacity).filled(),
             ))?,
+            Swatch::Shades => {
+                let width = SWATCH / SHADES;
+                for step in 0..SHADES {
+                    let corners = [(left + step * width, middle - 12), (left + (step + 1) * width, middle + 12)];
+                    let strength = 1.0 - Real::from(step) / Real::from(SHADES);
+                    area.draw(&Rectangle::new(corners, colour.mix(strength).filled()))?;
+                }
+            }
             Swatch::Dot => area.draw(&Circle::new((left + SWATCH / 2, middle), 6, colour.filled()))?,
             Swatch::Mark => area.draw(&Cross::new((left + SWATCH / 2, middle), 9, colour.stroke_width(4)))?,
         }
@@ -46,6 +54,9 @@ pub(super) fn draw_header(area: &Canvas, panel: &Panel, width: u32) -> Result<()
 
 /// Width of the sample of a line or area in a legend.
 const SWATCH: i32 = 54;
+
+/// Steps of the sample of a map, from strong to none.
+const SHADES: i32 = 9;
 
 /// Middle of a row of the header.
 fn middle_of(row: u32) -> i32 {
@@ -69,6 +80,7 @@ fn text_width(text: &str, stretch: Real) -> i32 {
 enum Swatch {
     Line(Stroke),
     Area(Real),
+    Shades,
     Mark,
     Dot,
 }
@@ -93,7 +105,8 @@ impl Layer {
             Self::Bars { legend, colour, .. } => {
                 vec![(legend.as_str(), *colour, Swatch::Area(1.0))]
             }
-            Self::Word { .. } | Self::Cells { .. } => Vec::new(),
+            Self::Cells { legend, colour, .. } => vec![(legend.as_str(), *colour, Swatch::Shades)],
+            Self::Word { .. } => Vec::new(),
         };
         all.into_iter().filter(|(legend, ..)| !legend.is_empty()).collect()
     }

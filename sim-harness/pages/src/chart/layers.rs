@@ -17,7 +17,7 @@ impl Layer {
             Self::Marks { points, .. } | Self::Dots { points, .. } => points.iter().map(|p| p.1).collect(),
             Self::Threads { lines, .. } => lines.iter().flatten().flatten().map(|p| p.1).collect(),
             Self::Histogram { bins, .. } => bins.iter().map(|(_, count)| *count).chain([0.0]).collect(),
-            Self::Cells { cells } => cells.iter().flat_map(|(_, y, _)| [y.start, y.end]).collect(),
+            Self::Cells { cells, .. } => cells.iter().flat_map(|(_, y, _)| [y.start, y.end]).collect(),
             Self::Verticals { .. } => Vec::new(),
             Self::Spans { .. } | Self::Bars { .. } | Self::Word { .. } => Vec::new(),
         }
@@ -71,9 +71,9 @@ impl Layer {
             Self::Histogram { colour, opacity, bins, .. } => {
                 draw_columns(plot, bins, colour.mix(*opacity).filled(), colour.stroke_width(2))?;
             }
-            Self::Cells { cells } => {
-                let cell = |(x, y, colour): &(Range<Real>, Range<Real>, RGBColor)| {
-                    Rectangle::new([(x.start, y.start), (x.end, y.end)], colour.filled())
+            Self::Cells { colour, cells, .. } => {
+                let cell = |(x, y, strength): &(Range<Real>, Range<Real>, Real)| {
+                    Rectangle::new([(x.start, y.start), (x.end, y.end)], colour.mix(*strength).filled())
                 };
                 plot.draw_series(cells.iter().map(cell))?;
             }

@@ -45,7 +45,7 @@ struct LivePanel<'a> {
     layers: Vec<LiveLayer<'a>>,
 }
 
-/// `x`, `y`, `to` and `high` are places in the arrays.
+/// `x`, `y`, `to`, `high` and `strength` are places in the arrays.
 #[derive(Default, Serialize)]
 struct LiveLayer<'a> {
     kind: &'static str,
@@ -67,11 +67,12 @@ struct LiveLayer<'a> {
     high: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     heights: Option<[f32; 2]>,
-    /// Many lines of one name: no single value belongs to a place.
+    /// Many lines or cells of one name: no single value belongs to a place.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     many: bool,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    colours: Vec<String>,
+    /// How strong the colour of each cell is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    strength: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     word: Option<(&'a str, f32)>,
 }
@@ -223,14 +224,22 @@ fn columns<'a>(legend: &'a str, bins: &[(Range<Real>, Real)], arrays: &mut Array
     LiveLayer { kind: "columns", legend, x, to, y, ..LiveLayer::default() }
 }
 
-fn cells<'a>(cells: &[(Range<Real>, Range<Real>, RGBColor)], arrays: &mut Arrays) -> LiveLayer<'a> {
+fn cells<'a>(
+    legend: &'a str,
+    colour: RGBColor,
+    cells: &[(Range<Real>, Range<Real>, Real)],
+    arrays: &mut Arrays,
+) -> LiveLayer<'a> {
     LiveLayer {
         kind: "cells",
+        legend,
+        colour: css(colour),
+        many: true,
         x: arrays.place(cells.iter().map(|(x, ..)| Some(x.start))),
         to: arrays.place(cells.iter().map(|(x, ..)| Some(x.end))),
         y: arrays.place(cells.iter().map(|(_, y, _)| Some(y.start))),
         high: arrays.place(cells.iter().map(|(_, y, _)| Some(y.end))),
-        colours: cells.iter().map(|(.., colour)| css(*colour)).collect(),
+        strength: arrays.place(cells.iter().map(|(.., strength)| Some(*strength))),
         ..LiveLayer::default()
     }
 }
@@ -269,7 +278,7 @@ fn live_layers<'a>(layer: &'a Layer, arrays: &mut Arrays) -> Vec<LiveLayer<'a>> 
         Layer::Histogram { legend, colour, opacity, bins } => {
             LiveLayer { colour: css(*colour), opacity: single(*opacity), ..columns(legend, bins, arrays) }
         }
-        Layer::Cells { cells: all } => cells(all, arrays),
+        Layer::Cells { legend, colour, cells: all } => cells(legend, *colour, all, arrays),
         Layer::Word { text, y } => {
             LiveLayer { kind: "word", word: single(*y).map(|y| (text.as_str(), y)), ..LiveLayer::default() }
         }

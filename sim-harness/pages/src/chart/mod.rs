@@ -11,6 +11,7 @@ mod drawing;
 mod header;
 mod layers;
 mod live;
+mod names;
 mod scale;
 
 pub use drawing::Drawing;
@@ -71,6 +72,8 @@ pub struct Figure {
     pub x_label: String,
     /// Ends of the x axis; widened when empty.
     pub x: Range<Real>,
+    /// Kinds on the x axis of the SVG, in place of numbers: where each stands, and its name.
+    pub names: Vec<(Real, String)>,
     /// From top to bottom.
     pub panels: Vec<Panel>,
 }
@@ -143,8 +146,8 @@ pub enum Layer {
     Verticals { legend: String, colour: RGBColor, stroke: Stroke, at: Vec<Real> },
     /// Columns from zero up: from, to and count of each bin.
     Histogram { legend: String, colour: RGBColor, opacity: Real, bins: Vec<(Range<Real>, Real)> },
-    /// Rectangles of their own colours, a map of heights: from and to on both axes, and the colour.
-    Cells { cells: Vec<(Range<Real>, Range<Real>, RGBColor)> },
+    /// A map of heights in one colour: from and to on both axes, and how strong it is there, 0 to 1.
+    Cells { legend: String, colour: RGBColor, cells: Vec<(Range<Real>, Range<Real>, Real)> },
     /// A word at the left end, above a height.
     Word { text: String, y: Real },
 }
@@ -228,7 +231,7 @@ impl Figure {
 
     fn height(&self, width: u32) -> u32 {
         let of_panel = |p: &Panel| p.header(width) + p.height + BETWEEN;
-        self.panels.iter().map(of_panel).sum::<u32>() + BOTTOM
+        self.panels.iter().map(of_panel).sum::<u32>() + self.bottom(width)
     }
 
     fn draw(&self, root: &Canvas, (width, _): (u32, u32)) -> Result<(), DrawingError> {
@@ -236,7 +239,7 @@ impl Figure {
         let mut top = 0;
         for (index, panel) in self.panels.iter().enumerate() {
             let is_last = index + 1 == self.panels.len();
-            let below = if is_last { BOTTOM } else { BETWEEN };
+            let below = if is_last { self.bottom(width) } else { BETWEEN };
             let area = root.clone().shrink((0, top), (width, panel.header(width) + panel.height + below));
             self.draw_panel(&area, panel, x.clone(), is_last)?;
             top += (panel.header(width) + panel.height + BETWEEN) as i32;
@@ -256,7 +259,7 @@ impl Figure {
         builder
             .margin_top(panel.header(width))
             .set_label_area_size(LabelAreaPosition::Left, LEFT)
-            .set_label_area_size(LabelAreaPosition::Bottom, if is_last { BOTTOM } else { BETWEEN })
+            .set_label_area_size(LabelAreaPosition::Bottom, if is_last { self.bottom(width) } else { BETWEEN })
             .set_label_area_size(LabelAreaPosition::Right, right);
         let mut plot = builder.build_cartesian_2d(x.clone(), y.clone())?.set_secondary_coord(x.clone(), y.clone());
         let y_labels = if panel.height > 300 { 9 } else { 5 };
@@ -269,7 +272,7 @@ impl Figure {
         let (x_digits, y_digits) = (digits(&x, x_labels as Real), digits(&y, y_labels as Real));
         let has_y = panel.axes != Axes::Strip;
         let x_text = |value: &Real| {
-            if is_last { tick(*value, x_digits) } else { String::new() }
+            if is_last && self.names.is_empty() { tick(*value, x_digits) } else { String::new() }
         };
         let y_text = |value: &Real| {
             if has_y { tick(*value, y_digits) } else { String::new() }
@@ -287,6 +290,9 @@ impl Figure {
         if !has_y {
             mesh.disable_y_mesh().set_tick_mark_size(LabelAreaPosition::Left, 0);
         }
+        if !self.names.is_empty() {
+            mesh.disable_x_mesh().set_tick_mark_size(LabelAreaPosition::Bottom, 0);
+        }
         if is_last {
             mesh.x_desc(self.x_label.as_str()).axis_desc_style(text.clone());
         }
@@ -299,7 +305,8 @@ impl Figure {
                 .y_label_formatter(&y_text)
                 .draw()?;
         }
-        panel.draw_layers(&mut plot, &x, &y)
+        panel.draw_layers(&mut plot, &x, &y)?;
+        if is_last { self.draw_names(area, &plot, y.start) } else { Ok(()) }
     }
 }
 

@@ -66,7 +66,7 @@ pub fn readings(run: &RunView) -> Drawing {
     over_time(
         run,
         &format!("Use of the readings of {}", run.name),
-        "Strips over time: whether the estimate is valid, where the resistance was learned, the regime, and each cause for which a reading was not used",
+        "Strips: whether the estimate is valid, where the resistance was learned, the regime, and each cause for which a reading was not used",
         |axis| vec![readings_panel(run, axis)],
     )
 }
@@ -91,7 +91,7 @@ fn readings_panel(run: &RunView, axis: &Axis) -> Panel {
     rows.push(("resistance learned".to_owned(), vec![bars("learned", colours::LEARNING, learned)]));
     let regimes = Regime::ALL.map(|regime| {
         let spans = axis.spans(&run.estimates, |index, _| run.regime(index) == regime);
-        bars("", colours::of_regime(regime), spans)
+        bars(regime.as_str(), colours::of_regime(regime), spans)
     });
     rows.push(("regime".to_owned(), regimes.into()));
     for cause in Cause::ALL {

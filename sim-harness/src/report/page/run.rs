@@ -138,7 +138,7 @@ fn readings(run: &RunView) -> Markup {
         @if causes.is_empty() && dropped == 0 && gated == 0 && !has_doubts {
             p { "Every reading was there and was used." }
         }
-        (figure(&figures::readings(run), "Over time: validity of the estimate, where the resistance was learned, the regime, and each cause for which a reading was not used."))
+        (figure(&figures::readings(run), "Validity of the estimate, where the resistance was learned, the regime, and each cause for which a reading was not used."))
         @if !causes.is_empty() || dropped > 0 || gated > 0 {
             (table([column("cause", ""), column("samples", ""), text_column("meaning")], rows))
         }

@@ -32,10 +32,13 @@ pub fn counts(claims: &[Claim]) -> [ClaimCount; 3] {
     })
 }
 
-/// `input 7 of 9, recovered 9 of 16, predicted 10 of 18`.
+/// `input 7 of 9, recovered 9 of 16, predicted 10 of 18`: of those that are judged.
 pub fn by_kind(claims: &[Claim]) -> String {
-    let words = |count: ClaimCount| format!("{} {} of {}", count.kind, count.reproduced, count.claims);
-    counts(claims).map(words).join(", ")
+    let judged = |count: &ClaimCount| count.claims - count.not_judged;
+    let some = counts(claims).into_iter().filter(|count| judged(count) > 0);
+    let words: Vec<_> =
+        some.map(|count| format!("{} {} of {}", count.kind, count.reproduced, judged(&count))).collect();
+    words.join(", ")
 }
 
 /// How many claims are of the paper's own line, where these runs are of another; a sentence and a space, or nothing.
@@ -43,7 +46,8 @@ pub fn elsewhere(claims: &[Claim]) -> String {
     match claims.iter().filter(|claim| claim.verdict == Verdict::Elsewhere).count() {
         0 => String::new(),
         count => format!(
-            "{count} of them are not judged: they have numbers of the paper's own line, train or drivers, and these runs are others. "
+            "Of all {} claims {count} are not judged: they have numbers of the paper's own line, train or drivers, and these runs are others. ",
+            claims.len()
         ),
     }
 }

@@ -72,8 +72,10 @@ pub(super) fn third_moment() -> Claim {
         .columns(alone(errors.as_deref().map(words)))
         .holds(errors.as_deref().map(holds))
         .by(format!(
-            "relative errors of the filter's mean of powers of a normal variable (mean {MEAN}, deviation {SD}) against the closed form; below {ROUNDING:e} up to the third power and not at the fourth"
+            "a theorem, and here whether the code keeps it: relative errors of the filter's mean of powers of a normal variable (mean {MEAN}, deviation {SD}) against the closed form; below {ROUNDING:e} up to the third power and not at the fourth"
         ))
+        .input()
+        .of_any_train()
 }
 
 #[cfg(test)]

@@ -41,11 +41,31 @@ pub struct ArmRow {
     pub values: Vec<Option<f64>>,
 }
 
+/// Between two arms of a kind, where the next kind is 1 away.
+const ASIDE: f64 = 0.12;
+
+/// The axis on which the variants stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VariantAxis {
+    /// At their values; the name ends with their unit.
+    Values(&'static str),
+    /// Side by side, each under its name.
+    Kinds(&'static str),
+}
+
+impl VariantAxis {
+    const fn label(self) -> &'static str {
+        match self {
+            Self::Values(label) | Self::Kinds(label) => label,
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Answer {
     pub name: &'static str,
     pub question: &'static str,
-    pub axis: &'static str,
+    pub axis: VariantAxis,
     /// Name with its unit, and label of the axis.
     pub columns: Vec<(&'static str, &'static str)>,
     pub rows: Vec<ArmRow>,
@@ -59,7 +79,7 @@ pub struct Answer {
 impl Answer {
     pub fn new(
         plan: &Plan<'_>,
-        axis: &'static str,
+        axis: VariantAxis,
         columns: Vec<(&'static str, &'static str)>,
         rows: Vec<ArmRow>,
     ) -> Self {
@@ -133,31 +153,31 @@ impl Answer {
 
     pub fn picture(&self) -> Picture {
         let figures = (0..self.columns.len()).map(|column| self.panel(column)).collect();
-        let variants = self.legend();
         Picture {
             name: self.name.to_owned(),
-            caption: format!("{} Mean and standard deviation over {}. {variants}", self.question, self.extent()),
+            caption: format!("{} Mean and standard deviation over {}.", self.question, self.extent()),
             drawing: Grid::new(format!("Experiment: {}", self.name), self.question, 2, figures).into(),
             numbers: self.numbers(),
         }
     }
 
-    /// What stands at which place of the axis.
-    pub fn legend(&self) -> String {
-        let mut places: Vec<(f64, &str)> = Vec::new();
-        for (variant, x, _) in self.groups() {
-            if !places.contains(&(x, variant)) {
-                places.push((x, variant));
-            }
+    /// What stands at which place of the axis, where that are kinds.
+    fn names(&self) -> Vec<(f64, String)> {
+        let mut names: Vec<(f64, String)> = Vec::new();
+        if let VariantAxis::Kinds(_) = self.axis {
+            names.extend(self.groups().into_iter().map(|(variant, x, _)| (x, variant.to_owned())));
+            names.dedup();
         }
-        let words = places.iter().map(|(x, variant)| format!("{}: {variant}", short(*x)));
-        format!("{}. {}.", self.axis, words.collect::<Vec<_>>().join("; "))
+        names
     }
 
     fn panel(&self, column: usize) -> Figure {
         let groups = self.groups();
         let ends = range_of(groups.iter().map(|(_, x, _)| *x));
-        let margin = 0.06 * (ends.end - ends.start).max(1e-6);
+        let margin = match self.axis {
+            VariantAxis::Values(_) => 0.06 * (ends.end - ends.start).max(1e-6),
+            VariantAxis::Kinds(_) => 0.5,
+        };
         let x = ends.start - margin..ends.end + margin;
         let mut arms: Vec<Arm> = Vec::new();
         for (.., arm) in &groups {
@@ -166,21 +186,35 @@ impl Answer {
             }
         }
         let mut layers = Vec::new();
-        for arm in arms {
+        let middle = 0.5 * (arms.len() as f64 - 1.0);
+        for (number, arm) in arms.into_iter().enumerate() {
+            // Of kinds the arms stand beside each other, so that none hides another.
+            let aside = match self.axis {
+                VariantAxis::Values(_) => 0.0,
+                VariantAxis::Kinds(_) => ASIDE * (number as f64 - middle),
+            };
             let (mut line, mut bars) = (Vec::new(), Vec::new());
             for (variant, x, _) in groups.iter().filter(|(.., of)| *of == arm) {
                 let found = self.moments(variant, arm.name, column);
                 let Some(mean) = found.mean() else { continue };
                 let sd = found.sd().unwrap_or(0.0);
-                line.push(Some((*x, mean)));
-                bars.push(vec![Some((*x, mean - sd)), Some((*x, mean + sd))]);
+                let x = *x + aside;
+                line.push(Some((x, mean)));
+                bars.push(vec![Some((x, mean - sd)), Some((x, mean + sd))]);
             }
             let dots = line.iter().flatten().copied().collect();
             layers.push(Layer::threads("", arm.colour, 0.8, bars));
-            layers.push(Layer::line(arm.name, arm.colour, Stroke::Thin, line));
-            layers.push(Layer::dots("", arm.colour, 1.0, dots));
+            match self.axis {
+                VariantAxis::Values(_) => {
+                    layers.push(Layer::line(arm.name, arm.colour, Stroke::Thin, line));
+                    layers.push(Layer::dots("", arm.colour, 1.0, dots));
+                }
+                // Between two kinds there is nothing.
+                VariantAxis::Kinds(_) => layers.push(Layer::dots(arm.name, arm.colour, 1.0, dots)),
+            }
         }
-        Figure::in_grid(self.axis, x, Panel::new(self.columns[column].1, 420, layers, "no value"))
+        let panel = Panel::new(self.columns[column].1, 420, layers, "no value");
+        Figure::in_grid(self.axis.label(), x, panel).with_names(self.names())
     }
 }
 

@@ -14,7 +14,7 @@
 //! Without that noise the filter takes a calculated effort for exact, and so the speed with which a coast begins.
 //! With Table 1's initial deviations the coefficients can hardly move, so wider ones are tried. Each run begins with the description.
 
-use super::answer::{Answer, Arm};
+use super::answer::{Answer, Arm, VariantAxis};
 use super::look::{Driven, Look, misses};
 use super::metrics::{NEGATIVE, RESISTANCE, error_percent, mean};
 use super::plan::Plan;
@@ -74,8 +74,13 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
         let own = own.map(|(arm, look)| (arm, vec![error_percent(&look.misses()), (NEGATIVE.seen)(look)]));
         Ok(fed.into_iter().chain(own).collect())
     })?;
-    Ok(Answer::new(plan, "initial deviations of r0, r1, r2, decades above Table 1", MEASURED.to_vec(), rows)
-        .noting("The gated mode carries the vehicle from run to run; of Table 1 it takes nothing.".to_owned()))
+    Ok(Answer::new(
+        plan,
+        VariantAxis::Values("initial deviations of r0, r1, r2, decades above Table 1"),
+        MEASURED.to_vec(),
+        rows,
+    )
+    .noting("The gated mode carries the vehicle from run to run; of Table 1 it takes nothing.".to_owned()))
 }
 
 /// Error of the resistance and share of negative runs with a filter that is fed.

@@ -3,7 +3,7 @@
 //! Runs with a column `driver`: of five drivers who take turns, each with a style of its own, and of as many labels that say nothing. Each
 //! feature is tested between the drivers, as it was found and as it was.
 
-use super::answer::{Answer, Arm};
+use super::answer::{Answer, Arm, VariantAxis};
 use super::groups::p_value;
 use super::plan::Plan;
 use super::sweep::{Estimated, over_sets};
@@ -39,7 +39,7 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
         rows.push((Arm::TRUTH, tested(&driven.truth)));
         Ok(rows)
     })?;
-    Ok(Answer::new(plan, "0: labels in turns, 1: five drivers", measured().to_vec(), rows))
+    Ok(Answer::new(plan, VariantAxis::Kinds("what a driver's label says"), measured().to_vec(), rows))
 }
 
 /// What is measured: name, and label.

@@ -1,6 +1,6 @@
 //! Many variants in several modes: the frame of most experiments.
 
-use super::answer::{Answer, Arm, ArmRow};
+use super::answer::{Answer, Arm, ArmRow, VariantAxis};
 use super::look::Driven;
 use super::metrics::Metric;
 use super::plan::Plan;
@@ -44,8 +44,7 @@ pub struct Own {
 
 pub struct Sweep {
     pub variants: Vec<Variant>,
-    /// Name of the axis on which the variants stand.
-    pub axis: &'static str,
+    pub axis: VariantAxis,
     /// None where the variants are kinds.
     pub own: Option<Own>,
     pub arms: &'static [Estimated],
@@ -60,7 +59,7 @@ impl Sweep {
             return Ok(None);
         };
         let variants = values.iter().map(|value| variant(*value)).collect::<Result<_, _>>()?;
-        Ok(Some(Self { variants, axis, ..self }))
+        Ok(Some(Self { variants, axis: VariantAxis::Values(axis), ..self }))
     }
 
     pub fn answer(&self, plan: &Plan<'_>) -> Result<Answer, Refused> {
@@ -109,7 +108,13 @@ mod tests {
         let variants = fields.into_iter().zip([0.0, 1.0]);
         let variants = variants.map(|(fields, x)| Variant::parse(fields, x, fields).unwrap()).collect();
         let metrics = vec![metrics::RESISTANCE, metrics::REGIMES, metrics::LARGEST_POWER];
-        let sweep = Sweep { variants, axis: "x", own: None, arms: &[Estimated::PAPER, Estimated::GATED], metrics };
+        let sweep = Sweep {
+            variants,
+            axis: VariantAxis::Values("x"),
+            own: None,
+            arms: &[Estimated::PAPER, Estimated::GATED],
+            metrics,
+        };
         let plan = Plan { name: "a", question: "?", sets: 2, runs: 4, seed: 11, done: &|_| () };
         sweep.answer(&plan).unwrap()
     }

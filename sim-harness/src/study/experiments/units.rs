@@ -4,7 +4,7 @@
 //! itself, so that runs of a unit are no more alike than others unless the unit makes them so, and r at 100 km/h is tested between units.
 //! Beside it the spread of what is carried from run to run, against the true one.
 
-use super::answer::{Answer, Arm, ArmRow};
+use super::answer::{Answer, Arm, ArmRow, VariantAxis};
 use super::groups::{PERMUTATIONS, p_value};
 use super::look::{Driven, Look};
 use super::plan::Plan;
@@ -49,7 +49,8 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
         "{UNITS} units in each set, each with {} runs; p-values by {PERMUTATIONS} permutations.",
         of_unit(plan)
     );
-    Ok(Answer::new(plan, "true half-spread between units, %", MEASURED.to_vec(), rows).noting(note))
+    Ok(Answer::new(plan, VariantAxis::Values("true half-spread between units, %"), MEASURED.to_vec(), rows)
+        .noting(note))
 }
 
 fn of_set(plan: &Plan<'_>, variant: &Variant, spread: f64, set: usize) -> Result<Vec<ArmRow>, Refused> {

@@ -1,6 +1,7 @@
-//! Fig. 8: the brake rate of each run in each ATB-EG step, the statistic of section 3.3, with mean and standard deviation over the runs.
+//! Fig. 8: the brake rates of all runs over their speeds, and of each ATB-EG step the statistic of section 3.3, the mean rate of a run in it, with
+//! mean and standard deviation over the runs.
 //!
-//! A rate between two samples would be too small where the train begins to brake or lets go between them; the intervals are in the table.
+//! A rate is that between two samples: where the train begins to brake or lets go between them it is too small.
 
 use super::{Drawn, Eyes, Picture};
 use crate::study::view::{ATB_NAMES, ATB_STEPS_KMH};
@@ -45,17 +46,7 @@ pub fn columns() -> Vec<Column<BrakeRow>> {
 /// The picture. Means and deviations are those of all runs, dots those of the drawn ones; true means where `truth` has runs.
 pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) -> Picture {
     let edges = [END_KMH, ATB_STEPS_KMH[0], ATB_STEPS_KMH[1], ATB_STEPS_KMH[2], ATB_STEPS_KMH[3], 0.0];
-    // Runs side by side within a step, so that dots do not hide each other.
-    let at_kmh = |step: usize, run: usize| {
-        let part = (run as f64 + 1.0) / (drawn.len() as f64 + 1.0);
-        edges[step + 1] + part * (edges[step] - edges[step + 1])
-    };
-    let of_run = |(number, run): (usize, &Drawn)| {
-        let steps = eyes.of(run).outcome.brake_steps_mps2.into_iter().enumerate();
-        let dots = steps.filter_map(|(step, rate)| Some((at_kmh(step, number), rate?)));
-        dots.collect::<Vec<(f64, f64)>>()
-    };
-    let dots: Vec<(f64, f64)> = drawn.iter().enumerate().flat_map(of_run).collect();
+    let dots = drawn.iter().flat_map(|run| eyes.of(run).points.brake.iter().copied()).collect();
     let (mut means, mut bands, mut true_means) = (Vec::new(), Vec::new(), Vec::new());
     let mut rows = Vec::new();
     for (index, moments) in tallies.brake_steps.iter().enumerate().rev() {
@@ -89,7 +80,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
     }
     let mut layers = vec![
         Layer::band("standard deviation", colours::ESTIMATED, 0.18, bands),
-        Layer::dots("mean of a run in the step", colours::MEASURED, 0.5, dots),
+        Layer::dots("observed", colours::MEASURED, 0.5, dots),
         Layer::line("mean of the step", colours::ESTIMATED, Stroke::Solid, means),
     ];
     if !true_means.is_empty() {
@@ -98,7 +89,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
     layers.push(Layer::verticals("ATB-EG steps", BLACK, Stroke::Thin, ATB_STEPS_KMH.to_vec()));
     let figure = Figure::new(
         "Fig. 8: brake rates",
-        "Mean brake rate of each run in each ATB-EG step, mean and standard deviation over the runs",
+        "Brake rates over their speeds, mean and standard deviation over the runs in each ATB-EG step",
         "speed, km/h",
         0.0..END_KMH,
         [Panel::new("brake rate, m/s\u{b2}", 620, layers, "no brake was seen")],
@@ -106,7 +97,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
     Picture {
         name: format!("fig8_brake_rates_{}", eyes.word()),
         caption: format!(
-            "Mean brake rate of each run in each ATB-EG step, {} mode, runs side by side; in red the mean over the runs, shaded their standard deviation.",
+            "Brake rates between two readings over their mean speed, {} mode; in red the mean over the runs of each run's mean rate in the ATB-EG step, shaded their standard deviation.",
             eyes.word()
         ),
         drawing: figure.into(),

@@ -63,11 +63,11 @@ pub(super) fn effects(found: &Investigation) -> Markup {
     }
     let head = [
         text_column("effect"),
+        column("confidence", "in the name"),
         text_column("parameter"),
         column("value", ""),
         column("95 % interval", ""),
         text_column("unit"),
-        column("confidence", "in the name"),
         text_column("not distinguishable from"),
         text_column("would separate them"),
     ];
@@ -88,14 +88,14 @@ fn effect(one: &Named) -> Markup {
             @if let Some(coordinate) = one.coordinate() { br; span.unit { "over " (coordinate) } }
             @if !one.runs.is_empty() { br; span.unit { "in " (one.runs.len()) " runs" } }
         }
-    };
-    let sure = html! {
         td rowspan=(rows) style=(TOP) { (confidence(one)) }
+    };
+    let rivals = html! {
         td.text rowspan=(rows) style=(TOP) { (listed(one.ambiguous_with.iter().map(|kind| plain(kind.name())).collect())) }
         td.text rowspan=(rows) style=(TOP) { (listed(one.would_separate.iter().map(|what| plain(what)).collect())) }
     };
     html! {
-        @if parameters.is_empty() { tr { (named) td.text colspan="4" { "a table: the line through the data below" } (sure) } }
+        @if parameters.is_empty() { tr { (named) td.text colspan="4" { "a table: the line through the data below" } (rivals) } }
         @for (index, (name, value)) in parameters.iter().enumerate() {
             @let (value, ends) = with_ends(*value, interval(one, name));
             tr {
@@ -104,7 +104,7 @@ fn effect(one: &Named) -> Markup {
                 td { (value) }
                 td { @match ends { Some([low, high]) => { (low) " to " (high) }, None => { (NOTHING) } } }
                 td.text { (unit(one.effect.kind(), name)) }
-                @if index == 0 { (sure) }
+                @if index == 0 { (rivals) }
             }
         }
         @if !one.runs.is_empty() {

@@ -8,7 +8,7 @@ pub(super) mod trains;
 use super::variant::Variant;
 use crate::study::Refused;
 
-/// Variants of the case study: name, place on the axis, fields of a scenario file.
-fn variants(of: &[(&str, f64, &str)]) -> Result<Vec<Variant>, Refused> {
-    of.iter().map(|(name, x, fields)| Variant::parse(*name, *x, fields)).collect()
+/// Kinds of the case study, side by side: name, fields of a scenario file.
+fn variants(of: &[(&str, &str)]) -> Result<Vec<Variant>, Refused> {
+    of.iter().zip(1..).map(|((name, fields), place)| Variant::parse(*name, f64::from(place), fields)).collect()
 }

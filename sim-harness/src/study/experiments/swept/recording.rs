@@ -2,6 +2,7 @@
 
 use super::variants;
 use crate::study::Refused;
+use crate::study::experiments::answer::VariantAxis;
 use crate::study::experiments::metrics::{BIAS, BRAKE, INSIDE, NEGATIVE, POWER, REGIMES, RESISTANCE, TRACKING};
 use crate::study::experiments::sweep::{Estimated, Own, Sweep};
 use crate::study::experiments::variant::Variant;
@@ -10,13 +11,13 @@ use crate::study::experiments::variant::Variant;
 pub fn measured_effort() -> Result<Sweep, Refused> {
     Ok(Sweep {
         variants: variants(&[
-            ("exact", 1.0, ""),
-            ("noise 0.01 N/kg", 2.0, "[effort]\nnoise_n_per_kg = 0.01"),
-            ("gain 3 % too large", 3.0, "[effort]\ngain = 1.03"),
-            ("1 s late", 4.0, "[effort]\nlag_s = 1.0"),
-            ("momentary", 5.0, "[effort]\nmomentary = true"),
+            ("exact", ""),
+            ("noise 0.01 N/kg", "[effort]\nnoise_n_per_kg = 0.01"),
+            ("gain 3 % too large", "[effort]\ngain = 1.03"),
+            ("1 s late", "[effort]\nlag_s = 1.0"),
+            ("momentary", "[effort]\nmomentary = true"),
         ])?,
-        axis: "effort column",
+        axis: VariantAxis::Kinds("effort column"),
         own: Some(Own {
             axis: "white noise of the column, N/kg",
             variant: |noise| {
@@ -37,7 +38,7 @@ pub fn sampling() -> Result<Sweep, Refused> {
     };
     Ok(Sweep {
         variants: [1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0].into_iter().map(every).collect::<Result<_, _>>()?,
-        axis,
+        axis: VariantAxis::Values(axis),
         own: Some(Own { axis, variant: every }),
         arms: &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED],
         metrics: vec![RESISTANCE, REGIMES, BRAKE, POWER],
@@ -50,10 +51,10 @@ pub fn process_noise() -> Result<Sweep, Refused> {
         let variant = Variant::parse(format!("{sd_mps2} m/s\u{b2}"), sd_mps2, "")?;
         Ok(variant.estimated_by(|config| config.paper.acceleration_noise_mps2 = sd_mps2))
     };
-    let at = |(place, sd_mps2): (usize, f64)| Ok::<_, Refused>(Variant { x: place as f64, ..of(sd_mps2)? });
+    let at = |(place, sd_mps2): (usize, f64)| Ok::<_, Refused>(Variant { x: 1.0 + place as f64, ..of(sd_mps2)? });
     Ok(Sweep {
         variants: [0.0, 1e-4, 1e-3, 0.01, 0.1, 1.0].into_iter().enumerate().map(at).collect::<Result<_, _>>()?,
-        axis: "standard deviation of the acceleration in Q",
+        axis: VariantAxis::Kinds("standard deviation of the acceleration in Q"),
         own: Some(Own { axis: "standard deviation of the acceleration in Q, m/s\u{b2}", variant: of }),
         arms: &[Estimated::PAPER, Estimated::BACKWARD],
         metrics: vec![RESISTANCE, TRACKING, NEGATIVE, REGIMES],

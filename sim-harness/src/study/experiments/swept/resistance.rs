@@ -2,6 +2,7 @@
 
 use super::variants;
 use crate::study::Refused;
+use crate::study::experiments::answer::VariantAxis;
 use crate::study::experiments::metrics::{BIAS, COAST, INSIDE, POWER, RESISTANCE};
 use crate::study::experiments::sweep::{Estimated, Own, Sweep};
 use crate::study::experiments::variant::Variant;
@@ -12,24 +13,21 @@ const ARMS: &[Estimated] = &[Estimated::PAPER, Estimated::GATED, Estimated::MEAS
 pub fn seasons() -> Result<Sweep, Refused> {
     Ok(Sweep {
         variants: variants(&[
-            ("none", 1.0, "[dates]\ndays = 300.0"),
+            ("none", "[dates]\ndays = 300.0"),
             (
                 "wear: r0 +0.001 N/kg",
-                2.0,
                 "[dates]\ndays = 300.0\n[[effect]]\nname = \"seasonal_drift\"\ndr0_over_period = 1e-3",
             ),
             (
                 "wear: r0 +0.002 N/kg",
-                3.0,
                 "[dates]\ndays = 300.0\n[[effect]]\nname = \"seasonal_drift\"\ndr0_over_period = 2e-3",
             ),
             (
                 "cold: r0 +0.0001 N/kg per degree",
-                4.0,
                 "[dates]\ndays = 300.0\n[[effect]]\nname = \"temperature_resistance\"\ndr0_per_degC = -1e-4\nref_c = 10.0",
             ),
         ])?,
-        axis: "seasonal change",
+        axis: VariantAxis::Kinds("seasonal change"),
         own: Some(Own {
             axis: "growth of r0 over 300 days, N/kg",
             variant: |dr0| {
@@ -50,13 +48,13 @@ pub fn gradient() -> Result<Sweep, Refused> {
     let fields = |section: &str, permille: &str| format!("{section}{permille}");
     Ok(Sweep {
         variants: variants(&[
-            ("as described", 1.0, ""),
-            ("cruise, 0.5 \u{2030} off", 2.0, &fields(cruise, "0.5")),
-            ("cruise, 2 \u{2030} off", 3.0, &fields(cruise, "2.0")),
-            ("coast, 0.5 \u{2030} off", 4.0, &fields(WHERE_IT_COASTS, "0.5")),
-            ("coast, 2 \u{2030} off", 5.0, &fields(WHERE_IT_COASTS, "2.0")),
+            ("as described", ""),
+            ("cruise, 0.5 \u{2030} off", &fields(cruise, "0.5")),
+            ("cruise, 2 \u{2030} off", &fields(cruise, "2.0")),
+            ("coast, 0.5 \u{2030} off", &fields(WHERE_IT_COASTS, "0.5")),
+            ("coast, 2 \u{2030} off", &fields(WHERE_IT_COASTS, "2.0")),
         ])?,
-        axis: "where 6 km are steeper than described",
+        axis: VariantAxis::Kinds("where 6 km are steeper than described"),
         own: Some(Own {
             axis: "6 km in which trains coast are steeper by, permille",
             variant: |permille| {
@@ -76,13 +74,13 @@ pub fn gradient() -> Result<Sweep, Refused> {
 pub fn wind() -> Result<Sweep, Refused> {
     Ok(Sweep {
         variants: variants(&[
-            ("still air", 0.0, ""),
-            ("sd 1 m/s between runs", 1.0, "[wind]\nsd_mps = 1.0"),
-            ("sd 2 m/s between runs", 2.0, "[wind]\nsd_mps = 2.0"),
-            ("sd 4 m/s between runs", 4.0, "[wind]\nsd_mps = 4.0"),
-            ("headwind of 4 m/s in all", 5.0, "[[effect]]\nname = \"steady_wind\"\nwind_mps = 4.0"),
+            ("still air", ""),
+            ("sd 1 m/s between runs", "[wind]\nsd_mps = 1.0"),
+            ("sd 2 m/s between runs", "[wind]\nsd_mps = 2.0"),
+            ("sd 4 m/s between runs", "[wind]\nsd_mps = 4.0"),
+            ("headwind of 4 m/s in all", "[[effect]]\nname = \"steady_wind\"\nwind_mps = 4.0"),
         ])?,
-        axis: "wind along the line",
+        axis: VariantAxis::Kinds("wind along the line"),
         own: Some(Own {
             axis: "wind along the line, sd between runs, m/s",
             variant: |mps| {
@@ -98,14 +96,14 @@ pub fn wind() -> Result<Sweep, Refused> {
 pub fn load() -> Result<Sweep, Refused> {
     Ok(Sweep {
         variants: variants(&[
-            ("as described", 0.0, ""),
-            ("load, sd 2 %", 1.0, "[load]\nsd = 0.02"),
-            ("load, sd 5 %", 2.0, "[load]\nsd = 0.05"),
-            ("load, sd 10 %", 3.0, "[load]\nsd = 0.10"),
-            ("fuel used up: 4 % lighter", 4.0, "[[effect]]\nname = \"mass_error\"\nrelative = -0.04"),
-            ("10 % heavier than described", 5.0, "[[effect]]\nname = \"mass_error\"\nrelative = 0.10"),
+            ("as described", ""),
+            ("load, sd 2 %", "[load]\nsd = 0.02"),
+            ("load, sd 5 %", "[load]\nsd = 0.05"),
+            ("load, sd 10 %", "[load]\nsd = 0.10"),
+            ("fuel used up: 4 % lighter", "[[effect]]\nname = \"mass_error\"\nrelative = -0.04"),
+            ("10 % heavier than described", "[[effect]]\nname = \"mass_error\"\nrelative = 0.10"),
         ])?,
-        axis: "mass",
+        axis: VariantAxis::Kinds("mass"),
         own: Some(Own {
             axis: "load, sd between runs, of the described mass",
             variant: |sd| Variant::parse(format!("load, sd {sd}"), sd, &format!("[load]\nsd = {sd:?}")),

@@ -2,6 +2,7 @@
 
 use super::variants;
 use crate::study::Refused;
+use crate::study::experiments::answer::VariantAxis;
 use crate::study::experiments::metrics::{
     AT_THE_TOP, BRAKE, COAST, LARGEST_EFFORT, LARGEST_POWER, LOW_EFFORT, MEAN_POWER, POWER, POWER_SPREAD, RESISTANCE,
 };
@@ -17,13 +18,13 @@ pub fn automatic_operation() -> Result<Sweep, Refused> {
     let loaded = "[load]\nsd = 0.05\n";
     Ok(Sweep {
         variants: variants(&[
-            ("drivers", 1.0, ""),
-            ("drivers, supply weak in 40 % of runs", 2.0, weak),
-            ("ATO", 3.0, ato),
-            ("ATO, load sd 5 %", 4.0, &format!("{ato}{loaded}")),
-            ("ATO, supply weak in 40 % of runs", 5.0, &format!("{ato}{weak}")),
+            ("drivers", ""),
+            ("drivers, supply weak in 40 % of runs", weak),
+            ("ATO", ato),
+            ("ATO, load sd 5 %", &format!("{ato}{loaded}")),
+            ("ATO, supply weak in 40 % of runs", &format!("{ato}{weak}")),
         ])?,
-        axis: "who drives, and what varies besides",
+        axis: VariantAxis::Kinds("who drives, and what varies besides"),
         own: Some(Own {
             axis: "ATO, load sd, of the described mass",
             variant: |sd| {
@@ -45,12 +46,12 @@ pub fn supply() -> Result<Sweep, Refused> {
     }
     Ok(Sweep {
         variants: variants(&[
-            ("as strong as the motors", 1.0, "[[effect]]\nname = \"traction_scale\"\nfactor = 1.2"),
-            ("100 % of the described power", 2.0, &section(1.0)),
-            ("90 %", 3.0, &section(0.9)),
-            ("75 %", 4.0, &section(0.75)),
+            ("as strong as the motors", "[[effect]]\nname = \"traction_scale\"\nfactor = 1.2"),
+            ("100 % of the described power", &section(1.0)),
+            ("90 %", &section(0.9)),
+            ("75 %", &section(0.75)),
         ])?,
-        axis: "supply of the first 4 km, motors of 120 % of the described power",
+        axis: VariantAxis::Kinds("supply of the first 4 km, motors of 120 % of the described power"),
         own: Some(Own {
             axis: "supply of the first 4 km, of the described power; motors of 1.2",
             variant: |factor| Variant::parse(format!("{factor} of the described power"), factor, &section(factor)),
@@ -68,13 +69,13 @@ pub fn adhesion() -> Result<Sweep, Refused> {
     let every_second = "[sensors]\nsampling_s = 1.0\n";
     Ok(Sweep {
         variants: variants(&[
-            ("dry", 1.0, ""),
-            ("70 % on 40 % of the days", 2.0, &slippery(0.7)),
-            ("40 % on 40 % of the days", 3.0, &slippery(0.4)),
-            ("dry, every second", 4.0, every_second),
-            ("40 % on 40 % of the days, every second", 5.0, &format!("{every_second}{}", slippery(0.4))),
+            ("dry", ""),
+            ("70 % on 40 % of the days", &slippery(0.7)),
+            ("40 % on 40 % of the days", &slippery(0.4)),
+            ("dry, every second", every_second),
+            ("40 % on 40 % of the days, every second", &format!("{every_second}{}", slippery(0.4))),
         ])?,
-        axis: "largest effort below 60 km/h, of the described",
+        axis: VariantAxis::Kinds("largest effort below 60 km/h, of the described"),
         own: Some(Own {
             axis: "effort below 60 km/h on 40 % of the days, of the described",
             variant: |factor| Variant::parse(format!("{factor} on 40 % of the days"), factor, &slippery(factor)),
@@ -93,12 +94,12 @@ pub fn capability() -> Result<Sweep, Refused> {
     }
     Ok(Sweep {
         variants: variants(&[
-            ("habit: drivers use 75 to 100 %", 1.0, ""),
-            ("capability: motors give 82 %", 2.0, &limited(0.82, 1.0)),
-            ("both: 82 % in half of the runs", 3.0, &limited(0.82, 0.5)),
-            ("ATO: all that there is", 4.0, "[driver]\nkind = \"ato\""),
+            ("habit: drivers use 75 to 100 %", ""),
+            ("capability: motors give 82 %", &limited(0.82, 1.0)),
+            ("both: 82 % in half of the runs", &limited(0.82, 0.5)),
+            ("ATO: all that there is", "[driver]\nkind = \"ato\""),
         ])?,
-        axis: "what limits the power",
+        axis: VariantAxis::Kinds("what limits the power"),
         own: Some(Own {
             axis: "what the motors give, of the described power",
             variant: |factor| Variant::parse(format!("motors give {factor}"), factor, &limited(factor, 1.0)),

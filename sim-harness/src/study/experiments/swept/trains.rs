@@ -2,6 +2,7 @@
 
 use crate::accuracy_bench::fleets;
 use crate::study::Refused;
+use crate::study::experiments::answer::VariantAxis;
 use crate::study::experiments::metrics::{INSIDE, POWER, POWER_SPREAD, REGIMES, RESISTANCE};
 use crate::study::experiments::sweep::{Estimated, Sweep};
 use crate::study::experiments::variant::Variant;
@@ -22,7 +23,13 @@ pub fn other_trains() -> Result<Sweep, Refused> {
     let diesel = Variant::parse("diesel, 8 notches", 6.0, "")?;
     variants.push(diesel.driven_by(|scenario| scenario.notches = NOTCHES));
     let arms = &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED];
-    Ok(Sweep { variants, axis: "train", own: None, arms, metrics: vec![RESISTANCE, INSIDE, REGIMES, POWER] })
+    Ok(Sweep {
+        variants,
+        axis: VariantAxis::Kinds("train"),
+        own: None,
+        arms,
+        metrics: vec![RESISTANCE, INSIDE, REGIMES, POWER],
+    })
 }
 
 /// Section 3.3: with a diesel "the maximum tractive power is not unique, since each engine notch can apply a different" one.
@@ -34,5 +41,11 @@ pub fn diesel() -> Result<Sweep, Refused> {
     };
     let variants = [0, 16, 8, 4].into_iter().enumerate().map(of).collect::<Result<_, _>>()?;
     let arms = &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED];
-    Ok(Sweep { variants, axis: "lever", own: None, arms, metrics: vec![POWER, POWER_SPREAD, RESISTANCE, REGIMES] })
+    Ok(Sweep {
+        variants,
+        axis: VariantAxis::Kinds("lever"),
+        own: None,
+        arms,
+        metrics: vec![POWER, POWER_SPREAD, RESISTANCE, REGIMES],
+    })
 }
