@@ -352,6 +352,7 @@ settings! {
         most_without: f64 = 0.05, /// Where more than this share of them has nothing to remove, there is no interval. Derived: 5 % lie outside.
         foreseen: f64 = 1.4, /// What is there between this many times as much as the effects foresee, and as many times less, is what they foresee. Judgement.
         explained: f64 = 0.7, /// A gap of which less was removed is explained only in part. Judgement.
+        still_there: f64 = 2.0, /// A gap of which less was removed than that, and which is so many times what a perfect model would leave, is there whatever the p-value says. Judgement.
         worse: f64 = 1.001, /// The repaired model is worse if it is off by so many times as much. Judgement.
         free_share: f64 = 0.01, /// A limit within this share of the described one holds nobody back: what a driver gives there is what he demands. Judgement.
         free_sd: f64 = 2.0, /// Nor does a limit that is so many standard deviations above the effort. Judgement.

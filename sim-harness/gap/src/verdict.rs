@@ -1,6 +1,6 @@
 //! What an investigation comes to, in one word.
 
-use crate::config::GapConfig;
+use crate::config::{GapConfig, HoldoutConfig};
 use crate::holdout::{forward::Touched, share::Share};
 use crate::named::Named;
 use rundown::model::effects::Effect;
@@ -66,8 +66,10 @@ impl Grounds<'_> {
 
     /// The hold-out runs have a gap that is still there.
     fn is_left(&self, config: &GapConfig) -> bool {
-        let removed = self.gap.and_then(|(gap, _)| gap.removed);
-        removed.is_some_and(|removed| removed < config.holdout.explained)
+        let HoldoutConfig { explained, still_there, .. } = config.holdout;
+        self.gap.is_some_and(|(gap, _)| {
+            gap.removed.is_some_and(|removed| removed < explained) && gap.after > still_there * gap.floor
+        })
     }
 
     /// The effects remove the gap on the hold-out runs.
@@ -120,8 +122,11 @@ mod tests {
         assert_eq!(verdict(std::slice::from_ref(&wheel), &[], 0.01), Verdict::PartlyExplained);
         // Nor a gap that the hold-out runs have with and without it.
         let gap = Share { runs: 8, before: 1.03, after: 1.03, floor: 0.14, removed: Some(0.0), removed_95: None };
-        let grounds =
-            Grounds { named: &[wheel], candidates: &[], p_value: 0.3, p_value_after: 1.0, gap: Some((&gap, None)) };
-        assert_eq!(grounds.verdict(&GapConfig::default()), Verdict::PartlyExplained);
+        let beside = |gap: &Share| {
+            let (named, gap) = (std::slice::from_ref(&wheel), Some((gap, None)));
+            Grounds { named, candidates: &[], p_value: 0.3, p_value_after: 1.0, gap }.verdict(&GapConfig::default())
+        };
+        assert_eq!(beside(&gap), Verdict::PartlyExplained);
+        assert_eq!(beside(&Share { before: 0.15, after: 0.15, ..gap }), Verdict::Explained);
     }
 }
