@@ -75,23 +75,28 @@ pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apar
 
 /// Acceleration, m/s^2, and mean effort, N/kg, of windows in which the train moves and each row has both.
 fn windows(rows: &[Sample]) -> Vec<(f64, f64)> {
-    let mut found = Vec::new();
-    let mut begin = 0;
+    stretches(rows, WINDOW_S).into_iter().filter_map(window).collect()
+}
+
+/// Stretches of `least_s` up to twice as much, in which each row has a speed and an effort.
+pub(crate) fn stretches(rows: &[Sample], least_s: f64) -> Vec<&[Sample]> {
+    let (mut found, mut begin) = (Vec::new(), 0);
     for end in 1..rows.len() {
         let complete = rows[end].speed_mps.is_some() && rows[end].effort_n_per_kg.is_some();
         let long_s = rows[end].time_s - rows[begin].time_s;
-        if !complete || long_s > 2.0 * WINDOW_S {
+        if !complete || long_s > 2.0 * least_s {
             begin = end;
-        } else if long_s >= WINDOW_S {
-            found.extend(window(&rows[begin..=end], long_s));
+        } else if long_s >= least_s {
+            found.push(&rows[begin..=end]);
             begin = end;
         }
     }
     found
 }
 
-fn window(rows: &[Sample], long_s: f64) -> Option<(f64, f64)> {
-    let [first, last] = [rows.first()?.speed_mps?, rows.last()?.speed_mps?];
+fn window(rows: &[Sample]) -> Option<(f64, f64)> {
+    let (begin, end) = (rows.first()?, rows.last()?);
+    let ([first, last], long_s) = ([begin.speed_mps?, end.speed_mps?], end.time_s - begin.time_s);
     let efforts: Vec<f64> = rows[1..].iter().filter_map(|row| row.effort_n_per_kg).collect();
     let is_moving = first.max(last) > 0.0;
     is_moving.then(|| ((last - first) / long_s, efforts.iter().sum::<f64>() / efforts.len() as f64))

@@ -6,6 +6,7 @@
 //! where a coast has them: as measurements of a coast they would teach the deceleration of the brake, or no resistance at all.
 
 use crate::agreement::Figure;
+use crate::effort::stretches;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -119,7 +120,7 @@ pub(crate) fn leave_out_brakes(rows: &mut [Sample]) -> usize {
 pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Zeros {
     let mut found = Zeros::default();
     for recording in recordings {
-        for rows in stretches(&recording.rows) {
+        for rows in stretches(&recording.rows, STRETCH_S) {
             let speeds = rows.iter().filter_map(|row| row.speed_mps);
             let (low, high) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             let (first, last) = (&rows[0], &rows[rows.len() - 1]);
@@ -135,22 +136,6 @@ pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Zero
                     found.holds.add(is_zero);
                 }
             }
-        }
-    }
-    found
-}
-
-/// Stretches in which each row has a speed and an effort.
-fn stretches(rows: &[Sample]) -> Vec<&[Sample]> {
-    let (mut found, mut begin) = (Vec::new(), 0);
-    for end in 1..rows.len() {
-        let complete = rows[end].speed_mps.is_some() && rows[end].effort_n_per_kg.is_some();
-        let long_s = rows[end].time_s - rows[begin].time_s;
-        if !complete || long_s > 2.0 * STRETCH_S {
-            begin = end;
-        } else if long_s >= STRETCH_S {
-            found.push(&rows[begin..=end]);
-            begin = end;
         }
     }
     found

@@ -152,8 +152,7 @@ impl RecorderCheck {
 
     /// True less read speed as the step decides it: half of it where the recorder truncates, 0 where it rounds; else as measured. In km/h.
     pub fn decided_offset_kmh(&self) -> Option<f64> {
-        let has = |kind| self.findings.iter().any(|finding| finding.kind == kind);
-        match (has(Kind::RoundedSpeed), has(Kind::TruncatedSpeed)) {
+        match (self.has(Kind::RoundedSpeed), self.has(Kind::TruncatedSpeed)) {
             (true, _) => Some(0.0),
             (_, true) => self.speed_step_kmh.map(|step_kmh| 0.5 * step_kmh),
             _ => self.offset_kmh.map(|offset| offset.value),
@@ -272,8 +271,8 @@ impl RecorderCheck {
 
     /// Says what of the descriptions its runs exceed, and an effort column that is not theirs. Call it when the readings are put right.
     pub(crate) fn exceeds(&mut self, recordings: &[Recording], runs: &[RunCheck], known: &Known) {
-        let is_own = |(_, run): &(&Recording, &RunCheck)| run.unit == self.unit && run.refusal().is_none();
-        let own: Vec<&Recording> = recordings.iter().zip(runs).filter(is_own).map(|(recording, _)| recording).collect();
+        let own = recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run));
+        let own: Vec<&Recording> = own.map(|(recording, _)| recording).collect();
         for limits::Excess { kind, percent: figure, rows: count, evidence } in
             limits::exceeded(own.iter().copied(), &known.limits)
         {
@@ -288,14 +287,14 @@ impl RecorderCheck {
 
     /// Takes the zero of the effort from trains that stand, and leaves out zeros that are no effort of 0.
     pub(crate) fn effort_zero(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
-        let is_own = |run: &RunCheck| run.unit == self.unit && run.refusal().is_none();
-        let own = || recordings.iter().zip(runs).filter(|(_, run)| is_own(run)).map(|(recording, _)| recording);
-        if self.findings.iter().any(|finding| finding.kind == Kind::EffortApart) {
+        let own =
+            || recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run)).map(|(recording, _)| recording);
+        if self.has(Kind::EffortApart) {
             return;
         }
         let offset = effort_zero::at_standstill(own());
         let zeros = effort_zero::zeros(own());
-        let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| is_own(run));
+        let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
         let rows: Vec<&mut [Sample]> = rows.map(|(recording, _)| recording.rows.as_mut_slice()).collect();
         if let Some((figure, count)) = offset {
             self.found(Kind::EffortOffset, figure, "N/kg", Done::PutRight);
@@ -323,9 +322,9 @@ impl RecorderCheck {
     /// by more than half a row is not what a later tick makes of it, and left out.
     pub(crate) fn effort_age(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let has_effort = |rows: &[Sample]| rows.iter().any(|row| row.effort_n_per_kg.is_some());
-        let is_own = |i: &usize| runs[*i].unit == self.unit && runs[*i].refusal().is_none();
-        let own: Vec<usize> = (0..runs.len()).filter(is_own).filter(|i| has_effort(&recordings[*i].rows)).collect();
-        if own.is_empty() || self.findings.iter().any(|finding| finding.kind == Kind::EffortApart) {
+        let own = (0..runs.len()).filter(|i| self.has_usable(&runs[*i]) && has_effort(&recordings[*i].rows));
+        let own: Vec<usize> = own.collect();
+        if own.is_empty() || self.has(Kind::EffortApart) {
             return;
         }
         let asked = own.iter().take(AGED).map(|i| (recordings[*i].rows.as_slice(), runs[*i].step_s));
@@ -355,13 +354,22 @@ impl RecorderCheck {
         }
     }
 
+    /// Whether a run is one of this recorder, and is used.
+    fn has_usable(&self, run: &RunCheck) -> bool {
+        run.unit == self.unit && run.refusal().is_none()
+    }
+
+    fn has(&self, kind: Kind) -> bool {
+        self.findings.iter().any(|finding| finding.kind == kind)
+    }
+
     fn found(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
         self.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
     }
 
     /// The usual skew, and how much it differs from run to run.
     fn skews(&mut self, runs: &[RunCheck], known: &Known) {
-        let usable = runs.iter().filter(|run| run.unit == self.unit && run.refusal().is_none());
+        let usable = runs.iter().filter(|run| self.has_usable(run));
         let mut skews: Vec<Figure> = usable.filter_map(|run| run.skew_s).collect();
         skews.sort_by(|a, b| a.value.total_cmp(&b.value));
         let Some(middle) = skews.get(skews.len() / 2).copied() else {

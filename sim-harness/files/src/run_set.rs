@@ -77,7 +77,7 @@ impl RunSet {
             }
         }
         let mut set = Self::default();
-        set.leave_out_results(&mut paths);
+        set.leave_out_results(&mut paths, &arguments);
         let mut indexes: HashMap<PathBuf, HashMap<String, IndexRow>> = HashMap::new();
         for path in paths {
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -102,10 +102,10 @@ impl RunSet {
         logs.chain(indexes.into_iter().filter(|index| index.is_file())).collect()
     }
 
-    /// Leaves out what a command wrote beside the logs, where files are named.
-    fn leave_out_results(&mut self, paths: &mut Vec<PathBuf>) {
+    /// Leaves out what a command wrote beside the logs, where files are named; of a folder its logs are without.
+    fn leave_out_results(&mut self, paths: &mut Vec<PathBuf>, arguments: &[PathBuf]) {
         let of = |path: &PathBuf| path.parent().unwrap_or(Path::new("")).to_owned();
-        let folders: BTreeSet<PathBuf> = paths.iter().map(of).collect();
+        let folders: BTreeSet<PathBuf> = arguments.iter().filter(|path| !path.is_dir()).map(of).collect();
         for folder in folders {
             let results = results_in(&folder);
             let before = paths.len();

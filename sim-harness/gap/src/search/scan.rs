@@ -25,6 +25,9 @@ pub struct Scan {
     gram: DMatrix<f64>,
 }
 
+/// No part of the line: any is wider.
+const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
 /// A term on all of the line before an edge, row by row. Only rows whose train stands across the edge are computed for each.
 struct Cumulative<'a> {
     term: &'a Term,
@@ -37,18 +40,7 @@ struct Cumulative<'a> {
     reach_m: Vec<(f64, f64)>,
 }
 
-impl<'a> Cumulative<'a> {
-    fn new(term: &'a Term, context: &'a Context<'a>, rows: &'a [Row], from_m: f64, to_m: f64) -> Self {
-        let whole = term.with(Shape::Section([from_m, to_m])).columns(context, rows).remove(0);
-        let length_m = context.believed.train().length_m();
-        let reach = |row: &Row| {
-            let at = row.interval.path.iter().map(|p| p.location_m);
-            let (low, high) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m), h.max(m)));
-            (low - length_m, high + length_m)
-        };
-        Self { term, context, rows, from_m, whole, reach_m: rows.iter().map(reach).collect() }
-    }
-
+impl Cumulative<'_> {
     fn before(&self, edge_m: f64) -> Vec<f64> {
         let term = self.term.with(Shape::Section([self.from_m, edge_m]));
         let across = |(low, high): &(f64, f64)| *low < edge_m && edge_m < *high;
@@ -73,13 +65,19 @@ impl Scan {
         let config = context.config.search.clone();
         let edge_m = config.edge_m;
         let length_m = context.believed.train().length_m();
-        let at = rows.iter().flat_map(|row| row.interval.path.iter().map(|p| p.location_m));
-        let (low, high) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m), h.max(m)));
-        let low = ((low - length_m) / edge_m).floor() * edge_m;
-        let high = high + length_m;
+        let wider = |(low, high): (f64, f64), (from, to): (f64, f64)| (low.min(from), high.max(to));
+        let reach = |row: &Row| {
+            let at = row.interval.path.iter().map(|p| (p.location_m - length_m, p.location_m + length_m));
+            at.fold(NOWHERE, wider)
+        };
+        let reach_m: Vec<(f64, f64)> = rows.iter().map(reach).collect();
+        let (low, high) = reach_m.iter().copied().fold(NOWHERE, wider);
+        let low = (low / edge_m).floor() * edge_m;
         let step_m = (((high - low) / config.most_edges / edge_m).ceil() * edge_m).max(edge_m);
         let edges_m: Vec<f64> = (0..).map(|i| low + f64::from(i) * step_m).take_while(|e| *e < high + step_m).collect();
-        let cumulative = Cumulative::new(&term, context, rows, low - 1.0, edges_m[edges_m.len() - 1] + step_m);
+        let (from_m, to_m) = (low - 1.0, edges_m[edges_m.len() - 1] + step_m);
+        let whole = term.with(Shape::Section([from_m, to_m])).columns(context, rows).remove(0);
+        let cumulative = Cumulative { term: &term, context, rows, from_m, whole, reach_m };
         let columns: Vec<DVector<f64>> =
             edges_m.iter().map(|edge| whitening.whiten(&cumulative.before(*edge))).collect();
         let columns = DMatrix::from_columns(&columns);
