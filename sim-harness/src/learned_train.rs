@@ -12,6 +12,7 @@
 //! what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show no habit. Runs that the replay set aside count nowhere.
 
 use rundown::model::resistance::Davis;
+use rundown::tick::foresight::ORDINARY_SCATTER;
 use rundown_files::folder::Provenance;
 use rundown_files::refusal::{Place, ReadError};
 use rundown_files::train_file::TrainFile;
@@ -82,6 +83,8 @@ struct Run {
 #[derive(Debug, Deserialize)]
 struct Foresight {
     published: String,
+    #[serde(default)]
+    coast_scatter: f64,
 }
 
 #[derive(Debug, Deserialize)]
@@ -223,7 +226,7 @@ impl Run {
             learning_steps: usize::from(end.summary.learned_s > 0.0),
             learned_kmh: None,
             vehicle: LearnedVehicle { r0, r1, r2, sd_r0, sd_r1, sd_r2 },
-            foresight: Foresight { published: end.published.as_str().to_owned() },
+            foresight: Foresight { published: end.published.as_str().to_owned(), coast_scatter: 1.0 },
             features: Features {
                 max_effort_mean_n_per_kg: effort
                     .filter(|line| line.effort_n_per_kg.count > 0)
@@ -292,11 +295,15 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
 
 /// Only what the board would publish as learned is learned.
 fn check_published(last: &Run) -> Result<(), Wrong> {
-    let Run { unit, foresight: Foresight { published }, .. } = last;
+    let Run { unit, foresight: Foresight { published, coast_scatter }, .. } = last;
     if published == Learned::Learned.as_str() {
         return Ok(());
     }
-    let advice = if published == Learned::NotYet.as_str() {
+    let advice = if *coast_scatter > ORDINARY_SCATTER {
+        &format!(
+            "its coasts scatter {coast_scatter:.1} times as much as expected: the notes of the replay say why that may be"
+        )
+    } else if published == Learned::NotYet.as_str() {
         "replay more runs with coasting"
     } else {
         "the notes of the replay say what to look at"
@@ -371,6 +378,13 @@ mod tests {
         let not_yet = run("7", 0.0070, "null", "null").replace("\"learned\"", "\"not_yet\"");
         let (_, error) = learned(&[not_yet], None).unwrap_err();
         assert!(error.contains("found `not_yet`") && error.ends_with("replay more runs with coasting"), "{error}");
+    }
+
+    #[test]
+    fn coasts_that_scatter_are_the_reason() {
+        let scattered = run("7", 0.0070, "null", "null").replace("\"learned\"", "\"not_yet\",\"coast_scatter\":3.2");
+        let (_, error) = learned(&[scattered], None).unwrap_err();
+        assert!(error.contains("its coasts scatter 3.2 times as much as expected"), "{error}");
     }
 
     #[test]

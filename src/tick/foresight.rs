@@ -11,7 +11,8 @@
 //!
 //! says what a coast contradicts, whatever the speed it began with. What the reading of the speed, gusts, the doubt of the track and that of the
 //! resistance itself add to e is known, so e has an expected variance. If the coasts scatter more than that, something is not in the model, and a
-//! run says less than its filter believes: its information is divided by [`Trust::inflation`].
+//! run says less than its filter believes: its information is divided by [`Trust::inflation`]. What is not in the model may be to one side, as a
+//! brake in half of the coasts is, and no number of coasts averages that away: what is told of the resistance is doubted by it, see [`Trust::doubted`].
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;
@@ -24,6 +25,8 @@ use serde::{Deserialize, Serialize};
 const EXPECTED_COASTS: Real = 5.0;
 /// With fewer coasts nothing is said against the learned resistance.
 const FEWEST_COASTS: Real = 5.0;
+/// Coasts that scatter by no more than so many times what is expected are ordinary: wind and rounding are known roughly.
+pub const ORDINARY_SCATTER: Real = 1.5;
 /// Weight of older coasts when a run is added: a fault that is mended is forgotten after some tens of runs.
 const REMEMBERED: Real = 0.97;
 
@@ -80,6 +83,20 @@ impl Trust {
     /// Scatter of the errors over what is expected, of variances, at least 1.
     pub fn inflation(&self) -> Real {
         self.scatter(self.squares)
+    }
+
+    /// The learned resistance with the doubt that belongs to it.
+    pub fn doubted(&self, found: &Gaussian<3>) -> Gaussian<3> {
+        Gaussian { mean: found.mean, covariance: found.covariance * self.doubt() }
+    }
+
+    /// Variance of the learned resistance over that of the filters; above 1 where coasts scatter by more than wind and rounding do.
+    ///
+    /// Of n coasts with an expected variance s each, which scatter by [`inflation`](Self::inflation) I, the filters make the variance I s / n. If half of them have an
+    /// extra force, their mean is off by as much as a single one scatters beyond what is ordinary, O: by the variance (I - O) s = n (I - O) / I of that of the filters.
+    pub fn doubt(&self) -> Real {
+        let inflation = self.inflation();
+        1.0 + self.coasts * (inflation - ORDINARY_SCATTER * ORDINARY_SCATTER).max(0.0) / inflation
     }
 
     fn scatter(&self, squares: Real) -> Real {

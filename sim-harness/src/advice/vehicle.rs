@@ -86,9 +86,10 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
     }
     if trust.coasts >= FEW_COASTS && trust.inflation() > SCATTER {
         say(format!(
-            "coasts scatter {:.1} times as much as expected, and count for so much less: wind, gradients or the \
-             recorder are not as described",
-            trust.inflation().sqrt()
+            "coasts scatter {:.1} times as much as expected: wind, gradients or the recorder are not as described, or \
+             some coasts were braked a little; the interval of r is {:.1} times as wide for that",
+            trust.inflation().sqrt(),
+            (trust.inflation() * trust.doubt()).sqrt()
         ));
     }
     let away = deviations(estimator, &after.davis);

@@ -120,6 +120,7 @@ tables! {
         kind: DriverKind = Scenario::default().driver;
         drivers: usize = Scenario::default().drivers, 0.0 to 1000.0;
         cycle_share: f64 = Scenario::default().cycle_share, 0.0 to 1.0;
+        coast_brake_n_per_kg: f64 = Scenario::default().coast_brake_n_per_kg, 0.0 to 0.3;
         brake_test_share: f64 = Scenario::default().brake_test_share, 0.0 to 1.0;
         final_dwell: bool = Scenario::default().final_dwell;
     }
@@ -344,6 +345,7 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates, given: &dyn Fn(&str
         drivers: values.driver.drivers,
         notches: values.train.notches,
         cycle_share: values.driver.cycle_share,
+        coast_brake_n_per_kg: values.driver.coast_brake_n_per_kg,
         brake_test_share: values.driver.brake_test_share,
         final_dwell: values.driver.final_dwell,
         unscheduled_stop: values.red_signal,

@@ -41,6 +41,8 @@ pub struct Scenario {
     pub notches: u8,
     /// Probability that a driver cruises by cycles of power and coast.
     pub cycle_share: f64,
+    /// What half of the coasts, drawn, keep on of the brake, N/kg: a driver who slows a little more than the train does by itself.
+    pub coast_brake_n_per_kg: f64,
     /// Probability that a driver tries the brake after the departure.
     pub brake_test_share: f64,
     /// Whether the run goes on for 30 to 60 s at the last platform. Without, it ends up to one sampling time after the stop.
@@ -77,6 +79,7 @@ impl Default for Scenario {
             drivers: 0,
             notches: 0,
             cycle_share: 0.4,
+            coast_brake_n_per_kg: 0.0,
             brake_test_share: 0.0,
             final_dwell: false,
             unscheduled_stop: None,

@@ -14,6 +14,7 @@ use crate::habits::{Cruising, Habits, Plateau};
 use crate::motion::Motion;
 pub use crate::regime::Regime;
 use crate::world::{History, World};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
@@ -111,6 +112,8 @@ pub struct Driver<'a> {
     approach_from_m: f64,
     /// The first top of a cycle has been reached.
     cycling: bool,
+    /// This coast keeps a little of the brake on.
+    brakes_lightly: bool,
     /// The brake has been tried, or need not be.
     brake_tested: bool,
 }
@@ -139,6 +142,7 @@ impl<'a> Driver<'a> {
             left_m: 0.0,
             approach_from_m,
             cycling: false,
+            brakes_lightly: false,
             brake_tested: false,
         }
     }
@@ -155,7 +159,12 @@ impl<'a> Driver<'a> {
             self.wander();
             self.begin_final_coast(at);
         }
+        let coasted = matches!(self.phase, Phase::Coast(_));
         self.choose(time_s, at);
+        // Without such a driver nothing is drawn, and all else stays as it is.
+        if !coasted && matches!(self.phase, Phase::Coast(_)) && self.world.coast_brake_n_per_kg > 0.0 {
+            self.brakes_lightly = self.wander_rng.random_bool(0.5);
+        }
         let wanted = self.wanted_n_per_kg(at, step_s);
         let wanted = if self.world.notches == 0 { wanted } else { self.by_notches_n_per_kg(wanted, time_s, at) };
         self.effort_n_per_kg = self.follow(wanted, at, step_s);
@@ -383,7 +392,9 @@ impl<'a> Driver<'a> {
         let desired = self.desired_mps(at);
         let traction = self.world.max_effort_n_per_kg(at, self.habits.effort_share, self.habits.power_share);
         match self.phase {
-            Phase::Stand { .. } | Phase::Coast(_) => 0.0,
+            Phase::Stand { .. } => 0.0,
+            Phase::Coast(_) if self.brakes_lightly => -self.world.coast_brake_n_per_kg,
+            Phase::Coast(_) => 0.0,
             Phase::Power => match self.habits.cruising {
                 Cruising::Cycles { effort_n_per_kg, .. } if desired == self.habits.cruise_mps => {
                     if self.cycling {
@@ -467,6 +478,7 @@ impl<'a> Driver<'a> {
             Phase::Power if effort >= 0.0 => Regime::Traction,
             Phase::Hold | Phase::Restrain(_) => Regime::Cruise,
             Phase::Coast(_) if effort == 0.0 => Regime::Coast,
+            Phase::Coast(_) if effort < 0.0 => Regime::Brake,
             Phase::Brake(_) if effort <= 0.0 => Regime::Brake,
             // Power on a climb towards the mark.
             Phase::Brake(_) if self.regime == Regime::Brake => Regime::Cruise,

@@ -536,6 +536,20 @@ mod tests {
     }
 
     #[test]
+    fn half_of_the_coasts_keep_a_little_brake_on() {
+        let scenario = Scenario { coast_brake_n_per_kg: 0.02, cycle_share: 1.0, ..Scenario::default() };
+        let is_light = |row: &&TruthSample| row.regime == Regime::Brake && (row.effort_n_per_kg + 0.02).abs() < 1e-9;
+        let count = |scenario: &Scenario| {
+            let rows: Vec<TruthSample> = (6..12).flat_map(|seed| drive(scenario, seed).0).collect();
+            (rows.iter().filter(|row| row.regime == Regime::Coast).count(), rows.iter().filter(is_light).count())
+        };
+        let (free, light) = count(&scenario);
+        let share = light as f64 / (light + free) as f64;
+        assert!((0.3..0.7).contains(&share), "{light} {free}");
+        assert_eq!(count(&Scenario { coast_brake_n_per_kg: 0.0, ..scenario }).1, 0);
+    }
+
+    #[test]
     fn automatic_operation_is_alike_every_day_and_uses_all_power() {
         let scenario = Scenario { driver: DriverKind::Automatic, ..Scenario::default() };
         let facts: Vec<Facts> = fleet(&scenario, [1.0; 3], 4, 8).into_iter().map(|run| run.facts).collect();

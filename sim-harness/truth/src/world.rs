@@ -63,6 +63,8 @@ pub struct World {
     pub speed_scale: f64,
     /// Notches of the lever; 0: without steps.
     pub notches: u8,
+    /// What half of the coasts keep on of the brake, N/kg.
+    pub coast_brake_n_per_kg: f64,
     /// How late the location is beyond the sensors' latency, s.
     pub location_lag_s: f64,
     effects: Vec<Effect>,
@@ -107,6 +109,7 @@ impl World {
             train,
             line,
             notches: scenario.notches,
+            coast_brake_n_per_kg: scenario.coast_brake_n_per_kg,
             headwind_mps,
             speed_scale,
             location_lag_s,
