@@ -20,6 +20,12 @@ const STUCK_SHARE: f64 = 0.2;
 const MOST_WHEEL: f64 = 0.06;
 /// Rows in a row that say the same.
 const LEAST_STUCK: usize = 4;
+/// Of a receiver that holds its location between fixes this share of the rows that show it say the same as the row before, and so many rows.
+const HELD_SHARE: f64 = 0.2;
+const LEAST_HELD: usize = 10;
+/// A row shows it where the train runs so many steps of the location since the row before, and no less than this, m.
+const HELD_STEPS: f64 = 2.0;
+const LEAST_RUN_M: f64 = 3.0;
 /// Both directions, if each has at least this, m.
 const LEAST_WAY_M: f64 = 500.0;
 
@@ -158,8 +164,20 @@ pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 /// Locations that stand still while the train does not: left out.
 pub fn stuck_locations(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let far = |_: &Sample| STUCK_SHARE;
-    let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, far);
+    let least = least_held_m(rows).map_or(STANDS_STILL, |metres| Least { rows: 2, metres });
+    let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, far, least);
     leave_out(rows, &places, Kind::StuckLocation, findings);
+}
+
+/// The distance that shows a location to be an old one, m, where a receiver holds it between its fixes.
+fn least_held_m(rows: &[Sample]) -> Option<f64> {
+    let least_m = (HELD_STEPS * steps::of_location_m(rows.iter()).unwrap_or(0.0)).max(LEAST_RUN_M);
+    let shown = rows.windows(2).filter_map(|pair| {
+        let [before_m, now_m] = [pair[0].location_m?, pair[1].location_m?];
+        (between(&pair[0], &pair[1]) > least_m).then_some(before_m == now_m)
+    });
+    let (asked, held) = shown.fold((0, 0), |(asked, held), same| (asked + 1, held + usize::from(same)));
+    (held >= LEAST_HELD && held as f64 > HELD_SHARE * f64::from(asked)).then_some(least_m)
 }
 
 /// Speeds that stand still while the locations say otherwise: left out.
@@ -170,7 +188,8 @@ pub fn stuck_speeds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         Some(mps) if mps > 0.0 => MOST_WHEEL + step_mps / mps,
         _ => STUCK_SHARE,
     };
-    let speeds = stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, far);
+    let speeds =
+        stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, far, STANDS_STILL);
     leave_out(rows, &speeds, Kind::StuckSpeed, findings);
 }
 
@@ -197,12 +216,22 @@ struct StuckRows {
     metres: f64,
 }
 
+/// What a stretch has at least: rows that say the same, and distance that they miss, m.
+#[derive(Clone, Copy)]
+struct Least {
+    rows: usize,
+    metres: f64,
+}
+
+const STANDS_STILL: Least = Least { rows: LEAST_STUCK, metres: LEAST_STUCK_M };
+
 /// Stretches in which a reading stays the same while `missing` of distance by speed and by location is more than the share `far` of it.
 fn stretches(
     rows: &[Sample],
     reading: fn(&Sample) -> Option<f64>,
     missing: fn(f64, f64) -> f64,
     far: impl Fn(&Sample) -> f64,
+    least: Least,
 ) -> Vec<StuckRows> {
     let mut found = Vec::new();
     let mut from = 0;
@@ -215,13 +244,13 @@ fn stretches(
         let alike = rows[from..].iter().map(reading).take_while(|read| read.is_none_or(|read| read == stays));
         let read: Vec<usize> = alike.enumerate().filter_map(|(i, read)| read.map(|_| from + i)).collect();
         let (same, to) = (read.len(), read.last().copied().unwrap_or(from));
-        if same >= LEAST_STUCK {
+        if same >= least.rows {
             let located = (from..=to).filter(|i| rows[*i].location_m.is_some());
             let [first, last] = [located.clone().min().unwrap_or(from), located.max().unwrap_or(from)];
             let by_speed: f64 = rows[first..=last].windows(2).map(|pair| between(&pair[0], &pair[1])).sum();
             let by_location = rows[first].location_m.zip(rows[last].location_m).map_or(0.0, |(a, b)| (b - a).abs());
             let metres = missing(by_speed, by_location);
-            if metres.abs() > LEAST_STUCK_M && metres.abs() > far(&rows[from]) * by_speed.max(by_location) {
+            if metres.abs() > least.metres && metres.abs() > far(&rows[from]) * by_speed.max(by_location) {
                 found.push(StuckRows { from, to, metres });
             }
         }

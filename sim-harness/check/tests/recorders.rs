@@ -347,6 +347,21 @@ fn sensors_that_stand_still_are_left_out() {
     assert!(rows[from + 5].speed_mps.is_none());
 }
 
+/// A receiver that says the same for 5 or 10 s: what it repeats is left out, and speeds are neither older nor offset for it.
+#[test]
+fn locations_that_are_held_between_fixes_are_left_out() {
+    let wrong = [Kind::SpeedOffset, Kind::SpeedScale, Kind::Skew, Kind::TruncatedSpeed];
+    for located_each in [5, 10] {
+        let recorder = Recorder { located_each, ..Recorder::default() };
+        for seed in 0..8 {
+            let (found, _) = recorder.check(13_000 + seed, 4, 3);
+            let kinds = kinds(&found);
+            assert!(kinds.contains(&Kind::StuckLocation), "{located_each} {seed}: {:?}", all(&found));
+            assert!(!kinds.iter().any(|kind| wrong.contains(kind)), "{located_each} {seed}: {:?}", all(&found));
+        }
+    }
+}
+
 #[test]
 fn one_row_that_comes_late_is_no_way_back() {
     let (found, _) = one(clean(11), |rows| rows.push(Sample { time_s: 5.0, location_m: Some(20.0), ..rows[5] }));

@@ -78,6 +78,8 @@ pub struct Recorder {
     pub noise_m: f64,
     pub drift_m: f64,
     pub odometer_m: f64,
+    /// The location is that of each row that this divides.
+    pub located_each: u32,
     pub loses_each_s: f64,
 }
 
@@ -95,6 +97,7 @@ impl Default for Recorder {
             noise_m: 4.0,
             drift_m: 0.0,
             odometer_m: 0.0,
+            located_each: 1,
             loses_each_s: 0.0,
         }
     }
@@ -121,6 +124,9 @@ impl Recorder {
             let mut read_m = location_m + drift_m + normal(self.noise_m);
             if self.odometer_m > 0.0 {
                 read_m = (read_m / self.odometer_m).floor() * self.odometer_m;
+            }
+            if i % self.located_each > 0 {
+                read_m = rows.last().and_then(|row: &Sample| row.location_m).unwrap_or(read_m);
             }
             let is_turned = f64::from(i) >= self.turned_at * f64::from(count);
             let kmh = 3.6 * self.scale * if is_turned { self.turned } else { 1.0 } * speed_mps;
