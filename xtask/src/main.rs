@@ -153,9 +153,10 @@ const WITH_EMULATOR: [&str; 5] = ["falls", "own_logs", "soak", "on_target", "on_
 const WITH_PEERS: &str = "peers";
 
 /// Data of others, which are no part of the project: the variable that names their folder, where they are looked for without it, what must be in it,
-/// the test that reads them.
-const DATA: [[&str; 4]; 2] = [
+/// the test that reads them. A train that somebody described for their logs is looked for in a folder that is named only.
+const DATA: [[&str; 4]; 3] = [
     ["RUNDOWN_LOGS", "../shared/data/recorded-gpx", "index.csv", "logs"],
+    ["RUNDOWN_LOGS", "", "train.toml", "study"],
     ["RUNDOWN_TRACKS", "../shared/data/tracks", "", "truth"],
 ];
 
@@ -220,7 +221,7 @@ mod tests {
     #[test]
     fn every_ignored_test_is_run() {
         let mut ignored = Vec::new();
-        for folder in ["host-tests/tests", "xtask/emulator/tests"] {
+        for folder in ["host-tests/tests", "sim-harness/tests", "xtask/emulator/tests"] {
             for path in shell::root().join(folder).read_dir().unwrap().map(|entry| entry.unwrap().path()) {
                 if path.is_file() && std::fs::read_to_string(&path).unwrap().contains("#[ignore") {
                     ignored.push(path.file_stem().unwrap().to_string_lossy().into_owned());

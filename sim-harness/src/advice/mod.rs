@@ -5,17 +5,21 @@
 pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
-use rundown::estimator::config::Mode;
+use rundown::estimator::config::{Config, Mode};
 use rundown_files::replay::ReplayedRun;
 use std::collections::BTreeMap;
 
 const NAMED: usize = 3;
+/// A described resistance that is not seen at this speed is seen at none, km/h.
+const MOST_KMH: u16 = 400;
 
 /// What is collected of the runs as they come.
 #[derive(Debug, Default)]
 pub struct Advice {
     runs: usize,
     learned: bool,
+    /// Of all runs, m/s.
+    fastest_mps: f64,
     without_speed: NamedRuns,
     without_effort: NamedRuns,
     with_effort: NamedRuns,
@@ -29,6 +33,7 @@ impl Advice {
             self.runs += 1;
             self.learned |= run.is_used && run.summary.learned_s > 0.0;
             let rows = || run.measurements.iter();
+            self.fastest_mps = rows().filter_map(|row| row.speed_mps).fold(self.fastest_mps, f64::max);
             self.without_speed.add(run, rows().all(|measurement| measurement.speed_mps.is_none()));
             self.without_effort.add(run, rows().all(|measurement| measurement.effort_n_per_kg.is_none()));
             self.with_effort.add(run, rows().any(|measurement| measurement.effort_n_per_kg.is_some()));
@@ -57,10 +62,10 @@ impl Advice {
             return notes;
         }
         if !self.learned {
-            let learning = &config.learning;
+            let least_s = config.learning.min_segment_s;
             let what = match config.mode {
-                Mode::Gated => format!("coasting above {} km/h", learning.min_speed_kmh),
-                _ => "known effort".to_owned(),
+                Mode::Gated => self.coasting(estimator),
+                _ => format!("{least_s} s of known effort in one piece"),
             };
             let doubt = config.track_doubt.gradient_sd_permille;
             let slopes = if doubt > 0.0 {
@@ -68,13 +73,30 @@ impl Advice {
             } else {
                 String::new()
             };
-            notes.push(format!(
-                "nothing was learned about the resistance: it takes {} s of {what} in one piece{slopes}",
-                learning.min_segment_s
-            ));
+            notes.push(format!("nothing was learned about the resistance: it takes {what}{slopes}"));
         }
         notes.extend(vehicle::notes(estimator, &self.vehicles, look_wrong));
         notes
+    }
+
+    /// The coasts that the gated mode learns from, and how fast these runs were.
+    fn coasting(&self, estimator: &Estimator) -> String {
+        let Config { learning, short_hops, .. } = estimator.config();
+        let is_seen = |kmh: &u16| {
+            let r = estimator.train().davis().resistance_n_per_kg(f64::from(*kmh) / 3.6);
+            r > short_hops.min_resistance_n_per_kg
+        };
+        let on_hops = (1..=MOST_KMH).find(is_seen).filter(|_| short_hops.hop_s > 0.0).map(|kmh| {
+            let (hop_s, least_s) = (short_hops.hop_s, short_hops.min_segment_s + short_hops.end_cut_s);
+            format!(", or {least_s} s above {kmh} km/h after a hop of at most {hop_s} s")
+        });
+        format!(
+            "{} s of coasting above {} km/h in one piece{}; the fastest of these runs reached {:.0} km/h",
+            learning.min_segment_s,
+            learning.min_speed_kmh,
+            on_hops.unwrap_or_default(),
+            3.6 * self.fastest_mps
+        )
     }
 }
 
@@ -109,7 +131,6 @@ impl NamedRuns {
 mod tests {
     use super::*;
     use crate::replaying::Request;
-    use rundown::estimator::config::Config;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
     use std::path::{Path, PathBuf};
 
