@@ -1,5 +1,7 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
+mod readings;
+
 use super::recorded::{OpenedCase, RecordedRuns};
 use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, WRONG_ARGUMENTS, experiment, screen};
 use crate::output::files;
@@ -8,9 +10,6 @@ use crate::study::claims::{Claim, Verdict, summary};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, Rows, gather};
 use crate::study::page::{self, StudyPage, known};
-use crate::study::readings::comparison::Compared;
-use crate::study::readings::recorded::Taken;
-use crate::study::readings::{self, comparison, outcome, reading::Combination};
 use crate::study::run_pages::RunPages;
 use crate::study::slope::{SlopeAnswer, SlopePlan};
 use crate::study::{claims, description, slope as self_test, tunnel as tunnel_at_best, write};
@@ -18,7 +17,6 @@ use crate::{
     simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
 };
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train, tick::paper::Difference};
-use rundown_files::column;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::{WriteError, parquet::RunWriter, track_file::TrackFile, train_file::TrainFile};
 use rundown_pages::numbers::counted;
@@ -77,8 +75,6 @@ const FEW_VEHICLES: usize = 30;
 const SEED: u64 = 1;
 /// Every experiment.
 const ALL: &str = "all";
-/// Sets of runs on which readings are compared.
-const SETS: u16 = 5;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
@@ -198,7 +194,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         return truth_slope(arguments, config, &arguments.out);
     }
     if arguments.readings {
-        return readings(arguments, &arguments.out);
+        return readings::compare(arguments, &arguments.out);
     }
     if arguments.tunnel {
         return tunnel(arguments, &arguments.out).map(|_| ExitCode::SUCCESS);
@@ -233,7 +229,7 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     folder::write("study", &part("claims"), &Provenance::begin(&[]), |folder| {
         write::text(&folder.join("claims.md"), &claims::markdown::compared(&compared))
     })?;
-    codes.push(readings(arguments, &part("readings"))?);
+    codes.push(readings::compare(arguments, &part("readings"))?);
     codes.push(truth_slope(arguments, config, &part("slope"))?);
     Ok(codes.into_iter().find(|code| *code != ExitCode::SUCCESS).unwrap_or(ExitCode::SUCCESS))
 }
@@ -569,95 +565,6 @@ fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<Exit
         true => screen::print(&json),
         false => {
             screen::print(&self_test::table(&test.answers));
-            screen::print(&format!("\nresults: {}\n", out.display()));
-        }
-    }
-    Ok(ExitCode::SUCCESS)
-}
-
-fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
-    if let Some(opened) = arguments.recorded.open_undiagnosed(&Config::default())? {
-        return readings_of(arguments, opened, out);
-    }
-    let provenance = Provenance::begin(&arguments.scenario.iter().cloned().collect::<Vec<_>>());
-    let simulation = match &arguments.scenario {
-        Some(path) => Simulation::read(path),
-        None => case_study(),
-    }?;
-    let plan = comparison::ComparisonPlan {
-        runs: simulation.runs,
-        seed: arguments.seed.unwrap_or(SEED),
-        seeds: usize::from(arguments.seeds.unwrap_or(SETS)),
-        simulation,
-    };
-    let bar = screen::progress(plan.seeds * Combination::all().len());
-    let all = comparison::compare(&plan, || bar.inc(1))?;
-    bar.finish_and_clear();
-    let words = Words {
-        on: format!("{} sets of {} simulated runs", plan.seeds, plan.runs),
-        of: format!("mean of {} seeds", plan.seeds),
-        notes: Vec::new(),
-        extent: json!({ "runs": plan.runs, "seeds": plan.seeds, "seed": plan.seed }),
-    };
-    write_readings(&all, words, &provenance, arguments.json, out)
-}
-
-/// The readings on recorded runs.
-fn readings_of(arguments: &Arguments, opened: OpenedCase, out: &Path) -> Result<ExitCode, Failure> {
-    let OpenedCase { train, track, mut source, known, inputs, .. } = opened;
-    let recorded = &arguments.recorded;
-    let taken = Taken { known: &known, as_recorded: recorded.as_recorded, keep_perturbed: recorded.keep_perturbed };
-    let found = readings::recorded::recorded(&mut source, taken, &train)?;
-    found.notes.iter().for_each(|text| screen::note(text));
-    recorded.strict.check(found.notes.len())?;
-    if found.runs == 0 {
-        return Err(Failure::no_runs("no run could be used; the notes say why"));
-    }
-    let believed = description::Believed { train, track };
-    let bar = screen::progress(Combination::of(found.by_recorder.iter().map(|(recorder, _)| *recorder)).len());
-    let all = comparison::compare_recorded(&believed, &found.by_recorder, found.left_out, || bar.inc(1))?;
-    bar.finish_and_clear();
-    let runs = counted(found.runs, "recorded run", "recorded runs");
-    let extent = json!({ "runs": found.runs, "seeds": null, "seed": null });
-    let words = Words { on: runs.clone(), of: runs, notes: found.notes, extent };
-    write_readings(&all, words, &Provenance::begin(&inputs), arguments.json, out)
-}
-
-/// What is said beside the readings.
-struct Words {
-    /// What they are compared on.
-    on: String,
-    /// What the values of the picture are of.
-    of: String,
-    notes: Vec<String>,
-    /// The first fields of the JSON.
-    extent: serde_json::Value,
-}
-
-fn write_readings(
-    all: &[Compared],
-    words: Words,
-    provenance: &Provenance,
-    as_json: bool,
-    out: &Path,
-) -> Result<ExitCode, Failure> {
-    let pictures = [readings::picture::picture(all, &words.of)];
-    let rows: Vec<_> = column::records(&pictures[0].numbers).iter().map(rundown_files::table::to_json).collect();
-    let mut json = words.extent;
-    json["notes"] = json!(words.notes);
-    json["combinations"] = json!(rows);
-    let json = format!("{json:#}\n");
-    let page = outcome::page(&words.on, &words.notes, all, &pictures);
-    folder::write("study", out, provenance, |folder| -> Result<(), WriteError> {
-        write::pictures(folder, &pictures)?;
-        write::text(&folder.join("readings.json"), &json)?;
-        write::text(&folder.join("readings.md"), &outcome::markdown(all))?;
-        write::text(&folder.join("report.html"), &page)
-    })?;
-    match as_json {
-        true => screen::print(&json),
-        false => {
-            screen::print(&outcome::screen(all));
             screen::print(&format!("\nresults: {}\n", out.display()));
         }
     }

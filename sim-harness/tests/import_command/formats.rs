@@ -1,0 +1,299 @@
+//! Positions, sentences of a receiver, JSON, workbooks and Parquet become run logs.
+
+use super::*;
+use rundown_files::column::{About, Kind};
+use rundown_files::parquet::TableWriter;
+use rundown_files::table::{Cell, Record};
+use rundown_files::track_file::TrackFile;
+use std::fmt::Write;
+
+/// A ride of a phone along a line that bends, some metres beside it.
+fn gpx(rows: &[(f64, f64, f64)], begin_s: f64, beside_m: f64, from_m: f64) -> String {
+    let mut text = String::from(
+        "<?xml version=\"1.0\"?>\n<gpx version=\"1.1\" xmlns=\"http://www.topografix.com/GPX/1/1\"><trk><trkseg>\n",
+    );
+    for (t, x, _) in rows {
+        let (latitude, longitude) = place((from_m - x).abs(), beside_m);
+        let time = jiff::Timestamp::from_second(1_740_000_000 + (begin_s + t) as i64).unwrap();
+        let height = 100.0 + 0.004 * (from_m - x).abs();
+        writeln!(
+            text,
+            "<trkpt lat=\"{latitude:.7}\" lon=\"{longitude:.7}\"><ele>{height:.1}</ele><time>{time}</time></trkpt>"
+        )
+        .unwrap();
+    }
+    text + "</trkseg></trk></gpx>\n"
+}
+
+/// A quarter of a circle of 10 km.
+fn place(x: f64, beside_m: f64) -> (f64, f64) {
+    let (radius, angle) = (10_000.0, x / 10_000.0);
+    let (north, east) = ((radius + beside_m) * angle.sin(), (radius + beside_m) * (1.0 - angle.cos()) - beside_m);
+    (50.0 + north / 111_229.0, 8.0 + east / 71_696.0)
+}
+
+#[test]
+fn rides_of_a_phone_come_onto_one_line_with_stations_and_gradients() {
+    let rows = drive(&STOPS_M, 25.0);
+    let mut folder = Folder::new();
+    for (name, beside, from) in [("a.gpx", 4.0, 0.0), ("b.gpx", -4.0, 11_900.0), ("c.gpx", 1.0, 0.0)] {
+        folder = folder.with(name, &gpx(&rows, 0.0, beside, from));
+    }
+    let said = folder.done(&["import", "a.gpx", "b.gpx", "c.gpx", "--track-out", "k.toml"]);
+    assert!(said.out.contains("speeds computed from the locations: "), "{}", said.out);
+    let index = folder.read("runs/runs.csv");
+    let directions: Vec<&str> = index.lines().skip(1).map(|line| line.rsplit(',').next().unwrap()).collect();
+    assert_eq!(directions[0], directions[2]);
+    assert_ne!(directions[0], directions[1], "{index}");
+    let (track, _) = TrackFile::read(&folder.path("k.toml")).unwrap();
+    near(track.length_m, 11_900.0, 40.0);
+    let stops: Vec<f64> = track.stop.iter().map(|stop| stop.at_m).collect();
+    let expected: Vec<f64> =
+        if directions[0] == "up" { STOPS_M.to_vec() } else { STOPS_M.iter().rev().map(|at| 11_900.0 - at).collect() };
+    assert_eq!(stops.len(), 5, "where one run of three stands is no station: {stops:?}");
+    assert!(expected.iter().all(|at| stops.iter().any(|stop| (stop - at).abs() < 40.0)), "{stops:?}");
+    let permille = if directions[0] == "up" { 4.0 } else { -4.0 };
+    assert!(
+        track.gradient[2..10].iter().all(|gradient| (gradient.permille - permille).abs() < 0.3),
+        "{:?}",
+        track.gradient
+    );
+    // The same place of two runs, within metres.
+    let [a, c] = ["runs/a_01.csv", "runs/c_01.csv"].map(|name| csv(&folder, name));
+    for (a, c) in a.iter().zip(&c) {
+        assert!((a[1] - c[1]).abs() < 12.0, "{a:?} {c:?}");
+    }
+    let fast = a.iter().map(|row| row[2]).fold(0.0, f64::max);
+    near(fast, 90.0, 1.5);
+    // The next ride on the track that is there now.
+    folder.done(&["import", "b.gpx", "--track", "k.toml", "--out", "more"]);
+    assert!(folder.read("more/runs.csv").contains(directions[1]));
+}
+
+#[test]
+fn positions_in_degrees_and_minutes_are_the_same_places() {
+    let rows = drive(&STOPS_M, 25.0);
+    let minutes = |degrees: f64| 100.0 * degrees.floor() + 60.0 * degrees.fract();
+    let words = |degrees: f64| format!("{}° {:.4}'", degrees.floor(), 60.0 * degrees.fract());
+    let written: [&dyn Fn(f64) -> String; 3] =
+        [&|degrees| format!("{degrees:.7}"), &|degrees| format!("{:.5}", minutes(degrees)), &words];
+    let made = written.map(|written| {
+        let text = table("time [s],lat,lon,speed [km/h]", &rows, |t, x, v| {
+            let (latitude, longitude) = place(x, 0.0);
+            format!("{t},{},{},{:.1}", written(latitude), written(longitude), 3.6 * v)
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        folder.done(&["import", "a.csv", "--chainage", "line"]);
+        csv(&folder, "runs/a_01.csv")
+    });
+    for other in &made[1..] {
+        assert_eq!(other.len(), made[0].len());
+        other.iter().zip(&made[0]).for_each(|(a, b)| near(a[1], b[1], 2.0));
+    }
+    near((last(&made[0])[1] - made[0][0][1]).abs(), 11_900.0, 40.0);
+}
+
+#[test]
+fn positions_under_each_others_names_are_put_right_with_the_figure() {
+    let rows = drive(&STOPS_M, 25.0);
+    let folder_of = |header: &str, east: f64| {
+        let text = table(header, &rows, |t, x, v| {
+            let (latitude, longitude) = place(x, 0.0);
+            format!("{t},{latitude:.7},{:.7},{:.1}", longitude + east, 3.6 * v)
+        });
+        Folder::new().with("a.csv", &text)
+    };
+    let placed = |header: &str, east: f64| {
+        let folder = folder_of(header, east);
+        let said = folder.done(&["import", "a.csv", "--chainage", "line"]).err;
+        folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+        assert_eq!(folder.read("runs/a_01.csv"), folder.read("again/a_01.csv"));
+        (csv(&folder, "runs/a_01.csv"), said)
+    };
+    let (right, said) = placed("time [s],lat,lon,speed [km/h]", 0.0);
+    assert!(!said.contains("is taken for the latitude"), "{said}");
+    for (east, why) in [(0.0, "once they are exchanged"), (130.0, "is no latitude")] {
+        let (found, said) = placed("time [s],lon,lat,speed [km/h]", east);
+        assert!(said.contains("\"lon\" is taken for the latitude") && said.contains(why), "{said}");
+        assert!(
+            said.contains("over distance by speed is 1.00") || said.contains("over distance by speed is 0.99"),
+            "{said}"
+        );
+        assert_eq!(found.len(), right.len());
+        found.iter().zip(&right).for_each(|(a, b)| near(a[1], b[1], 2.0));
+    }
+    // What a person said is not turned, but refused.
+    let folder = folder_of("a,b,c,speed [km/h]", 0.0);
+    let mapping = "[[source]]\n[source.columns]\ntime = { name = \"a\", unit = \"s\" }\nlatitude = { name = \"c\" }\nlongitude = { name = \"b\" }\n";
+    let folder = folder.with("m.toml", mapping);
+    let said = folder.rundown(&["import", "--mapping", "m.toml", "a.csv", "--chainage", "line"]);
+    assert!(said.code != Some(0) && said.err.contains("latitude and longitude are exchanged"), "{}", said.err);
+}
+
+#[test]
+fn places_without_a_fix_decide_no_units() {
+    let rows = drive(&STOPS_M, 25.0);
+    let text = table("time_s,lat,lon,speed_kmh", &rows, |t, x, v| {
+        let (latitude, longitude) = if t % 5.0 == 0.0 { (0.0, 0.0) } else { place(x, 0.0) };
+        format!("{t},{latitude:.7},{longitude:.7},{:.1}", 3.6 * v)
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    let said = folder.done(&["import", "a.csv"]);
+    assert!(said.out.contains("positions that are no place on Earth, taken as missing: "), "{}", said.out);
+}
+
+fn checksum(sentence: &str) -> String {
+    let sum = sentence.bytes().fold(0, |sum, byte| sum ^ byte);
+    format!("${sentence}*{sum:02X}\r\n")
+}
+
+#[test]
+fn sentences_of_a_receiver_are_read_and_a_damaged_one_is_counted() {
+    let degrees = |value: f64| format!("{:02}{:08.5}", value as u32, 60.0 * value.fract());
+    let mut text = String::new();
+    let rows = drive(&STOPS_M[..3], 30.0);
+    for (t, x, v) in &rows {
+        let (latitude, longitude) = place(*x, 0.0);
+        let time = clock(43_000.0 + t).replace(':', "");
+        text += &checksum(&format!(
+            "GPGGA,{time}.00,{},N,0{},E,1,08,0.9,120.5,M,47.0,M,,",
+            degrees(latitude),
+            degrees(longitude)
+        ));
+        text += &checksum(&format!(
+            "GPRMC,{time}.00,A,{},N,0{},E,{:.2},084.4,140225,,,A",
+            degrees(latitude),
+            degrees(longitude),
+            v * 3600.0 / 1852.0
+        ));
+    }
+    let damaged = text.replacen("GPRMC,115710", "GPRMC,115711", 1);
+    assert_ne!(damaged, text);
+    let folder = Folder::new().with("gps.nmea", &damaged);
+    folder.done(&["import", "gps.nmea"]);
+    let json = folder.json("runs/import.json");
+    assert_eq!(json["counts"]["lines that cannot be read, left out"], 1, "{json}");
+    assert!(folder.read("runs/runs.csv").contains("2025-02-14T11:56:40Z"));
+    let found = csv(&folder, "runs/gps_01.csv");
+    assert_eq!(found.len(), rows.len());
+    near(last(&found)[1] - found[0][1], 5600.0, 10.0);
+    near(found.iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
+}
+
+#[test]
+fn json_lines_in_miles_are_converted_and_units_that_agree_alike_are_asked_for() {
+    let rows = drive(&STOPS_M, 30.0);
+    let lines = |speed: &str, distance: &str| {
+        table("", &rows, |t, x, v| {
+            format!(
+                "{{\"gps\": {{\"timestamp\": {}}}, \"{distance}\": {:.5}, \"{speed}\": {:.2}}}",
+                1.74e9 + t,
+                x / 1609.344,
+                v / 0.44704
+            )
+        })
+    };
+    let folder = Folder::new()
+        .with("a.jsonl", &lines("speed_mph", "distance_miles"))
+        .with("b.jsonl", &lines("speed", "distance"));
+    folder.done(&["import", "a.jsonl"]);
+    let found = csv(&folder, "runs/a_01.csv");
+    near(last(&found)[1], 11_900.0, 1.0);
+    near(found.iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
+    let said = folder.rundown(&["import", "b.jsonl", "--preview"]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.out.contains("not known") && said.err.contains("km with km/h"), "{}{}", said.out, said.err);
+    let said = folder.rundown(&["import", "b.jsonl", "--out", "b"]);
+    assert_eq!(said.code, Some(6));
+    for words in ["km with km/h", "miles with mph", "for --mapping (or another unit)"] {
+        assert!(said.err.contains(words), "{}", said.err);
+    }
+    assert!(!folder.path("b").exists());
+    let line = to_write(&said.err);
+    assert!(line.contains("unit = \"km/h\""), "{line}");
+    folder.write("m.toml", &line.replace("km/h", "mph").replace("\"km\"", "\"miles\""));
+    folder.done(&["import", "b.jsonl", "--mapping", "m.toml", "--out", "b"]);
+    near(last(&csv(&folder, "b/b_01.csv"))[1], 11_900.0, 1.0);
+}
+
+/// An array of objects as programs write it: pretty, in one line, torn off, and lines of which the first has no end.
+#[test]
+fn json_objects_over_several_lines_are_read() {
+    let rows = drive(&STOPS_M[..3], 30.0);
+    let object = |gap: &str, (t, x, v): &(f64, f64, f64)| {
+        format!(
+            "{{{gap}\"gps\": {{\"time_s\": {t}}},{gap}\"location_m\": {x:.1},{gap}\"note\": \"a \\\" }} b\",{gap}\"speed_kmh\": {:.1}{gap}}}",
+            3.6 * v
+        )
+    };
+    let all = |gap: &str| rows.iter().map(|row| object(gap, row)).collect::<Vec<_>>();
+    let pretty = format!("[\n  {}\n]\n", all("\n    ").join(",\n  "));
+    let folder = Folder::new()
+        .with("pretty.json", &pretty)
+        .with("line.json", &format!("[{}]", all("").join(",")))
+        .with("torn.json", &pretty[..pretty.len() - 10])
+        .with("first.jsonl", &format!("{{\"gps\": {{\"ti\n{}\n", all("").join("\n")));
+    for (name, lost, bad) in
+        [("pretty.json", 0, None), ("line.json", 0, None), ("torn.json", 1, Some(1)), ("first.jsonl", 0, Some(1))]
+    {
+        folder.done(&["import", name, "--out", "runs"]);
+        let found = csv(&folder, &format!("runs/{}_01.csv", name.split('.').next().unwrap()));
+        assert_eq!(found.len(), rows.len() - lost, "{name}");
+        near(found[found.len() - 1][1], rows[rows.len() - 1 - lost].1, 0.06);
+        let json = folder.json("runs/import.json");
+        assert_eq!(json["counts"]["lines that cannot be read, left out"].as_u64(), bad, "{name}: {json}");
+    }
+}
+
+#[test]
+fn a_workbook_is_read() {
+    let folder = Folder::new();
+    let mut book = rust_xlsxwriter::Workbook::new();
+    book.add_worksheet().set_name("Notes").unwrap().write(0, 0, "made by hand").unwrap();
+    let sheet = book.add_worksheet().set_name("Log").unwrap();
+    let date = rust_xlsxwriter::Format::new().set_num_format("yyyy-mm-dd hh:mm:ss");
+    sheet.write(0, 0, "Unit 7").unwrap();
+    for (column, name) in ["Fecha y hora", "Distancia (m)", "Velocidad (km/h)", "Fecha hora"].into_iter().enumerate() {
+        sheet.write(2, column as u16, name).unwrap();
+    }
+    let rows = drive(&STOPS_M, 30.0);
+    for (row, (t, x, v)) in (3..).zip(&rows) {
+        sheet.write(row, 1, *x).unwrap();
+        sheet.write(row, 2, 3.6 * v).unwrap();
+        sheet.write_with_format(row, 3, 45_700.25 + t / 86_400.0, &date).unwrap();
+    }
+    book.save(folder.path("log.xlsx")).unwrap();
+    folder.done(&["import", "log.xlsx"]);
+    let found = csv(&folder, "runs/log_01.csv");
+    assert_eq!(found.len(), rows.len());
+    near(last(&found)[0], rows.last().unwrap().0, 0.01);
+    near(last(&found)[1], 11_900.0, 1.0);
+    assert!(folder.read("runs/runs.csv").contains("2025-02-12T06:00:00Z"), "{}", folder.read("runs/runs.csv"));
+}
+
+#[test]
+fn a_table_of_parquet_is_read_and_split_by_its_runs() {
+    let folder = Folder::new();
+    let mut records: Vec<Record> = Vec::new();
+    for (number, begin) in [("101", 0.0), ("102", 2000.0)] {
+        for (t, x, v) in drive(&STOPS_M, 30.0) {
+            let cells = [
+                ("zugnummer", Cell::Text(number.to_owned())),
+                ("time_s", Cell::Number(begin + t)),
+                ("location_m", Cell::Number(x)),
+                ("v [m/s]", Cell::Number(v)),
+            ];
+            records.push(cells.map(|(name, cell)| (name.to_owned(), cell)).to_vec());
+        }
+    }
+    let number = |name| About::new(name, Kind::Number, "");
+    let columns =
+        vec![About::new("zugnummer", Kind::Text, ""), number("time_s"), number("location_m"), number("v [m/s]")];
+    let mut writer = TableWriter::new(&folder.path("log.parquet"), columns);
+    writer.write(&records).unwrap();
+    writer.close().unwrap();
+    folder.done(&["import", "log.parquet", "--chainage", "as-is"]);
+    for name in ["runs/log_101_01.csv", "runs/log_102_01.csv"] {
+        near(csv(&folder, name).iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
+    }
+}

@@ -1,0 +1,160 @@
+//! What a column means: units, clocks and names by evidence, and what is asked.
+
+use super::*;
+
+#[test]
+fn clocks_are_read_as_people_write_them() {
+    let rows = drive(&STOPS_M, 30.0);
+    let begin_s = 10.0 * 3600.0 + 34.0 * 60.0;
+    let digits = |t: f64| clock(begin_s - 3600.0 + t).replace(':', "").trim_start_matches('0').to_owned();
+    let days = |t: f64| format!("{:.9}", 45_688.0 + (begin_s + t) / 86_400.0);
+    type Written<'a> = &'a dyn Fn(f64) -> String;
+    let clocks: [(Written, Option<&str>, &str); 5] = [
+        (&|t| format!("\"Fri, 31 January 2025 {}\"", clock(begin_s + t)), Some("2025-01-31T10:34:00Z"), ""),
+        (&|t| format!("31.01.2025 {} +0100", clock(begin_s + t)), Some("2025-01-31T09:34:00Z"), ""),
+        (&|t| format!("20250131{}", clock(begin_s + t).replace(':', "")), Some("2025-01-31T10:34:00Z"), ""),
+        (&digits, None, "without colons: 093400 is hhmmss"),
+        (&days, Some("2025-01-31T10:34:00Z"), "days since 1899-12-30"),
+    ];
+    for (written, departure, note) in clocks {
+        let text = table("time,location_m,speed_kmh", &rows, |t, x, v| format!("{},{x:.1},{:.1}", written(t), 3.6 * v));
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv"]);
+        let found = csv(&folder, "runs/a_01.csv");
+        assert_eq!(found.len(), rows.len(), "{note}: {}", said.err);
+        near(last(&found)[0] - found[0][0], rows.last().unwrap().0, 0.002);
+        let index = folder.read("runs/runs.csv");
+        assert!(departure.is_none_or(|departure| index.contains(departure)), "{index}");
+        assert!(said.err.contains(note), "{note} in {}", said.err);
+        folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+        assert_eq!(folder.read("runs/a_01.csv"), folder.read("again/a_01.csv"));
+    }
+}
+
+#[test]
+fn units_are_found_by_evidence_and_wrong_ones_refused() {
+    let rows = drive(&STOPS_M, 30.0);
+    let bare = table("Zeit;Weg;v", &rows, |t, x, v| format!("{};{x:.0};{:.1}", 1000.0 * t, 3.6 * v));
+    let wrong = table("time_s,location_m,speed_kmh", &rows, |t, x, v| format!("{t},{x:.0},{v:.2}"));
+    let folder = Folder::new().with("bare.csv", &bare).with("wrong.csv", &wrong);
+    let said = folder.done(&["import", "bare.csv", "--preview"]);
+    assert!(said.out.contains("--preview=FILE.svg") && !folder.path("preview.svg").exists(), "looking writes nothing");
+    assert!(
+        said.out.contains("by evidence: distance by location over distance by speed is 1.0")
+            && said.out.contains("km/h"),
+        "{}",
+        said.out
+    );
+    folder.done(&["import", "bare.csv", "--preview=speeds.svg"]);
+    assert!(folder.read("speeds.svg").starts_with("<?xml") && !folder.path("runs").exists());
+    folder.done(&["import", "bare.csv"]);
+    near(last(&csv(&folder, "runs/bare_01.csv"))[0], rows.last().unwrap().0, 1e-6);
+    let said = folder.rundown(&["import", "wrong.csv", "--out", "w"]);
+    assert_eq!(said.code, Some(6));
+    folder.write("m.toml", &to_write(&said.err));
+    folder.done(&["import", "wrong.csv", "--mapping", "m.toml", "--out", "right"]);
+    near(csv(&folder, "right/wrong_01.csv").iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
+}
+
+#[test]
+fn what_cannot_be_known_is_asked() {
+    let rows = drive(&STOPS_M[..3], 30.0);
+    let ambiguous = table("Date,Time,location_m,speed_kmh", &rows, |t, x, v| {
+        format!("03/04/2025,{},{x:.0},{:.1}", clock(t), 3.6 * v)
+    });
+    let strange = table("foo,bar,baz", &rows, |t, x, v| format!("{t},{x:.0},{:.1}", 3.6 * v));
+    let folder = Folder::new().with("a.csv", &ambiguous).with("s.csv", &strange);
+    let said = folder.rundown(&["import", "a.csv"]);
+    assert_eq!(said.code, Some(6));
+    assert!(said.err.contains("(or \"mdy\")"), "{}", said.err);
+    folder.write("m.toml", &to_write(&said.err).replace("dmy", "mdy"));
+    folder.done(&["import", "a.csv", "--mapping", "m.toml"]);
+    assert!(folder.read("runs/runs.csv").contains("2025-03-04T00:00:00Z"));
+    let said = folder.rundown(&["import", "s.csv"]);
+    assert!(
+        said.err.contains("expected columns for time and location") && said.err.contains("foo, bar, baz"),
+        "{}",
+        said.err
+    );
+    let columns = "[[source]]\nlayout = { header_line = 1 }\n[source.columns]\ntime = { name = \"foo\", unit = \"s\" }\nlocation = { name = \"#2\", unit = \"m\" }\nspeed = { name = \"baz\", unit = \"km/h\" }\n";
+    folder.write("m.toml", columns);
+    folder.done(&["import", "s.csv", "--mapping", "m.toml"]);
+    folder.write("m.toml", "[runs]\ngap = 5\n");
+    let said = folder.rundown(&["import", "s.csv", "--mapping", "m.toml"]);
+    assert_eq!(said.code, Some(3));
+    assert!(said.err.contains("m.toml:2:1: ") && said.err.contains("gap"), "{}", said.err);
+}
+
+#[test]
+fn units_behind_the_values_and_a_clock_that_was_set_forward_are_read() {
+    let rows = drive(&STOPS_M, 30.0);
+    let comma = |value: f64| format!("{value:.3}").replace('.', ",");
+    let text = table("Zeit;Ort;Geschwindigkeit;Zug", &rows, |t, x, v| {
+        let shown = if t < 300.0 { t } else { t + 3600.0 };
+        format!("{shown} s;{} km;{} km/h;RE 4711", comma(x / 1000.0), comma(3.6 * v))
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv"]);
+    let found = csv(&folder, "runs/a_RE_4711_01.csv");
+    assert_eq!(found.len(), rows.len());
+    near(last(&found)[0], rows.last().unwrap().0, 1.1);
+    near(last(&found)[1], 11_900.0, 1.0);
+    assert_eq!(folder.json("runs/import.json")["counts"]["clocks set forward, put right"], 1);
+}
+
+/// A train with a table of these columns, imported; out: the note lines, the speeds of the run.
+fn imported(folder: &Folder, header: &str, speed: impl Fn(f64) -> f64) -> (common::Said, Vec<f64>) {
+    let rows = drive(&STOPS_M, 25.0);
+    folder.write("in.csv", &table(header, &rows, |t, x, v| format!("{t},{x:.1},{:.1},7", speed(v))));
+    let said = folder.rundown(&["import", "in.csv", "--out", "runs"]);
+    let rows = if said.code == Some(0) { csv(folder, "runs/in_01.csv") } else { Vec::new() };
+    (said, rows.iter().map(|row| row[2]).collect())
+}
+
+#[test]
+fn a_speed_that_no_name_tells_is_taken_by_its_unit() {
+    for header in ["Geschw. [km/h]", "Tempo (km/h)", "Vit. [km/h]", "fart_kmh"] {
+        let folder = Folder::new();
+        let (said, speeds) = imported(&folder, &format!("t [s],x [m],{header},Status"), |v| 3.6 * v);
+        assert_eq!(said.code, Some(0), "{said:?}");
+        assert!(said.err.contains(&format!("column {header:?} is taken for the speed")), "{said:?}");
+        assert_eq!(speeds[20], 0.0, "{header}: a train that stands");
+        near(speeds.iter().copied().fold(0.0, f64::max), 90.0, 0.1);
+    }
+}
+
+/// A limit has the unit of a speed, too.
+#[test]
+fn a_limit_is_no_speed_and_the_note_has_the_line_that_takes_another_column() {
+    let folder = Folder::new();
+    let (said, _) = imported(&folder, "t [s],x [m],Limit [km/h],Snelheid", |_| 100.0);
+    assert!(said.err.contains("\"Limit [km/h]\" has a unit of a speed, but is none"), "{said:?}");
+    let folder = Folder::new();
+    let (said, _) = imported(&folder, "t [s],x [m],Snelheid,Status", |v| 3.6 * v);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(said.err.contains("not used: \"Snelheid\", \"Status\""), "{said:?}");
+    folder.write("map.toml", &to_write(&said.err));
+    let said = folder.rundown(&["import", "in.csv", "--mapping", "map.toml", "--out", "again"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(!said.err.contains("computed from"), "{said:?}");
+    assert_eq!(csv(&folder, "again/in_01.csv")[20][2], 0.0);
+}
+
+#[test]
+fn a_location_that_no_name_tells_is_taken_by_its_unit_where_the_speed_agrees() {
+    let rows = drive(&STOPS_M, 25.0);
+    let folder = Folder::new();
+    folder.write(
+        "in.csv",
+        &table("t [s],Laufweg [km],v [km/h]", &rows, |t, x, v| format!("{t},{:.4},{}", x / 1e3, 3.6 * v)),
+    );
+    let said = folder.rundown(&["import", "in.csv", "--out", "runs"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    near(last(&csv(&folder, "runs/in_01.csv"))[1], 11_900.0, 0.5);
+    folder.write(
+        "height.csv",
+        &table("t [s],Gelaende [m],v [km/h]", &rows, |t, x, v| format!("{t},{},{}", (x / 300.0).sin(), 3.6 * v)),
+    );
+    let said = folder.rundown(&["import", "height.csv", "--out", "none"]);
+    assert!(said.code != Some(0) && said.err.contains("expected columns for location"), "{said:?}");
+}
