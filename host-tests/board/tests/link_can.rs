@@ -1,7 +1,9 @@
 //! Does a CAN bus give the message that was sent, or nothing?
 
+use board_tests::faults::{FaultyPort, Rates};
+use board_tests::pipe;
+use board_tests::port::Narrow;
 use embedded_can::{Frame, nb::Can};
-use host_tests::port::Narrow;
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -11,8 +13,6 @@ use rundown::link::isotp::pdu::{FrameData, Pdu, SeparationTime, parse};
 use rundown::link::isotp::{Config, Receiver, Sender};
 use rundown::link::slcan::{self, BitRate, Line, Slcan};
 use rundown::link::{Link, LinkError, MAX_CHECKED, MAX_MESSAGE, Message};
-use sim_harness::link::faults::{FaultyPort, Rates};
-use sim_harness::link::pipe;
 use std::cell::Cell;
 
 fn random(seed: u64, length: usize) -> Vec<u8> {

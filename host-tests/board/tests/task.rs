@@ -1,9 +1,9 @@
 //! Does the board do what it is asked, and only that? The tick task over a flash and a link of the test's own.
 
-use host_tests::board::{Board, PROVISIONING, answer, described, estimate, running, task};
-use host_tests::flash::Flash;
-use host_tests::prelude::*;
-use host_tests::said;
+use board_tests::board::{Board, PROVISIONING, answer, described, estimate, running, task};
+use board_tests::flash::Flash;
+use board_tests::prelude::*;
+use board_tests::said;
 use rundown::estimator::config::SecurityConfig;
 use rundown::model::effects::*;
 use rundown::onboard::auth::{Provisioning, Signer};
