@@ -1,7 +1,7 @@
 //! Does the board survive what `docs/faults.md` lists? The rows that no other test holds, through the tick task and its messages.
 
-use board_tests::described::measurements;
 use board_tests::board::{Board, answer, case_study, estimate, running};
+use board_tests::described::measurements;
 use board_tests::described::with_targets;
 use board_tests::flash::Flash;
 use board_tests::prelude::*;
