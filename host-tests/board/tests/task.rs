@@ -1,6 +1,7 @@
 //! Does the board do what it is asked, and only that? The tick task over a flash and a link of the test's own.
 
 use board_tests::board::{Board, PROVISIONING, answer, described, estimate, running, task};
+use board_tests::described::measurements;
 use board_tests::flash::Flash;
 use board_tests::prelude::*;
 use board_tests::said;
@@ -9,6 +10,7 @@ use rundown::model::effects::*;
 use rundown::onboard::auth::{Provisioning, Signer};
 use rundown::onboard::uplink::{CurvePart, Setting};
 use rundown::tick::regime::Regime;
+use rundown_truth::sensors::SpeedReading;
 use rundown_wire::{Body, Downlink, Memory, Refusal};
 
 fn board() -> Board {
@@ -689,4 +691,27 @@ fn the_papers_vehicle_begins_with_deviations_of_its_own() {
         let expected = estimator.step(&mut run, measurement).unwrap();
         assert_eq!(estimate(&board.measure(measurement)).unwrap().digest, digest::of_estimate(&expected));
     }
+}
+
+#[test]
+fn a_recorder_that_cuts_speeds_off_is_named_once_it_is_found() {
+    let sensors = Sensors { speed: SpeedReading::Truncated, ..Sensors::default() };
+    let scenario = Scenario { sensors, ..Scenario::default() };
+    let (description, _) = described();
+    let mut board = board();
+    let is_recorder = |body: &Body| matches!(body, Body::Recorder(_));
+    let mut named = Vec::new();
+    for seed in 0..8 {
+        board.prepare(&description, Direction::Up);
+        let log = measurements(&simulate(&scenario, seed));
+        let frames: Vec<Downlink> = log.iter().flat_map(|measurement| board.measure(measurement)).collect();
+        let ticks = ticks_with(&frames, is_recorder);
+        assert!(ticks.iter().all(|tick| tick % 6 == 0), "{ticks:?}");
+        let summary = said!(board.end(), Recorder);
+        assert!(ticks.is_empty() || summary.is_some());
+        named.push(summary.map(|recorder| recorder.speed_offset_mps.value * 3.6));
+    }
+    assert_eq!(named[0], None, "one run does not say");
+    let offset_kmh = named[7].expect("found");
+    assert!((offset_kmh - 0.5).abs() < 0.15, "half a step of 1 km/h: {offset_kmh}");
 }
