@@ -8,10 +8,10 @@ use board_tests::said;
 use rundown::estimator::config::SecurityConfig;
 use rundown::model::effects::*;
 use rundown::onboard::auth::{Provisioning, Signer};
-use rundown::onboard::uplink::{CurvePart, Setting};
+use rundown::onboard::uplink::{self, CurvePart, OPEN, Setting, Uplink};
 use rundown::tick::regime::Regime;
 use rundown_truth::sensors::SpeedReading;
-use rundown_wire::{Body, Downlink, Memory, Refusal};
+use rundown_wire::{Body, Downlink, MAX_MESSAGE, Memory, Refusal};
 
 fn board() -> Board {
     Board::start(Flash::erased(8))
@@ -714,4 +714,18 @@ fn a_recorder_that_cuts_speeds_off_is_named_once_it_is_found() {
     assert_eq!(named[0], None, "one run does not say");
     let offset_kmh = named[7].expect("found");
     assert!((offset_kmh - 0.5).abs() < 0.15, "half a step of 1 km/h: {offset_kmh}");
+}
+
+#[test]
+fn a_gap_of_a_thousand_messages_is_a_sender_that_restarts() {
+    for (next, missed) in [(2, 0), (3, 1), (1001, 999), (1002, 0)] {
+        let mut board = board();
+        let mut asked = |sequence| {
+            let status = Uplink { sequence, request: Request::Command(Command::Status) };
+            let mut buffer = [0; MAX_MESSAGE];
+            said!(board.say(uplink::encode(&status, OPEN, &mut buffer).unwrap()), Status).unwrap()
+        };
+        asked(1);
+        assert_eq!(asked(next).missed, missed, "{next}");
+    }
 }
