@@ -8,6 +8,7 @@ use board_tests::said;
 use rundown::estimator::config::SecurityConfig;
 use rundown::model::effects::*;
 use rundown::onboard::auth::{Provisioning, Signer};
+use rundown::onboard::event::Event;
 use rundown::onboard::uplink::{self, CurvePart, OPEN, Setting, Uplink};
 use rundown::tick::regime::Regime;
 use rundown_truth::sensors::SpeedReading;
@@ -728,4 +729,35 @@ fn a_gap_of_a_thousand_messages_is_a_sender_that_restarts() {
         asked(1);
         assert_eq!(asked(next).missed, missed, "{next}");
     }
+}
+
+#[test]
+fn in_lockstep_the_clock_says_nothing() {
+    let (mut board, ..) = running(described());
+    assert!(board.tick().is_empty());
+}
+
+#[test]
+fn by_the_clock_the_first_of_two_with_the_same_time_waits() {
+    let (mut board, _, log) = running(described());
+    board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
+    assert!(board.measure(&log[0]).is_empty());
+    assert_eq!(answer(&board.measure(&log[0])).unwrap().result, Err(Refusal::TimeNotIncreasing));
+}
+
+#[test]
+fn a_run_that_is_none_does_not_end() {
+    let (mut board, ..) = running(described());
+    board.end();
+    assert_eq!(board.ask(Request::Command(Command::End)), Err(Refusal::NotRunning));
+    assert_eq!(board.ask(Request::Command(Command::Snapshot)), Err(Refusal::NotRunning));
+}
+
+#[test]
+fn a_train_that_is_described_once_more_is_not_looked_for_again() {
+    let (mut board, description, _) = running(described());
+    board.end();
+    board.prepare(&description, Direction::Up);
+    let looked = board.log.iter().filter(|event| matches!(event, Event::Vehicle { .. })).count();
+    assert_eq!(looked, 1, "{:?}", board.log);
 }
