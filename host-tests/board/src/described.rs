@@ -1,4 +1,4 @@
-//! The case study as a board is told it, and what its sensors read.
+//! The case study as it is described to a board, and what its sensors read.
 
 use crate::prelude::*;
 use rundown::model::effects::Effects;

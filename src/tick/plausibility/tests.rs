@@ -254,7 +254,7 @@ fn a_speed_may_change_by_more_the_longer_it_was_not_read() {
     let mut readings = Readings::running();
     assert_eq!(readings.judge(1.0, None, None).speed_mps, Err(Cause::NoSpeed));
     assert_eq!(readings.judge(2.0, None, 22.01).speed_mps, Ok(22.01));
-    // From here on it counts anew.
+    // From here on it counts again.
     assert_eq!(readings.judge(3.0, None, 25.0).speed_mps, Err(Cause::SpeedJump));
 }
 
