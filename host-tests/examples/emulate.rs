@@ -6,6 +6,7 @@ use host_tests::prelude::*;
 use host_tests::target::{compare, firmware};
 use rundown::link::serial;
 use rundown_files::map_matching::CentreLine;
+use sim_harness::session::description;
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -22,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for file in RunSet::find(std::slice::from_ref(run))?.files {
         let recording = Recording::read(&file, BadRows::Refuse, line.as_ref(), DirectionChoice::Auto)?;
         let log: Vec<_> = recording.rows.iter().map(Sample::measurement).collect();
-        let description = Description::new(&train, &track, Config::default());
+        let description = description(&train, &track, Config::default());
         let same = compare(&settings, &description, recording.direction, &log)?;
         println!(
             "{}: {} ticks, {} frames, {} bytes on the line: the same as on the host",

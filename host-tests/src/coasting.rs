@@ -1,9 +1,9 @@
 //! Coast-ahead predictions judged against truth: what the train would do if it coasted from there, driven on by the simulator.
 
-use crate::accuracy::{description, measurements};
 use crate::prelude::*;
+use board_tests::described::measurements;
+pub use board_tests::described::with_targets;
 use rundown::coast_ahead::{CoastAhead, Outcome, Steady};
-use rundown::model::units::KmPerHour;
 use rundown_truth::driver::Regime;
 use rundown_truth::motion::Motion;
 use rundown_truth::plan::plan;
@@ -14,14 +14,6 @@ use rundown_truth::world::{History, World};
 const NINETY_PERCENT: f64 = 1.645;
 /// Step of the true coast, s.
 const STEP_S: f64 = 0.25;
-
-/// The description with the limits of the scenario's line and a stop at its end.
-pub fn with_targets(config: Config, scenario: &Scenario) -> Description {
-    let limits = scenario.line.limits_kmh().iter();
-    let limits = limits.map(|&(at_m, kmh)| Target { at_m, limit_mps: Some(KmPerHour(kmh).to_mps()) });
-    let end = Target { at_m: scenario.line.length_m(), limit_mps: None };
-    Description { targets: limits.chain([end]).collect(), ..description(config, scenario) }
-}
 
 /// When and how fast a coasting train is at a place; `None`: it stands before.
 fn coasted(world: &World, from: &TruthSample, at_m: f64) -> Option<(f64, f64)> {

@@ -4,16 +4,15 @@
 #![warn(missing_docs)]
 
 pub mod accuracy;
-pub mod board;
 pub mod can_controller;
 pub mod coasting;
 pub mod fields;
-pub mod flash;
 pub mod flash_controller;
 pub mod plays;
-pub mod port;
 pub mod prelude;
 pub mod project;
 pub mod reference;
 pub mod target;
 pub mod textbook;
+
+pub use board_tests::{board, flash, said};

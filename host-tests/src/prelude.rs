@@ -1,30 +1,10 @@
 //! What nearly every test names: `use host_tests::prelude::*;`.
 
-pub use rand::{Rng, RngExt, SeedableRng};
-pub use rand_chacha::ChaCha8Rng;
-pub use rundown::estimator::config::{Config, Mode};
-pub use rundown::estimator::{Estimator, RunSummary};
-pub use rundown::filter::gaussian::Gaussian;
-pub use rundown::model::direction::Direction;
-pub use rundown::model::motion::Evaluate;
-pub use rundown::model::resistance::Davis;
-pub use rundown::model::state::{LOCATION, SIZE, SPEED};
-pub use rundown::model::track::{Curve, Gradient, Target, Track};
-pub use rundown::model::train::{Train, TrainDescription};
-pub use rundown::onboard::train_id::TrainId;
-pub use rundown::onboard::uplink::{Command, Pace, Request};
-pub use rundown::tick::digest;
-pub use rundown::tick::estimate::Estimate;
-pub use rundown::tick::learning::LocationAndSpeed;
-pub use rundown::tick::measurement::Measurement;
-pub use rundown::tick::memory::Vehicle;
+pub use board_tests::prelude::*;
 pub use rundown_files::recording::{DirectionChoice, Recording};
 pub use rundown_files::run_log::{BadRows, RunLog};
 pub use rundown_files::run_set::RunSet;
 pub use rundown_files::sample::Sample;
 pub use rundown_files::track_file::TrackFile;
 pub use rundown_files::train_file::TrainFile;
-pub use rundown_truth::scenario::{Run, Scenario, drive_planned, simulate, simulate_planned};
-pub use rundown_truth::sensors::Sensors;
-pub use sim_harness::desk::{Description, Desk};
 pub use std::path::{Path, PathBuf};

@@ -1,15 +1,16 @@
 //! Do the host's links reach a board by their address, and do recorder and injector stand between without harm?
 
+use board_tests::faults::{FaultyLink, Rates};
+use board_tests::pipe;
 use rundown::link::can_link::CanLink;
 use rundown::link::isotp::Config;
 use rundown::link::serial::SerialLink;
 use rundown::link::slcan::Slcan;
 use rundown::link::{Link, LinkError, MAX_MESSAGE, Message};
+use sim_harness::link::Clock;
 use sim_harness::link::address::Address;
-use sim_harness::link::faults::{FaultyLink, Rates};
 use sim_harness::link::port::HostPort;
 use sim_harness::link::record::{RecordingLink, Way, read};
-use sim_harness::link::{Clock, pipe};
 use std::net::TcpListener;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;

@@ -9,6 +9,7 @@ use host_tests::reference::{Logs, recording};
 use host_tests::target::{Same, compare, firmware};
 use rundown_truth::line::Line;
 use rundown_truth::sensors::Bursts;
+use sim_harness::session;
 
 /// Compares a simulated run, and says what it was.
 fn simulated(what: &str, mode: Mode, scenario: &Scenario, seed: u64) {
@@ -101,7 +102,7 @@ fn a_recorded_run() {
     let (train, track) = (logs.train().1, logs.track().0);
     let recording = recording(&logs.set.files[0].path);
     let log: Vec<_> = recording.rows.iter().map(Sample::measurement).collect();
-    let description = Description::new(&train, &track, Config::default());
+    let description = session::description(&train, &track, Config::default());
     let same = compare(&firmware().unwrap(), &description, recording.direction, &log).unwrap();
     say(&recording.name, &same);
 }

@@ -11,6 +11,7 @@ use rundown_files::effect_file;
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::{Learned, Validity};
 use sim_harness::replaying::{Replayed, Request};
+use sim_harness::session::description;
 use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::process::ExitCode;
@@ -261,7 +262,7 @@ fn the_board_says_the_bytes_of_the_host() {
     for Logs { folder, replayed, .. } in all() {
         let run = replayed.runs.iter().min_by_key(|run| run.measurements.len().abs_diff(PLAYED)).unwrap();
         let effects = effect_file::effects(&replayed.track.effect, &replayed.train.effect, Some(&run.name)).unwrap();
-        let described = Description::new(&replayed.core_train, &replayed.track, replayed.config);
+        let described = description(&replayed.core_train, &replayed.track, replayed.config);
         let description = Description { effects, ..described };
         let played = &run.measurements[..run.measurements.len().min(PLAYED)];
         let same = compare(&firmware, &description, run.direction, played);

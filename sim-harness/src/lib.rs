@@ -16,12 +16,11 @@
 //! | how often does the diagnosis of logs find an injected defect? | [`check_bench`] |
 //! | how often are perturbed runs recognised, and wrong gradients? | [`perturbed_bench`], [`gradient_bench`] |
 //! | how often does the gap workflow find a hidden effect? | [`gap_bench`] |
-//! | what does a DAS computer say to the board? | `desk` |
 //! | how does the host reach a board, and talk to it? | `link`, `session` |
 //! | what does a board say, live? | `display` |
 //!
-//! The last three are the cargo feature `link`, which is on by default: all that needs what a board needs. Files are read by `rundown_files`, what
-//! really happens is `rundown_truth`, pages are drawn by `rundown_pages`, the gap workflow is `rundown_gap`.
+//! The last two are the cargo feature `link`, which is on by default: all that needs what a board needs. Files are read by `rundown_files`, what
+//! really happens is `rundown_truth`, pages are drawn by `rundown_pages`, the gap workflow is `rundown_gap`, what a DAS computer says to the board `rundown_desk`.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
@@ -31,8 +30,6 @@ pub mod check_bench;
 pub mod checking;
 pub mod commands;
 pub mod converting;
-#[cfg(feature = "link")]
-pub mod desk;
 #[cfg(feature = "link")]
 pub mod display;
 mod exchange;

@@ -2,11 +2,14 @@
 //!
 //! In: a link, a desk, a run. Out: frames in order, as bytes and read.
 
-use crate::desk::{Description, Desk, DeskError};
 use crate::link::Clock;
+use rundown::estimator::config::Config;
 use rundown::link::{Link, LinkError};
+use rundown::model::{direction::Direction, effects::Effects, track::Gradient, train::Train};
 use rundown::onboard::uplink::{Command, Pace, Request};
-use rundown::{model::direction::Direction, tick::measurement::Measurement};
+use rundown::tick::measurement::Measurement;
+use rundown_desk::{Description, Desk, DeskError};
+use rundown_files::track_file::TrackFile;
 use rundown_wire::{Answer, Body, DecodeError, Downlink, Refusal};
 use std::fmt::Display;
 use std::time::{Duration, Instant};
@@ -19,6 +22,20 @@ const ASK_AGAIN: Duration = Duration::from_millis(500);
 
 /// How long an answer may be late before the question counts as lost and is asked again.
 const LATE: Duration = Duration::from_secs(3);
+
+/// Of the files that `replay` takes, without their effects: a board has the same in all runs, so the caller says which.
+pub fn description(train: &Train, track: &TrackFile, config: Config) -> Description {
+    let gradients = track.gradient.iter().map(|entry| Gradient { from_m: entry.from_m, permille: entry.permille });
+    Description {
+        train: *train.description(),
+        track_length_m: track.length_m,
+        gradients: gradients.collect(),
+        curves: track.curve.clone(),
+        targets: track.targets(),
+        effects: Effects::NONE,
+        config,
+    }
+}
 
 /// A frame as it came.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 //! With K = N it is the whole factor. A pivot that is not above zero stops it with its row.
 
 use crate::Real;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{ArrayStorage, SMatrix, SVector};
 use rundown_wire::errors;
 
 errors! {
@@ -22,6 +22,15 @@ pub struct FactorColumn<const N: usize, const K: usize> {
     pub l: SVector<Real, K>,
     /// The whole column of L, times D.
     pub dl: SVector<Real, N>,
+}
+
+impl<const N: usize, const K: usize> FactorColumn<N, K> {
+    /// Before it is found.
+    pub(crate) const ZERO: Self = Self {
+        d: 0.0,
+        l: SVector::from_array_storage(ArrayStorage([[0.0; K]])),
+        dl: SVector::from_array_storage(ArrayStorage([[0.0; N]])),
+    };
 }
 
 /// The first K columns of the factor of a covariance.
@@ -42,23 +51,37 @@ pub struct FactorColumn<const N: usize, const K: usize> {
 pub fn eliminate<const N: usize, const K: usize>(
     covariance: &SMatrix<Real, N, N>,
 ) -> Result<[FactorColumn<N, K>; K], NotPositiveDefinite> {
-    let mut columns = [FactorColumn { d: 0.0, l: SVector::zeros(), dl: SVector::zeros() }; K];
-    for j in 0..K {
-        // Not copied as a column, nor by an index, which may panic for all that the compiler knows.
-        let mut dl = SVector::<Real, N>::from_fn(|i, _| covariance.get((i, j)).copied().unwrap_or(Real::NAN));
-        for before in &columns[..j] {
-            dl -= before.dl * before.l[j];
-        }
-        dl.rows_mut(0, j).fill(0.0);
-        let d = above_zero(dl[j], j)?;
-        let mut l = SVector::zeros();
-        l[j] = 1.0;
-        for i in j + 1..K {
-            l[i] = dl[i] / d;
-        }
-        columns[j] = FactorColumn { d, l, dl };
-    }
+    let mut columns = [FactorColumn::ZERO; K];
+    eliminate_into(covariance, &mut columns)?;
     Ok(columns)
+}
+
+/// [`eliminate`] in place: a result would be copied on the board's stack.
+///
+/// # Errors
+/// As there; the columns are then of no use.
+#[inline]
+pub(crate) fn eliminate_into<const N: usize, const K: usize>(
+    covariance: &SMatrix<Real, N, N>,
+    columns: &mut [FactorColumn<N, K>; K],
+) -> Result<(), NotPositiveDefinite> {
+    for j in 0..K {
+        for i in j..N {
+            // Not by an index, which may panic for all that the compiler knows.
+            let mut dl = covariance.get((i, j)).copied().unwrap_or(Real::NAN);
+            for before in &columns[..j] {
+                dl -= before.dl[i] * before.l[j];
+            }
+            columns[j].dl[i] = dl;
+        }
+        let column = &mut columns[j];
+        column.d = above_zero(column.dl[j], j)?;
+        column.l[j] = 1.0;
+        for i in j + 1..K {
+            column.l[i] = column.dl[i] / column.d;
+        }
+    }
+    Ok(())
 }
 
 /// Passes a pivot that is above zero.

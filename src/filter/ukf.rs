@@ -36,7 +36,7 @@
 //! Printed as it is, Eq. (11)-(15) leave Q out of the gain; [`Ukf::reuse_points`] keeps that.
 
 use crate::Real;
-use crate::filter::elimination::{FactorColumn, NotPositiveDefinite, above_zero, eliminate};
+use crate::filter::elimination::{FactorColumn, NotPositiveDefinite, above_zero, eliminate_into};
 use crate::filter::gaussian::Gaussian;
 use crate::plain::{Bytes, Plain};
 use nalgebra::{SMatrix, SVector};
@@ -325,10 +325,14 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
     ) -> Result<(), NotPositiveDefinite> {
         let (x, p) = (&belief.mean, &belief.covariance);
         let c = self.spread.reach();
-        let columns = eliminate::<N, K>(p)?;
+        let mut columns = [FactorColumn::<N, K>::ZERO; K];
+        eliminate_into(p, &mut columns)?;
 
-        // What the pairs see; then ĝ by back substitution.
-        let pairs = columns.each_ref().map(|column| process.pair(x, column, c));
+        // What the pairs see, one after another: each gives its stack back. Then ĝ by back substitution.
+        let mut pairs = [Pair::default(); K];
+        for (pair, column) in pairs.iter_mut().zip(&columns) {
+            *pair = process.pair(x, column, c);
+        }
         let mut slope = process.slope(x);
         let mut beyond = SVector::<Real, K>::zeros();
         for j in (0..K).rev() {
@@ -344,27 +348,18 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         let scatter: Real = pairs.iter().map(|pair| pair.even * pair.even).sum();
         let curvature = self.spread.beta - self.spread.alpha * self.spread.alpha;
         let mean = process.drive(x) + m;
-        let with_x = p * slope;
+        // P ĝ, written out: a product of nalgebra takes more of the board's stack.
+        let with_x = SVector::<Real, N>::from_fn(|i, _| {
+            let mut sum = p[(i, 0)] * slope[0];
+            for j in 1..N {
+                sum += p[(i, j)] * slope[j];
+            }
+            sum
+        });
         let straight: Real = slope.iter().zip(&with_x).map(|(g, c)| g * c).sum();
         let variance = straight + c * scatter + curvature * m * m + noise_variance;
 
-        // x' is linear in (x, a): so are its covariances with x and with a, and with itself.
-        let carried = process.carry(x, mean);
-        let with_a = process.carry(&with_x, variance);
-        let mut rows = SMatrix::<Real, K, N>::zeros();
-        for i in 0..N {
-            rows.set_column(i, &process.carry(&p.row(i).transpose(), with_x[i]));
-        }
-        for k in 0..K {
-            belief.mean[k] = carried[k];
-            let row = process.carry(&rows.row(k).transpose(), with_a[k]);
-            for i in k..K {
-                belief.covariance[(i, k)] = row[i];
-            }
-            for i in K..N {
-                belief.covariance[(i, k)] = rows[(k, i)];
-            }
-        }
+        carry_on(belief, process, mean, &with_x, variance);
         Ok(())
     }
 
@@ -405,7 +400,9 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
             }
             innovation.readings[i] = Reading::Used;
             let gain = column * (1.0 / variance); // Eq. (16)
-            *mean += gain * value; // Eq. (17)
+            for j in 0..N {
+                mean[j] += gain[j] * value; // Eq. (17)
+            }
             for k in 0..N {
                 for j in k..N {
                     // Eq. (18); where the row is the reading's own, column - gain column = gain noise without a difference.
@@ -423,6 +420,37 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
             above_zero(covariance[(row, row)], row)?;
         }
         Ok(innovation)
+    }
+}
+
+/// The belief one step later, of which the motion a has this mean, covariance with x, and variance: x' is linear in (x, a), and so are its
+/// covariances with x and with a, and with itself. Leaves only the lower triangle good.
+// Of its own on the board: nothing of it is on the stack while a pair of points crosses an edge of the gradients.
+#[cfg_attr(target_os = "none", inline(never))]
+#[cfg_attr(not(target_os = "none"), inline)]
+fn carry_on<const N: usize, const K: usize>(
+    belief: &mut Gaussian<N>,
+    process: &impl Process<N, K>,
+    mean: Real,
+    with_x: &SVector<Real, N>,
+    variance: Real,
+) {
+    let (x, p) = (&belief.mean, &belief.covariance);
+    let carried = process.carry(x, mean);
+    let with_a = process.carry(with_x, variance);
+    let mut rows = SMatrix::<Real, K, N>::zeros();
+    for i in 0..N {
+        rows.set_column(i, &process.carry(&p.row(i).transpose(), with_x[i]));
+    }
+    for k in 0..K {
+        belief.mean[k] = carried[k];
+        let row = process.carry(&rows.row(k).transpose(), with_a[k]);
+        for i in k..K {
+            belief.covariance[(i, k)] = row[i];
+        }
+        for i in K..N {
+            belief.covariance[(i, k)] = rows[(k, i)];
+        }
     }
 }
 

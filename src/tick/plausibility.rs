@@ -364,14 +364,4 @@ pub(crate) fn follows(before_s: Real, time_s: Real, longest_s: Real) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn agreeing_readings_are_at_least_one_and_not_a_whole_run() {
-        for (agreeing, accepted) in [(0, false), (1, true), (100, true), (101, false)] {
-            let config = PlausibilityConfig { agreeing, ..PlausibilityConfig::default() };
-            assert_eq!(config.check_ranges().is_ok(), accepted, "{agreeing}");
-        }
-    }
-}
+mod tests;

@@ -6,6 +6,7 @@
 mod budget;
 mod firmware;
 mod fuzz;
+mod mutants;
 mod python;
 mod run_firmware;
 mod setup;
@@ -41,6 +42,9 @@ Tasks:
                                 installs them into a virtual environment in target/fleets (about 1.5 GB); needs Python >= 3.11 and Java 17
   fuzz [--seconds N] [--seed N] every fuzz target for so long (default: 60), two at a time; other inputs each time
                                 without a seed; needs a C++ compiler
+  mutants MODULE [K/N]          changes the code of a module line by line, and says which changes its tests do not notice: plausibility,
+                                store, auth, task, link; all of them take 10 to 60 minutes a module, K/N each N-th from the K-th (0/4);
+                                needs cargo-mutants
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
 
 Exit codes: 0 passed, 1 a command failed, 2 no such task";
@@ -85,6 +89,8 @@ fn main() -> ExitCode {
         ["fuzz"] => fuzz::fuzz("60", None),
         ["fuzz", "--seconds", seconds] => fuzz::fuzz(seconds, None),
         ["fuzz", "--seconds", seconds, "--seed", seed] => fuzz::fuzz(seconds, Some(seed)),
+        ["mutants", module] => mutants::mutants(module, "0/1"),
+        ["mutants", module, share] => mutants::mutants(module, share),
         ["ci"] => run(Command::new("bash").arg(".ci/run")),
         [] | ["help" | "--help" | "-h"] => {
             println!("{HELP}");
@@ -209,7 +215,7 @@ mod tests {
     fn each_task_has_help_of_its_own() {
         let tasks = HELP.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
         let tasks: Vec<&str> = tasks.map(|line| line.split_whitespace().next().unwrap()).collect();
-        assert_eq!(tasks.len(), 14, "{tasks:?}");
+        assert_eq!(tasks.len(), 15, "{tasks:?}");
         for task in tasks {
             assert!(help_of(task).unwrap().trim_start().starts_with(task));
         }
@@ -221,7 +227,7 @@ mod tests {
     #[test]
     fn every_ignored_test_is_run() {
         let mut ignored = Vec::new();
-        for folder in ["host-tests/tests", "sim-harness/tests", "xtask/emulator/tests"] {
+        for folder in ["host-tests/tests", "host-tests/board/tests", "sim-harness/tests", "xtask/emulator/tests"] {
             for path in shell::root().join(folder).read_dir().unwrap().map(|entry| entry.unwrap().path()) {
                 if path.is_file() && std::fs::read_to_string(&path).unwrap().contains("#[ignore") {
                     ignored.push(path.file_stem().unwrap().to_string_lossy().into_owned());

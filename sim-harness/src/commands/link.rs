@@ -1,12 +1,12 @@
 //! `rundown link`: plays recorded runs to a board, over a real line or the emulator's, and keeps what it says.
 
 use super::{Failure, screen};
-use crate::desk::{Description, Desk};
-use crate::session::{Heard, Session, SessionError};
+use crate::session::{self, Heard, Session, SessionError};
 use crate::{link::address::Address, link::record::RecordingLink, logs};
 use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
 use rundown::onboard::uplink::{Command, Pace, Request};
 use rundown::{link::Link, model::effects::Effects};
+use rundown_desk::{Description, Desk};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::{
     effect_file, effect_frame, map_matching::CentreLine, run_log::BadRows, run_set::RunSet, track_file::TrackFile,
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Some(path) => read_effects(path)?,
         None => effect_file::effects(&track.effect, &train_file.effect, None)?,
     };
-    let description = Description { effects, ..Description::new(&train, &track, config) };
+    let description = Description { effects, ..session::description(&train, &track, config) };
     let recordings = recordings(arguments, &track)?;
     let desk = Desk::new(read_key(&arguments.key)?);
     let link = arguments.to.open().map_err(Failure::board)?;

@@ -2,8 +2,7 @@
 //!
 //! In: nothing. Out: messages, as a board sends them in lockstep. The train is 8 % better than described, the board knows of the weak section at the departure and of its strong motors.
 
-use crate::desk::{Description, Desk};
-use crate::session::{Heard, Session};
+use crate::session::{self, Heard, Session};
 use crate::study::case::{case_study, fleet_run};
 use rundown::link::{Counters, Link, LinkError, Message};
 use rundown::model::effects::{Effect, Effects, PowerLimitSection, TractionScale};
@@ -13,6 +12,7 @@ use rundown::onboard::task::{Port, Room, Task};
 use rundown::{
     estimator::config::Config, estimator::run_state::RunState, onboard::train_id::TrainId, onboard::uplink::Pace,
 };
+use rundown_desk::{Description, Desk};
 use rundown_files::{recording::Recording, track_file::TrackFile, train_file::TrainFile};
 use rundown_wire::Health;
 use std::{collections::VecDeque, convert::Infallible};
@@ -41,7 +41,7 @@ pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> 
     let simulation = case_study().map_err(|error| error.to_string())?;
     let train = simulation.train.train().map_err(|error| error.to_string())?;
     let description =
-        Description { effects: effects()?, ..Description::new(&train, &simulation.track, Config::default()) };
+        Description { effects: effects()?, ..session::description(&train, &simulation.track, Config::default()) };
     let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
     let task = Task::new(Ok(PROVISIONING), MemoryFlash::ERASED, false, &mut run, &mut room);
     let board = Board { task, wire: Outbox::default() };
@@ -50,7 +50,7 @@ pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> 
     for index in 0..runs {
         let case = fleet_run(&simulation, SEED, index).map_err(|error| error.to_string())?;
         let Recording { direction, rows, .. } = case.recording;
-        let said = |error: crate::session::SessionError| error.to_string();
+        let said = |error: session::SessionError| error.to_string();
         tell(&session.prepare(&description, direction, Pace::Lockstep).map_err(said)?);
         for row in &rows {
             tell(&session.measure(&row.measurement()).map_err(said)?);

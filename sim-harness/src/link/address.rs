@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn who_only_listens_sends_nothing_and_hears_all() {
-        use crate::link::pipe;
+        use board_tests::pipe;
         use rundown::{link::Link, link::can::Format, link::can_link::TO_BOARD};
         let (here, mut there) = pipe::bus();
         let mut other = here.clone();

@@ -12,14 +12,10 @@
 //! | which port, which link? | [`address`] |
 //! | a port that does not wait | [`port`] |
 //! | a CAN controller of Linux | [`socket`] |
-//! | two ends without a wire between | [`pipe`] |
 //! | what was said, and when? | [`record`]: wraps any link |
-//! | what if the wire is bad? | [`faults`]: wraps any link, or any port below one |
 #![cfg_attr(not(target_os = "linux"), doc = "\n[`socket`]: https://docs.kernel.org/networking/can.html")]
 
 pub mod address;
-pub mod faults;
-pub mod pipe;
 pub mod port;
 pub mod record;
 #[cfg(target_os = "linux")]

@@ -188,7 +188,7 @@ fn recorded(row: &csv::StringRecord) -> Result<RecordedMessage, RecordError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::pipe;
+    use board_tests::pipe;
     use rundown::link::serial::SerialLink;
 
     #[test]

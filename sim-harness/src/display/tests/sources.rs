@@ -2,7 +2,7 @@
 
 use super::{MESSAGES, file, hub, on_the_line, shown};
 use crate::display::hub::{Connection, Hub};
-use crate::{desk::Description, display::demo, display::setup::Setup, display::source::FrameSource};
+use crate::{display::demo, display::setup::Setup, display::source::FrameSource, session};
 use rundown::onboard::uplink::{self, Command, Request, SECURED, Uplink};
 use rundown::{estimator::config::Config, model::direction::Direction, onboard::auth::TRAILER};
 use rundown_files::track_file::TrackFile;
@@ -23,7 +23,7 @@ fn a_recording_in_text_shows_the_same() {
 #[test]
 fn a_recording_of_a_link_has_train_and_track() {
     let (train, track) = demo::described().unwrap();
-    let description = Description::new(&train.train().unwrap(), &track, Config::default());
+    let description = session::description(&train.train().unwrap(), &track, Config::default());
     let begin = Request::Command(Command::Begin { direction: Direction::Up, track_id: description.track_id() });
     // A display has no key and takes any MAC.
     let line = |request: Request| {

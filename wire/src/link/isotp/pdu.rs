@@ -277,6 +277,21 @@ mod tests {
     }
 
     #[test]
+    fn a_flow_control_has_its_status_in_four_bits_and_is_read_as_it_was_sent() {
+        use FlowStatus::{Continue, Overflow, Reserved, Wait};
+        for (status, first) in
+            [(Continue, 0x30), (Wait, 0x31), (Overflow, 0x32), (Reserved(3), 0x33), (Reserved(15), 0x3F)]
+        {
+            let flow_control = FlowControl { status, block_size: 8, separation: SeparationTime(20) };
+            let frame = flow_control.encode(Format::Classic);
+            assert_eq!(frame, [first, 8, 20]);
+            assert_eq!(parse(&frame), Ok(Pdu::FlowControl(flow_control)));
+        }
+        let beyond = FlowControl { status: Reserved(0x43), block_size: 0, separation: SeparationTime::ZERO };
+        assert_eq!(beyond.encode(Format::Classic), [0x33, 0, 0]);
+    }
+
+    #[test]
     fn lengths_that_the_standard_forbids_are_refused() {
         let fd_nine = |first, second| {
             let mut frame = [0; 12];

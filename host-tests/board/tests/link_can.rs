@@ -1,7 +1,9 @@
 //! Does a CAN bus give the message that was sent, or nothing?
 
+use board_tests::faults::{FaultyPort, Rates};
+use board_tests::pipe;
+use board_tests::port::Narrow;
 use embedded_can::{Frame, nb::Can};
-use host_tests::port::Narrow;
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -11,8 +13,6 @@ use rundown::link::isotp::pdu::{FrameData, Pdu, SeparationTime, parse};
 use rundown::link::isotp::{Config, Receiver, Sender};
 use rundown::link::slcan::{self, BitRate, Line, Slcan};
 use rundown::link::{Link, LinkError, MAX_CHECKED, MAX_MESSAGE, Message};
-use sim_harness::link::faults::{FaultyPort, Rates};
-use sim_harness::link::pipe;
 use std::cell::Cell;
 
 fn random(seed: u64, length: usize) -> Vec<u8> {
@@ -370,4 +370,28 @@ proptest! {
         }
         prop_assert!(matches!(decoder.push(b'\r'), Ok(Some(Line::Frame(_)))));
     }
+}
+
+#[test]
+fn an_adapter_is_closed_set_and_opened_and_answers_what_it_knows() {
+    let (here, mut wire) = pipe::bytes();
+    let opened = Slcan::open(here, Some(BitRate::Kbit500)).unwrap();
+    let commands = wire.take();
+    let text = String::from_utf8_lossy(&commands);
+    assert!(text.ends_with("C\rS6\rO\r"), "{text:?}");
+    drop(opened);
+
+    // The side that plays one: a return for each of these, BEL for what it does not know, nothing for a frame.
+    let (here, mut wire) = pipe::bytes();
+    let mut device = Slcan::device(here);
+    wire.put(*b"C\rS6\rO\rV\rt1230\r");
+    assert_eq!(device.receive().ok().map(|frame| frame.id()), Some(standard(0x123)));
+    assert_eq!(wire.take(), b"\r\r\r\x07");
+    // A host does not answer an adapter.
+    let (here, mut wire) = pipe::bytes();
+    let mut host = Slcan::open(here, None).unwrap();
+    wire.take();
+    wire.put(*b"V\rt1230\r");
+    assert!(host.receive().is_ok());
+    assert_eq!(wire.take(), b"");
 }

@@ -1,14 +1,14 @@
 //! Does a serial line give the message that was sent, or nothing?
 
-use host_tests::port::Narrow;
+use board_tests::faults::{FaultyPort, Rates};
+use board_tests::pipe;
+use board_tests::port::Narrow;
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::link::checksum::{ChecksumError, crc32c};
 use rundown::link::serial::{DecodeError, Decoder, MAX_SERIAL, SerialLink, encode};
 use rundown::link::{Counters, Link, LinkError, MAX_MESSAGE};
-use sim_harness::link::faults::{FaultyPort, Rates};
-use sim_harness::link::pipe;
 use std::cell::Cell;
 
 /// All messages and errors that these bytes give.
@@ -52,7 +52,7 @@ fn representative() -> Vec<Vec<u8>> {
 
 /// One message of each frame of both directions.
 fn of_each_frame() -> Vec<Vec<u8>> {
-    let released = include_str!("../../data/golden/wire_v1.txt").lines();
+    let released = include_str!("../../../data/golden/wire_v1.txt").lines();
     released
         .filter_map(|line| line.split_once(": "))
         .filter(|(name, _)| !name.starts_with('#'))

@@ -1,6 +1,6 @@
 //! Who may change the board: nobody without the key, nobody twice, nobody after a reboot with what was recorded before it.
 
-use host_tests::flash::Flash;
+use board_tests::flash::Flash;
 use rundown::onboard::auth::{
     Freshness, Key, Provisioning, ProvisioningError, Refusal, SealError, Signer, TRAILER, Verifier,
 };

@@ -1,7 +1,7 @@
 //! A serial port that takes only as many bytes as there is room for.
 
+use crate::pipe::PipeEnd;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
-use sim_harness::link::pipe::PipeEnd;
 use std::io;
 
 /// One end of a pipe, and how many bytes more it takes.

@@ -1,15 +1,18 @@
 //! Does the board do what it is asked, and only that? The tick task over a flash and a link of the test's own.
 
-use host_tests::board::{Board, PROVISIONING, answer, described, estimate, running, task};
-use host_tests::flash::Flash;
-use host_tests::prelude::*;
-use host_tests::said;
+use board_tests::board::{Board, PROVISIONING, answer, described, estimate, running, task};
+use board_tests::described::measurements;
+use board_tests::flash::Flash;
+use board_tests::prelude::*;
+use board_tests::said;
 use rundown::estimator::config::SecurityConfig;
 use rundown::model::effects::*;
 use rundown::onboard::auth::{Provisioning, Signer};
-use rundown::onboard::uplink::{CurvePart, Setting};
+use rundown::onboard::event::Event;
+use rundown::onboard::uplink::{self, CurvePart, OPEN, Setting, Uplink};
 use rundown::tick::regime::Regime;
-use rundown_wire::{Body, Downlink, Memory, Refusal};
+use rundown_truth::sensors::SpeedReading;
+use rundown_wire::{Body, Downlink, MAX_MESSAGE, Memory, Refusal};
 
 fn board() -> Board {
     Board::start(Flash::erased(8))
@@ -517,4 +520,244 @@ fn wrong_effects_change_nothing() {
     assert_eq!(board.ask(part(id, 20, 500.0)), Ok(()));
     assert_eq!(board.ask(part(id, 21, 0.0)), Err(Refusal::OutOfRange));
     assert_eq!(board.ask(part(id, 0, 500.0)), Ok(()));
+}
+
+/// The numbers of the ticks in which a kind of frame was said.
+fn ticks_with(frames: &[Downlink], is_kind: impl Fn(&Body) -> bool) -> Vec<u32> {
+    frames.iter().filter(|frame| is_kind(&frame.body)).map(|frame| frame.tick).collect()
+}
+
+#[test]
+fn a_minute_and_two_have_frames_of_their_own() {
+    let (mut board, _, log) = running(described());
+    let frames: Vec<Downlink> = log[..48].iter().flat_map(|measurement| board.measure(measurement)).collect();
+    let each: Vec<u32> = (1..=48).collect();
+    assert_eq!(ticks_with(&frames, |body| matches!(body, Body::Parameters(_))), each);
+    assert_eq!(ticks_with(&frames, |body| matches!(body, Body::Effort(_))), each);
+    assert_eq!(ticks_with(&frames, |body| matches!(body, Body::Estimate(_))), each);
+    let minutes = [6, 12, 18, 24, 30, 36, 42, 48];
+    assert_eq!(ticks_with(&frames, |body| matches!(body, Body::Features(_))), minutes);
+    assert_eq!(ticks_with(&frames, |body| matches!(body, Body::Status(_))), minutes);
+    // A snapshot begins half a minute behind every second one.
+    let begins = |body: &Body| matches!(body, Body::SnapshotPart(part) if part.first == 0);
+    assert_eq!(ticks_with(&frames, begins), [3, 15, 27, 39]);
+}
+
+#[test]
+fn a_coast_ahead_is_said_again_after_each_minute_and_never_in_the_longest_ticks() {
+    let (mut board, _, log) = running(board_tests::board::case_study());
+    let frames: Vec<Downlink> = log.iter().flat_map(|measurement| board.measure(measurement)).collect();
+    let said = ticks_with(&frames, |body| matches!(body, Body::CoastAhead(_)));
+    assert!(said.iter().all(|tick| tick % 6 != 0 && tick % 12 != 3), "{said:?}");
+    let (first, last) = (said[0], *said.last().unwrap());
+    let after_minutes: Vec<u32> = (first..=last).filter(|tick| tick % 6 == 1).collect();
+    assert!(after_minutes.len() > 15 && after_minutes.iter().all(|tick| said.contains(tick)), "{said:?}");
+    assert!(said.len() > after_minutes.len(), "and what is new at once");
+}
+
+#[test]
+fn a_run_needs_a_train_and_a_track() {
+    let (description, log) = described();
+    let track_id = description.track_id();
+    for is_left_out in
+        [(|request: &Request| matches!(request, Request::Train(_))) as fn(&Request) -> bool, |request: &Request| {
+            matches!(request, Request::Track(_))
+        }]
+    {
+        let mut board = board();
+        board.status();
+        for request in description.requests(PROVISIONING.train.0).into_iter().filter(|request| !is_left_out(request)) {
+            board.ask(request).unwrap();
+        }
+        let begin = Request::Command(Command::Begin { direction: Direction::Up, track_id });
+        assert_eq!(board.ask(begin), Err(Refusal::NotDescribed));
+        assert_eq!(answer(&board.measure(&log[0])).unwrap().result, Err(Refusal::NotDescribed));
+    }
+}
+
+#[test]
+fn by_the_clock_a_far_time_gives_way_to_one_that_follows() {
+    let (mut board, _, log) = running(described());
+    board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
+    board.measure(&log[0]);
+    board.tick();
+    let far = Measurement { time_s: log[1].time_s + 1e6, ..log[1] };
+    assert!(board.measure(&far).is_empty(), "it waits where no other does");
+    assert!(board.measure(&log[1]).is_empty());
+    assert_eq!(answer(&board.measure(&far)).unwrap().result, Err(Refusal::TimeNotIncreasing));
+    assert_eq!(estimate(&board.tick()).unwrap().time_s, log[1].time_s);
+}
+
+#[test]
+fn forgetting_is_for_between_runs_and_is_kept() {
+    let (mut board, description, log) = running(described());
+    assert_eq!(board.ask(Request::Command(Command::Forget)), Err(Refusal::Running));
+    for measurement in &log {
+        board.measure(measurement);
+    }
+    let learned = said!(board.end(), RunSummary).expect("a summary").vehicle_davis;
+    let [kept, failed] = board.status().records;
+    assert_eq!(board.ask(Request::Command(Command::Forget)), Ok(()));
+    assert_eq!(board.status().records, [kept + 1, failed]);
+    let mut board = board.restart();
+    board.prepare(&description, Direction::Up);
+    let forgotten = said!(board.end(), RunSummary).expect("a summary").vehicle_davis;
+    assert_ne!(forgotten, learned);
+    let described = [description.train.davis.r0, description.train.davis.r1, description.train.davis.r2];
+    assert_eq!(forgotten.map(|coefficient| coefficient.value), described.map(|value| value as f32));
+}
+
+#[test]
+fn effects_are_kept_once_and_not_at_the_begin_of_each_run() {
+    let (mut board, mut description, _) = running(described());
+    board.end();
+    let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 8e3, to_m: 14e3, k: 1e-5 });
+    description.effects = Effects::try_new([tunnel]).unwrap();
+    let [before, _] = board.status().records;
+    board.prepare(&description, Direction::Up);
+    assert_eq!(board.status().records[0], before + 1, "at the begin of the run");
+    board.end();
+    let [before, _] = board.status().records;
+    let track_id = description.track_id();
+    board.ask(Request::Command(Command::Begin { direction: Direction::Up, track_id })).unwrap();
+    assert_eq!(board.status().records[0], before, "the same effects");
+}
+
+/// A board without a clock.
+#[derive(Default)]
+struct Clockless(Vec<Vec<u8>>);
+
+impl rundown::onboard::task::Port for Clockless {
+    fn send(&mut self, message: &[u8]) -> bool {
+        self.0.push(message.to_vec());
+        true
+    }
+
+    fn health(&self) -> rundown_wire::Health {
+        rundown_wire::Health::default()
+    }
+}
+
+#[test]
+fn without_a_clock_every_refusal_is_answered() {
+    let mut task = task(Ok(PROVISIONING), Flash::erased(8), false);
+    let mut port = Clockless::default();
+    let mut desk = Desk::new(PROVISIONING);
+    for _ in 0..100 {
+        let end = desk.open(Request::Command(Command::End)).unwrap();
+        task.receive(&end, &mut port);
+    }
+    assert_eq!(port.0.len(), 100);
+}
+
+#[test]
+fn parts_of_a_snapshot_come_in_order_and_belong_together() {
+    let (mut board, _, log) = running(described());
+    board.measure(&log[0]);
+    let parts = board.snapshot();
+    board.end();
+    assert!(parts.len() > 2);
+    assert_eq!(board.ask(Request::Snapshot(parts[1].clone())), Err(Refusal::OutOfOrder), "the second one first");
+    assert_eq!(board.ask(Request::Snapshot(parts[0].clone())), Ok(()));
+    assert_eq!(board.ask(Request::Snapshot(parts[2].clone())), Err(Refusal::OutOfOrder), "one is left out");
+    for spoil in
+        [(|part| part.total += 1) as fn(&mut rundown_wire::SnapshotPart), |part| part.tick += 1, |part| part.crc ^= 1]
+    {
+        let mut other = parts[1].clone();
+        spoil(&mut other);
+        assert_eq!(board.ask(Request::Snapshot(other)), Err(Refusal::OutOfOrder), "of another snapshot");
+    }
+    for part in &parts[1..] {
+        assert_eq!(board.ask(Request::Snapshot(part.clone())), Ok(()));
+    }
+    assert!(board.status().running);
+}
+
+#[test]
+fn the_papers_vehicle_begins_with_deviations_of_its_own() {
+    let (description, log) = described();
+    let mut board = board();
+    board.status();
+    for request in description.requests(PROVISIONING.train.0) {
+        board.ask(request).unwrap();
+    }
+    board.ask(Request::Setting(Setting::Mode(Mode::Paper))).unwrap();
+    let track_id = description.track_id();
+    board.ask(Request::Command(Command::Pace(Pace::Lockstep))).unwrap();
+    board.ask(Request::Command(Command::Begin { direction: Direction::Up, track_id })).unwrap();
+    let config = Config { mode: Mode::Paper, ..description.config };
+    let estimator = Description { config, ..description }.estimator().unwrap();
+    let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
+    for measurement in &log[..30] {
+        let expected = estimator.step(&mut run, measurement).unwrap();
+        assert_eq!(estimate(&board.measure(measurement)).unwrap().digest, digest::of_estimate(&expected));
+    }
+}
+
+#[test]
+fn a_recorder_that_cuts_speeds_off_is_named_once_it_is_found() {
+    let sensors = Sensors { speed: SpeedReading::Truncated, ..Sensors::default() };
+    let scenario = Scenario { sensors, ..Scenario::default() };
+    let (description, _) = described();
+    let mut board = board();
+    let is_recorder = |body: &Body| matches!(body, Body::Recorder(_));
+    let mut named = Vec::new();
+    for seed in 0..8 {
+        board.prepare(&description, Direction::Up);
+        let log = measurements(&simulate(&scenario, seed));
+        let frames: Vec<Downlink> = log.iter().flat_map(|measurement| board.measure(measurement)).collect();
+        let ticks = ticks_with(&frames, is_recorder);
+        assert!(ticks.iter().all(|tick| tick % 6 == 0), "{ticks:?}");
+        let summary = said!(board.end(), Recorder);
+        assert!(ticks.is_empty() || summary.is_some());
+        named.push(summary.map(|recorder| recorder.speed_offset_mps.value * 3.6));
+    }
+    assert_eq!(named[0], None, "one run does not say");
+    let offset_kmh = named[7].expect("found");
+    assert!((offset_kmh - 0.5).abs() < 0.15, "half a step of 1 km/h: {offset_kmh}");
+}
+
+#[test]
+fn a_gap_of_a_thousand_messages_is_a_sender_that_restarts() {
+    for (next, missed) in [(2, 0), (3, 1), (1001, 999), (1002, 0)] {
+        let mut board = board();
+        let mut asked = |sequence| {
+            let status = Uplink { sequence, request: Request::Command(Command::Status) };
+            let mut buffer = [0; MAX_MESSAGE];
+            said!(board.say(uplink::encode(&status, OPEN, &mut buffer).unwrap()), Status).unwrap()
+        };
+        asked(1);
+        assert_eq!(asked(next).missed, missed, "{next}");
+    }
+}
+
+#[test]
+fn in_lockstep_the_clock_says_nothing() {
+    let (mut board, ..) = running(described());
+    assert!(board.tick().is_empty());
+}
+
+#[test]
+fn by_the_clock_the_first_of_two_with_the_same_time_waits() {
+    let (mut board, _, log) = running(described());
+    board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
+    assert!(board.measure(&log[0]).is_empty());
+    assert_eq!(answer(&board.measure(&log[0])).unwrap().result, Err(Refusal::TimeNotIncreasing));
+}
+
+#[test]
+fn a_run_that_is_none_does_not_end() {
+    let (mut board, ..) = running(described());
+    board.end();
+    assert_eq!(board.ask(Request::Command(Command::End)), Err(Refusal::NotRunning));
+    assert_eq!(board.ask(Request::Command(Command::Snapshot)), Err(Refusal::NotRunning));
+}
+
+#[test]
+fn a_train_that_is_described_once_more_is_not_looked_for_again() {
+    let (mut board, description, _) = running(described());
+    board.end();
+    board.prepare(&description, Direction::Up);
+    let looked = board.log.iter().filter(|event| matches!(event, Event::Vehicle { .. })).count();
+    assert_eq!(looked, 1, "{:?}", board.log);
 }

@@ -1,6 +1,7 @@
 //! The other end of the link: what a DAS computer says to the board, and in which order.
 //!
 //! In: train, track, configuration, measurements. Out: messages, secured where they must be. The link that carries them is the caller's.
+#![warn(missing_docs)]
 
 use rundown::model::effects::{Effect, Effects};
 use rundown::model::track::{Curve, Gradient, Target, Track};
@@ -14,7 +15,6 @@ use rundown::tick::measurement::Measurement;
 use rundown::{
     estimator::Estimator, estimator::config::Config, model::direction::Direction, onboard::task::DATA_ID, tick::digest,
 };
-use rundown_files::track_file::TrackFile;
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart, Versions};
 
 /// Number of the first section of the configuration that the boards of the first version do not know.
@@ -36,20 +36,6 @@ pub struct Description {
 }
 
 impl Description {
-    /// Of the files that `replay` takes, without their effects: a board has the same in all runs, so the caller says which.
-    pub fn new(train: &Train, track: &TrackFile, config: Config) -> Self {
-        let gradients = track.gradient.iter().map(|entry| Gradient { from_m: entry.from_m, permille: entry.permille });
-        Self {
-            train: *train.description(),
-            track_length_m: track.length_m,
-            gradients: gradients.collect(),
-            curves: track.curve.clone(),
-            targets: track.targets(),
-            effects: Effects::NONE,
-            config,
-        }
-    }
-
     /// The estimator that the board makes of it.
     ///
     /// # Errors

@@ -1,11 +1,11 @@
 //! Does the board survive what `docs/faults.md` lists? The rows that no other test holds, through the tick task and its messages.
 
-use host_tests::accuracy::measurements;
-use host_tests::board::{Board, answer, case_study, estimate, running};
-use host_tests::coasting::with_targets;
-use host_tests::flash::Flash;
-use host_tests::prelude::*;
-use host_tests::said;
+use board_tests::board::{Board, answer, case_study, estimate, running};
+use board_tests::described::measurements;
+use board_tests::described::with_targets;
+use board_tests::flash::Flash;
+use board_tests::prelude::*;
+use board_tests::said;
 use rundown::link::serial::{Decoder, encode};
 use rundown::model::effects::*;
 use rundown::onboard::uplink::{self, Setting, Uplink};
@@ -305,7 +305,7 @@ fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
     }
     for wrong in hostile {
         let mut refusals = Vec::new();
-        for request in wrong.requests(host_tests::board::PROVISIONING.train.0) {
+        for request in wrong.requests(board_tests::board::PROVISIONING.train.0) {
             refusals.extend(board.ask(request).err());
         }
         assert_eq!(refusals, [Refusal::OutOfRange], "{wrong:?}");

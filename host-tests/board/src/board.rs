@@ -1,7 +1,6 @@
 //! A board on the host: the tick task over a flash and a link of test's own, and a desk that talks to it.
 
-use crate::accuracy::{description, measurements};
-use crate::coasting::with_targets;
+use crate::described::{description, measurements, with_targets};
 use crate::flash::Flash;
 use crate::prelude::*;
 use rundown::estimator::run_state::RunState;

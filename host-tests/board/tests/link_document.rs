@@ -1,13 +1,13 @@
 //! Are the bytes in docs/link.md those of the code?
 
+use board_tests::pipe;
 use embedded_can::Frame;
 use rundown::link::can::{CanFrame, Format};
 use rundown::link::can_link::{CanLink, FROM_BOARD, TO_BOARD};
 use rundown::link::isotp::{Config, pdu};
 use rundown::link::{Link, MAX_CHECKED, checksum, serial, slcan};
-use sim_harness::link::pipe;
 
-const DOCUMENT: &str = include_str!("../../docs/link.md");
+const DOCUMENT: &str = include_str!("../../../docs/link.md");
 
 /// The words behind `name` at the begin of a line, for each such line.
 fn lines(name: &str) -> Vec<&'static str> {

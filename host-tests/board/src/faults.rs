@@ -72,7 +72,7 @@ struct Transit {
 
 /// One direction of the wire.
 #[derive(Clone, Debug)]
-pub struct Wire {
+pub struct BadWire {
     rates: Rates,
     rng: ChaCha8Rng,
     queue: VecDeque<Transit>,
@@ -81,7 +81,7 @@ pub struct Wire {
     tally: Tally,
 }
 
-impl Wire {
+impl BadWire {
     /// A wire with nothing on it.
     pub fn new(seed: u64, rates: Rates) -> Self {
         Self {
@@ -189,8 +189,8 @@ fn flip(bytes: &mut [u8], rng: &mut impl Rng, bits: usize) {
 /// A message that came out empty or too long is no message and is lost, as is one that a full port cut.
 pub struct FaultyLink<L> {
     link: L,
-    out: Wire,
-    back: Wire,
+    out: BadWire,
+    back: BadWire,
     // Taken off the wire while the link below was busy.
     waiting: Option<Vec<u8>>,
 }
@@ -262,8 +262,8 @@ impl<L: Link> Link for FaultyLink<L> {
 /// What is written in one go is a unit, and so is what has come in since the last look. Late bytes move on when the port is used.
 pub struct FaultyPort<P, C> {
     port: P,
-    out: Wire,
-    back: Wire,
+    out: BadWire,
+    back: BadWire,
     ready: VecDeque<u8>,
     clock_us: C,
 }
@@ -341,8 +341,8 @@ impl<P: Read + ReadReady + Write, C: FnMut() -> u64> Write for FaultyPort<P, C> 
 }
 
 /// Both directions, with seeds of their own.
-fn wires(seed: u64, rates: Rates) -> [Wire; 2] {
-    [seed, !seed].map(|seed| Wire::new(seed, rates))
+fn wires(seed: u64, rates: Rates) -> [BadWire; 2] {
+    [seed, !seed].map(|seed| BadWire::new(seed, rates))
 }
 
 #[cfg(test)]
@@ -350,7 +350,7 @@ mod tests {
     use super::*;
 
     fn through(rates: Rates, seed: u64, units: u8) -> (Vec<Vec<u8>>, Tally) {
-        let mut wire = Wire::new(seed, rates);
+        let mut wire = BadWire::new(seed, rates);
         let mut out = Vec::new();
         for unit in 0..units {
             wire.put(vec![unit; 20], u64::from(unit));
@@ -399,7 +399,7 @@ mod tests {
             Rates { reorder: 1.0, delay_us: 50, ..Rates::default() },
             Rates { stall: 1.0, stall_us: 50, ..Rates::default() },
         ] {
-            let mut wire = Wire::new(3, rates);
+            let mut wire = BadWire::new(3, rates);
             wire.put(vec![1], 100);
             assert_eq!(wire.take(149), None, "{rates:?}");
             assert_eq!(wire.take(150), Some(vec![1]), "{rates:?}");

@@ -1,10 +1,10 @@
 //! Does what was stored survive power cuts, bit rot, wear and other people's records?
 
+use board_tests::described::NOMINAL;
+use board_tests::flash::{CUT_MODES, CutMode, Flash, PAGE, TornReads, WORD};
+use board_tests::prelude::*;
 use crc::{CRC_32_ISCSI, Crc};
 use embedded_storage::nor_flash::NorFlash;
-use host_tests::accuracy::NOMINAL;
-use host_tests::flash::{CUT_MODES, CutMode, Flash, PAGE, TornReads, WORD};
-use host_tests::prelude::*;
 use rundown::model::effects::{Coordinate, Effect, Effects, TunnelDrag, Unknown, WarmUp};
 use rundown::onboard::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use rundown::onboard::store::{AppendError, EpochError, Identity, OVERHEAD, Refused, Store, TooFewPages};

@@ -1,9 +1,9 @@
 //! Does the board's log say what happened? The same events that the firmware writes to the debugger.
 
-use host_tests::board::{Board, described, running};
-use host_tests::flash::{CutMode, Flash};
-use host_tests::prelude::*;
-use host_tests::said;
+use board_tests::board::{Board, described, running};
+use board_tests::flash::{CutMode, Flash};
+use board_tests::prelude::*;
+use board_tests::said;
 use rundown::onboard::event::{Event, WAITING};
 use rundown::onboard::kept::Kept;
 use rundown_wire::{Failure, Memory, Refusal, ResetCause, Stalled};

@@ -1,8 +1,8 @@
 //! What do a wrong clock and a flood of open messages cost? A few ticks, and no estimate.
 
-use host_tests::board::{Board, answer, described, estimate, running};
-use host_tests::prelude::*;
-use host_tests::said;
+use board_tests::board::{Board, answer, described, estimate, running};
+use board_tests::prelude::*;
+use board_tests::said;
 use rundown::tick::estimate::Cause;
 use rundown_wire::{Body, Refusal};
 
