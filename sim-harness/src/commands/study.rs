@@ -10,6 +10,7 @@ use crate::study::claims::{Claim, Verdict, summary};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, Rows, gather};
 use crate::study::page::{self, StudyPage, known};
+use crate::study::readings::comparison;
 use crate::study::run_pages::RunPages;
 use crate::study::slope::{SlopeAnswer, SlopePlan};
 use crate::study::{claims, description, slope as self_test, tunnel as tunnel_at_best, write};
