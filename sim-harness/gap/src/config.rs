@@ -122,6 +122,7 @@ settings! {
     nuisance: NuisanceConfig {
         effort_gain_sd: f64 = 0.05, /// Gain of the effort column less 1, standard deviation. Judgement: efforts are calculated from currents and voltages, and masses from tables.
         brake_gain_sd: f64 = 0.05, /// The same of braking efforts beside the others, standard deviation. Judgement: brake forces are calculated from pressures, with a friction that is from tables.
+        brake_n_per_kg: f64 = 0.01, /// A measured effort below minus this is set aside where the readings of the brake are not those of the brake, N/kg. Judgement: above the noise of efforts of none.
         effort_delay_sd_s: f64 = 3.0, /// Age of an effort at its time stamp, standard deviation, s. Judgement: buses and loggers; a sample of 10 s is then possible, and a minute is not.
         location_offset_sd_m: f64 = 50.0, /// Shown less true location along the line in all runs, standard deviation, m. Judgement: another zero of the chainage, an antenna at the other end of a train.
         most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.

@@ -39,6 +39,8 @@ pub struct Scenario {
     pub drivers: usize,
     /// Notches of the driver's lever, each with its share of effort and power (a diesel); 0: without steps.
     pub notches: u8,
+    /// The column of the effort has of the brake what the motors hold, and nothing of the blocks.
+    pub electric_brake_only: bool,
     /// Probability that a driver cruises by cycles of power and coast.
     pub cycle_share: f64,
     /// Probability that a driver tries the brake after the departure.
@@ -76,6 +78,7 @@ impl Default for Scenario {
             driver: DriverKind::CaseStudy,
             drivers: 0,
             notches: 0,
+            electric_brake_only: false,
             cycle_share: 0.4,
             brake_test_share: 0.0,
             final_dwell: false,
