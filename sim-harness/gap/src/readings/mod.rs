@@ -5,4 +5,5 @@ mod delay;
 pub(crate) mod kinematics;
 pub mod nuisances;
 pub mod offset;
+mod unit_gains;
 pub(crate) mod wheels;
