@@ -259,7 +259,7 @@ settings! {
         near: f64 = 3.0, /// A rival within this log-likelihood is not distinguishable. Derived: odds of 20.
         far: f64 = 10.0, /// A rival that is worse by more has no odds. Derived: odds of 22 000.
         ruled_out: f64 = 6.9, /// A rival that is worse by more is ruled out. Derived: odds of 1000.
-        confounded: f64 = 0.5, /// Odds that one effect is two others together which no search over single ones compares, where both fit: other Davis coefficients in one direction and a steady wind, beside a wrong gain and another mass; a limit of a section on a line described as level and a climb. Judgement.
+        confounded: f64 = 0.5, /// Odds that one effect is two others together which no search over single ones compares, where both fit: other Davis coefficients in one direction and a steady wind, beside a wrong gain and another mass; a limit of a section on a line described as level and a climb; or that a weak traction is drivers who never ask for all of it. Judgement.
         most_wind_mps: f64 = 10.0, /// No wind is stronger in all runs alike, nor its standard deviation between runs, m/s. Judgement.
         same_force: f64 = 0.02, /// Share of the traction within which a limit that the effort column shows as described is one and the same with the column's gain: what is off may be the mass. Judgement.
         same: f64 = 1.5, /// A tunnel and a gradient this near take the name that the track describes, log-likelihood. Judgement.

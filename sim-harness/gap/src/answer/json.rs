@@ -40,6 +40,12 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["effects[].intervals_95.*", "as the parameter", "ends of their 95 % intervals", ""],
     ["effects[].confidence", "1", "how sure its name is: its share among rivals, chance and halves that differ", ""],
     ["effects[].ambiguous_with[]", "", "effects that it is not distinguishable from", ""],
+    [
+        "effects[].or_else",
+        "",
+        "what it may be that is no effect of a train",
+        "nothing is known that would look the same",
+    ],
     ["effects[].would_separate[]", "", "data that would separate them", "there is no rival"],
     ["effects[].runs[]", "", "runs in which it acts; empty: in all", ""],
     ["effects[].coordinate", "", "what it depends on, where no kind explains it", "a kind explains it"],
