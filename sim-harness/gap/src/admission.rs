@@ -7,6 +7,7 @@ use crate::efforts::rows_as_read;
 use crate::fit::median;
 use crate::input::Input;
 use crate::investigation::most_held_out;
+use crate::leap::leap;
 use crate::readings::brakes::{needed, powered_hard};
 use crate::refusal::Refusal;
 use crate::slopes;
@@ -33,6 +34,9 @@ pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> 
     let most = config.track.most_off_share;
     if let Some(off) = off_track(input, config).filter(|off| off.share() > most) {
         return Err(Refusal::OffTrack { off, most_percent: 100.0 * most });
+    }
+    if let Some(leap) = leap(&input.runs, config) {
+        return Err(Refusal::Leap { leap, all: runs });
     }
     let most = config.effort.most_factor;
     let rows = rows_as_read(given, &input.runs).unwrap_or_default();

@@ -91,6 +91,9 @@ settings! {
         most_gradient_sd_permille: f64 = 1.0, /// Gradients that are less certain are taken for effects, and nothing is analysed, permille. Derived: 1 permille is a third of the resistance at 100 km/h.
         most_slope_factor: f64 = 1.5, /// Slopes further off than this factor from those that the motion needs, or of the other sign, are of another line. Judgement: surveys are within 20 %, and twice as steep is no survey.
         slope_sure: f64 = 4.0, /// So many standard deviations beyond it, by what parts of the line say. Judgement: a gradient that is wrong at one place is an effect.
+        most_leap_m: f64 = 100.0, /// Locations that leap by more at one place are on another chainage behind it, and nothing is analysed, m. Judgement: receivers are within tens of metres.
+        leap_apart: f64 = 0.25, /// Leaps of one place differ by a smaller share. Judgement: the noise of two locations.
+        leap_share: f64 = 0.6, /// Share of the runs that have it. Judgement: some are lost between two readings, or stop there.
         most_off_share: f64 = 0.2, /// With a larger share of the locations of moving trains off the described track nothing is analysed. Judgement: nothing is known of gradients there, and they would be named.
     }
     /// Speed against location: what the diagnosis of the logs says, and what of it has a name.
