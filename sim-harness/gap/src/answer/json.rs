@@ -27,7 +27,6 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["verdict", "", "`no_gap`, `candidate`, `unknown`, `partly_explained` or `explained`", ""],
     ["nuisances[].name", "", "what is wrong with the readings of all runs alike", ""],
     ["nuisances[].unit", "", "unit of its value", ""],
-    ["nuisances[].of", "", "the unit whose effort column it is", "of all runs"],
     ["nuisances[].value", "as `unit`", "how much", ""],
     ["nuisances[].sd", "as `unit`", "its standard deviation", ""],
     ["nuisances[].interval_95[]", "as `unit`", "ends of its 95 % interval", ""],

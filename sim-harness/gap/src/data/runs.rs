@@ -61,14 +61,9 @@ pub fn usual_step_s(run: &Run) -> f64 {
 
 /// Runs with their efforts put right, which read by `gain` too much.
 pub fn without_gain(runs: &[Run], gain: f64) -> Vec<Run> {
-    runs.iter().map(|run| run_without_gain(run, gain)).collect()
-}
-
-/// The same of one run.
-pub fn run_without_gain(run: &Run, gain: f64) -> Run {
-    let mut run = run.clone();
-    for sample in &mut run.samples {
+    let mut runs = runs.to_vec();
+    for sample in runs.iter_mut().flat_map(|run| &mut run.samples) {
         sample.effort_n_per_kg = sample.effort_n_per_kg.map(|effort| effort / (1.0 + gain));
     }
-    run
+    runs
 }

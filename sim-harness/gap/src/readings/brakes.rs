@@ -54,7 +54,7 @@ pub fn powered_hard(rows: &[Row]) -> Vec<&Row> {
 }
 
 /// Shown over needed effort, run by run, as runs differ in it. None from too few rows.
-pub fn ratio(rows: &[&Row], least_rows: usize) -> Option<Figure> {
+fn ratio(rows: &[&Row], least_rows: usize) -> Option<Figure> {
     let of_run = |rows: &[&Row]| {
         let sum = |of: fn(&Row) -> f64| rows.iter().map(|row| of(row)).sum::<f64>();
         [sum(|row| row.effort_n_per_kg), sum(needed)]
@@ -126,7 +126,7 @@ pub fn set_aside(context: &Context<'_>, runs: &[Run], effort: EffortReading) -> 
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
     use crate::data::believed::tests::on_a_level_line;
     use crate::data::runs::Recorded;
@@ -140,7 +140,7 @@ pub(super) mod tests {
 
     /// Runs of a train that powers up to 35 m/s, coasts, and brakes with 0.1 to 0.35 N/kg to 8 m/s, read every 5 s. `shown`: what the column has of an effort at a
     /// speed; `arrives`: the share of the demanded brake that arrives at a speed.
-    pub fn runs(context: &Context<'_>, shown: fn(f64, f64) -> f64, arrives: fn(f64) -> f64) -> Vec<Run> {
+    fn runs(context: &Context<'_>, shown: fn(f64, f64) -> f64, arrives: fn(f64) -> f64) -> Vec<Run> {
         let line = context.believed.line(Direction::Up);
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let one = |index: usize| {

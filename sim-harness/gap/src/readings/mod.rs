@@ -5,5 +5,4 @@ mod delay;
 pub(crate) mod kinematics;
 pub mod nuisances;
 pub mod offset;
-mod unit_gains;
 pub(crate) mod wheels;

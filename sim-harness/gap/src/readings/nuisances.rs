@@ -12,21 +12,18 @@ use crate::named::Named;
 use crate::readings::brakes::{self, Brakes, brakes};
 use crate::readings::delay::{self, Delay, delay};
 use crate::readings::offset::{self, Offset, offset};
-use crate::readings::unit_gains::{self, UnitGain, unit_gains};
 use rundown::model::effects::EffectKind;
 use rundown_check::agreement::Figure;
 use rundown_check::agreement::HALF_95;
 use serde_json::{Value, json};
 
 /// What was found of all runs.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Readings {
     /// How the effort column is read, and its age.
     pub effort: Delay,
     /// How its readings of the brake compare with those of powering; none without an effort column, or where trains hardly brake.
     pub brakes: Option<Brakes>,
-    /// Units whose column reads otherwise than those of the others.
-    pub unit_gains: Vec<UnitGain>,
     /// None without an effort column.
     pub offset: Option<Offset>,
 }
@@ -38,8 +35,6 @@ pub struct Nuisance {
     pub name: &'static str,
     /// Of value and standard deviation; empty: a share.
     pub unit: &'static str,
-    /// The unit whose column it is; none: of all runs.
-    pub of: Option<String>,
     /// Gain less 1, age of the effort, shown less true location.
     pub value: f64,
     /// Its standard deviation.
@@ -68,16 +63,12 @@ pub fn righted(context: &Context<'_>, runs: &[Run]) -> (Vec<Run>, Readings) {
         (runs, effort) = in_time(false);
         runs = brakes::set_aside(context, &runs, effort.reading);
     }
-    let unit_gains = unit_gains(context, &runs, effort.reading);
-    if !unit_gains.is_empty() {
-        runs = unit_gains::put_right(&runs, &unit_gains);
-    }
     let cut = cut::all(context, &runs, effort.reading);
     let looked = Looked { context, runs: &runs, cut: &cut, effort: effort.reading, measured: true, model: (&[], &[]) };
     let offset = offset(context, &looked.rows(None, 0.0));
     let off_m = offset.and_then(|offset| offset.matters(&config.nuisance, config.search.enough));
     let runs = off_m.map_or_else(|| runs.clone(), |off_m| offset::put_right(&runs, off_m.value));
-    (runs, Readings { effort, brakes, unit_gains, offset })
+    (runs, Readings { effort, brakes, offset })
 }
 
 /// A gain of the effort column that is neither small nor unsure.
@@ -91,7 +82,6 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
     let one = |name, unit, figure: Figure, told| Nuisance {
         name,
         unit,
-        of: None,
         value: figure.value,
         sd: figure.sd,
         told,
@@ -107,21 +97,13 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
         let ambiguous_with = rival.then_some(EffectKind::TrainLengthError).into_iter().collect();
         Nuisance { ambiguous_with, ..one("location_offset", "m", offset.offset_m, told) }
     });
-    let of_unit = |found: &UnitGain| Nuisance {
-        of: Some(found.of.clone()),
-        ambiguous_with: vec![EffectKind::MassError],
-        ..one("effort_gain", "", found.off, true)
-    };
-    let of_units = readings.unit_gains.iter().map(of_unit);
-    [gain, brakes, delay, offset].into_iter().flatten().chain(of_units).collect()
+    [gain, brakes, delay, offset].into_iter().flatten().collect()
 }
 
 /// A gain that was put right beside wrong Davis coefficients may as well be the mass, which changes both.
 pub fn beside(nuisances: &mut [Nuisance], named: &[Named]) {
     let may_be_mass = named.iter().any(|one| one.ambiguous_with.contains(&EffectKind::MassError));
-    for gain in
-        nuisances.iter_mut().filter(|one| may_be_mass && one.told && one.name == "effort_gain" && one.of.is_none())
-    {
+    for gain in nuisances.iter_mut().filter(|one| may_be_mass && one.told && one.name == "effort_gain") {
         gain.ambiguous_with.push(EffectKind::MassError);
     }
 }
@@ -134,7 +116,6 @@ impl Nuisance {
         json!({
             "name": self.name,
             "unit": self.unit,
-            "of": self.of,
             "value": self.value,
             "sd": self.sd,
             "interval_95": [low, high],
@@ -147,13 +128,6 @@ impl Nuisance {
     pub fn sentence(&self) -> String {
         let (size, more) = (self.value.abs(), self.value > 0.0);
         let mut text = match self.name {
-            "effort_gain" if self.of.is_some() => format!(
-                "The effort column of unit {} reads {:.1} ± {:.1} % too {} beside those of the others",
-                self.of.as_deref().unwrap_or_default(),
-                100.0 * size,
-                100.0 * self.sd,
-                if more { "high" } else { "low" }
-            ),
             "effort_gain" => format!(
                 "The effort column reads {:.1} ± {:.1} % too {} for the motion of the train",
                 100.0 * size,
