@@ -9,6 +9,7 @@ mod formats;
 mod meaning;
 
 use common::Folder;
+use std::fmt::Write;
 
 /// A train that stops at these places, sampled each second: time, location, speed.
 fn drive(stops_m: &[f64], fastest_mps: f64) -> Vec<(f64, f64, f64)> {
@@ -49,6 +50,31 @@ fn table(header: &str, rows: &[(f64, f64, f64)], line: impl Fn(f64, f64, f64) ->
 fn clock(seconds: f64) -> String {
     let seconds = seconds as u64 % 86_400;
     format!("{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
+}
+
+/// A ride of a phone along a line that bends, some metres beside it.
+fn gpx(rows: &[(f64, f64, f64)], begin_s: f64, beside_m: f64, from_m: f64) -> String {
+    let mut text = String::from(
+        "<?xml version=\"1.0\"?>\n<gpx version=\"1.1\" xmlns=\"http://www.topografix.com/GPX/1/1\"><trk><trkseg>\n",
+    );
+    for (t, x, _) in rows {
+        let (latitude, longitude) = place((from_m - x).abs(), beside_m);
+        let time = jiff::Timestamp::from_second(1_740_000_000 + (begin_s + t) as i64).unwrap();
+        let height = 100.0 + 0.004 * (from_m - x).abs();
+        writeln!(
+            text,
+            "<trkpt lat=\"{latitude:.7}\" lon=\"{longitude:.7}\"><ele>{height:.1}</ele><time>{time}</time></trkpt>"
+        )
+        .unwrap();
+    }
+    text + "</trkseg></trk></gpx>\n"
+}
+
+/// A quarter of a circle of 10 km.
+fn place(x: f64, beside_m: f64) -> (f64, f64) {
+    let (radius, angle) = (10_000.0, x / 10_000.0);
+    let (north, east) = ((radius + beside_m) * angle.sin(), (radius + beside_m) * (1.0 - angle.cos()) - beside_m);
+    (50.0 + north / 111_229.0, 8.0 + east / 71_696.0)
 }
 
 fn csv(folder: &Folder, name: &str) -> Vec<Vec<f64>> {

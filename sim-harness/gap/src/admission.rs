@@ -7,6 +7,8 @@ use crate::efforts::rows_as_read;
 use crate::fit::median;
 use crate::input::Input;
 use crate::investigation::most_held_out;
+use crate::leap::leap;
+use crate::readings::brakes::{needed, powered_hard};
 use crate::refusal::Refusal;
 use crate::slopes;
 use rundown_check::agreement::Figure;
@@ -32,6 +34,9 @@ pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> 
     let most = config.track.most_off_share;
     if let Some(off) = off_track(input, config).filter(|off| off.share() > most) {
         return Err(Refusal::OffTrack { off, most_percent: 100.0 * most });
+    }
+    if let Some(leap) = leap(&input.runs, config) {
+        return Err(Refusal::Leap { leap, all: runs });
     }
     let most = config.effort.most_factor;
     let rows = rows_as_read(given, &input.runs).unwrap_or_default();
@@ -74,11 +79,7 @@ pub fn off_track(input: &Input, config: &GapConfig) -> Option<OffTrack> {
 /// known of resistance and gradients. None from too few intervals.
 fn effort_factor(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
     // By the motion: of a brake the column may have a part.
-    let needed = |row: &Row| row.effort_n_per_kg - row.residual_n_per_kg;
-    let mut driven: Vec<f64> = rows.iter().map(needed).filter(|needed| *needed > 0.0).collect();
-    driven.sort_by(f64::total_cmp);
-    let hard = 0.5 * driven.get(driven.len() * 95 / 100)?;
-    let hardest: Vec<&Row> = rows.iter().filter(|row| needed(row) >= hard).collect();
+    let hardest = powered_hard(rows);
     if hardest.len() < given.config.search.least_rows {
         return None;
     }

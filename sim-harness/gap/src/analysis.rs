@@ -1,14 +1,15 @@
 //! From recorded runs to the missing effects: the order of the steps, and nothing else.
 
-use crate::candidate::{Shape, Term};
+use crate::candidate::{Fitted, Shape, Term};
 use crate::candidates::dragging_brake;
 use crate::config::TractionConfig;
 use crate::data::believed::{Conditions, Context};
 use crate::data::runs::{EffortReading, Run, without_gain};
 use crate::data::{cut, interval::Interval, rows::Row};
 use crate::efforts::{Looked, measured};
-use crate::findings::Findings;
-use crate::noise::calibrate::{Calibrated, calibrate};
+use crate::findings::{BetweenRuns, Findings};
+use crate::levels::{columns, standouts};
+use crate::noise::calibrate::{Calibrated, calibrate, calibrate_beside, flexible};
 use crate::noise::dragging::dragging;
 use crate::readings::kinematics::Kinematics;
 use crate::search::{fits::Search, fitting::fitted, headwind::headwind};
@@ -47,15 +48,14 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Opti
         recut = cut::all(context, &righted, effort);
         (runs, cut) = (&righted, &recut);
     }
-    let (fitted, wind_gain, headwind) = if has_rows {
-        // Beside the same model, which was not known when the noise was found.
-        let reached = |wind| calibrate(context, &rows, measured, wind, &terms).1;
-        let wind_gain = reached(true) - reached(false);
+    let (fitted, headwind) = if has_rows {
         let search = Search::new(context, &rows, &calibrated, measured);
-        (fitted(&search, &terms), wind_gain, headwind(&search, &terms))
+        (fitted(&search, &terms), headwind(&search, &terms))
     } else {
-        (Vec::new(), 0.0, None)
+        (Vec::new(), None)
     };
+    let differing =
+        if has_rows { between_runs(context, &rows, measured, &fitted, runs) } else { BetweenRuns::default() };
     let looked = Looked { context, runs, cut, effort, measured, model: (&terms, &beta) };
     let (powering, traction) = looked.traction(&calibrated);
     // What is not known of the gain of the effort is no finding of a limit.
@@ -71,12 +71,26 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Opti
         limits: limits(&powering, &traction, &traction_config, &context.penalty()),
         gain,
         powering,
-        wind_gain,
+        differing,
         headwind,
         rows,
         calibrated,
         conditions: context.conditions,
     })
+}
+
+/// By what runs differ from each other.
+fn between_runs(context: &Context<'_>, rows: &[Row], measured: bool, fitted: &[Fitted], runs: &[Run]) -> BetweenRuns {
+    // Beside the same model, which was not known when the noise was found.
+    let terms: Vec<Term> = fitted.iter().map(|fitted| fitted.term.clone()).collect();
+    let beside = |wind: bool, differing: Vec<Vec<f64>>| {
+        let known = flexible(context, rows, &terms).into_iter().chain(differing);
+        calibrate_beside(context, rows, measured, wind, known.collect())
+    };
+    let (standouts, not_compared) = standouts(context, rows, |differing| beside(true, differing).0, fitted, runs);
+    let differing = columns(&standouts, context, rows, runs);
+    let ((with, reached), (_, without)) = (beside(true, differing.clone()), beside(false, differing));
+    BetweenRuns { wind_mps: with.own.wind_mps, wind_gain: reached - without, standouts, not_compared }
 }
 
 /// With an effort column one round; without, the model shows where trains coast, and coasting the model.
@@ -124,7 +138,7 @@ pub fn apply(context: &Context<'_>, findings: &Findings, runs: &[Run]) -> (Vec<R
     let runs = &righted;
     let cut = cut::all(context, runs, findings.effort);
     let terms: Vec<Term> = findings.terms.iter().map(|fitted| fitted.term.clone()).collect();
-    let of_term = |fitted: &crate::candidate::Fitted| match fitted.term.is_whole() {
+    let of_term = |fitted: &Fitted| match fitted.term.is_whole() {
         true => vec![1.0],
         false => fitted.beta.clone(),
     };
@@ -147,4 +161,70 @@ fn expanded(model: &[Term], free: &[f64]) -> Vec<f64> {
         }
     }
     beta
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::GapConfig;
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::data::runs::Recorded;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rundown::model::direction::Direction;
+
+    const RUNS: usize = 32;
+
+    /// Of 32 runs of four units on eight days, up and down, that coast from 40 to 15 m/s: unit 3 has a share more resistance, and each run a wind of its own, m/s.
+    fn differing(more: f64, wind_sd_mps: f64, seed: u64) -> BetweenRuns {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let run = |run: usize| Run {
+            name: run.to_string(),
+            direction: [Direction::Up, Direction::Down][(run / 4 + run) % 2],
+            day: Some((run / 4) as f64 + 0.4),
+            samples: Vec::new(),
+            recorded: Recorded { unit: format!("u{}", run % 4), ..Recorded::default() },
+        };
+        let runs: Vec<Run> = (0..RUNS).map(run).collect();
+        on_a_level_line(RUNS, |context| {
+            let davis = context.believed.train().davis();
+            let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+            let mut rows = Vec::new();
+            for (index, run) in runs.iter().enumerate() {
+                let wind_mps = wind_sd_mps * normal();
+                for i in 0..50 {
+                    let speed_mps = 40.0 - 0.5 * f64::from(i);
+                    let mut row = Row::coasting(run.direction, 1_000.0 * f64::from(i), speed_mps);
+                    row.interval.run = index;
+                    row.interval.day = run.day;
+                    let of_unit = if index % 4 == 3 { more * davis.resistance_n_per_kg(speed_mps) } else { 0.0 };
+                    let of_wind = davis.r2 * ((speed_mps + wind_mps).powi(2) - speed_mps * speed_mps);
+                    row.residual_n_per_kg = 0.002 * normal() + of_unit + of_wind;
+                    rows.push(row);
+                }
+            }
+            between_runs(context, &rows, true, &[], &runs)
+        })
+    }
+
+    #[test]
+    fn a_unit_that_has_more_resistance_is_no_wind_of_its_runs() {
+        for seed in 0..3 {
+            let found = differing(0.15, 0.0, seed);
+            let units: Vec<&str> = found.standouts.iter().map(|one| one.of.as_str()).collect();
+            assert_eq!(units, ["u3"]);
+            assert!((found.standouts[0].share.value - 0.15).abs() < 0.03, "{found:?}");
+            assert!(found.wind_gain < GapConfig::default().between_runs.wind_gain, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn winds_stay_what_they_are_beside_units() {
+        for seed in 0..3 {
+            let found = differing(0.0, 4.0, seed);
+            assert!(found.wind_gain > GapConfig::default().between_runs.wind_gain, "{found:?}");
+            assert!((found.wind_mps / 4.0 - 1.0).abs() < 0.4, "{found:?}");
+        }
+    }
 }

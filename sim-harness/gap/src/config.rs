@@ -91,6 +91,9 @@ settings! {
         most_gradient_sd_permille: f64 = 1.0, /// Gradients that are less certain are taken for effects, and nothing is analysed, permille. Derived: 1 permille is a third of the resistance at 100 km/h.
         most_slope_factor: f64 = 1.5, /// Slopes further off than this factor from those that the motion needs, or of the other sign, are of another line. Judgement: surveys are within 20 %, and twice as steep is no survey.
         slope_sure: f64 = 4.0, /// So many standard deviations beyond it, by what parts of the line say. Judgement: a gradient that is wrong at one place is an effect.
+        most_leap_m: f64 = 100.0, /// Locations that leap by more at one place are on another chainage behind it, and nothing is analysed, m. Judgement: receivers are within tens of metres.
+        leap_apart: f64 = 0.25, /// Leaps of one place differ by a smaller share. Judgement: the noise of two locations.
+        leap_share: f64 = 0.6, /// Share of the runs that have it. Judgement: some are lost between two readings, or stop there.
         most_off_share: f64 = 0.2, /// With a larger share of the locations of moving trains off the described track nothing is analysed. Judgement: nothing is known of gradients there, and they would be named.
     }
     /// Speed against location: what the diagnosis of the logs says, and what of it has a name.
@@ -122,6 +125,7 @@ settings! {
     nuisance: NuisanceConfig {
         effort_gain_sd: f64 = 0.05, /// Gain of the effort column less 1, standard deviation. Judgement: efforts are calculated from currents and voltages, and masses from tables.
         brake_gain_sd: f64 = 0.05, /// The same of braking efforts beside the others, standard deviation. Judgement: brake forces are calculated from pressures, with a friction that is from tables.
+        brake_n_per_kg: f64 = 0.01, /// A measured effort below minus this is set aside where the readings of the brake are not those of the brake, N/kg. Judgement: above the noise of efforts of none.
         effort_delay_sd_s: f64 = 3.0, /// Age of an effort at its time stamp, standard deviation, s. Judgement: buses and loggers; a sample of 10 s is then possible, and a minute is not.
         location_offset_sd_m: f64 = 50.0, /// Shown less true location along the line in all runs, standard deviation, m. Judgement: another zero of the chainage, an antenna at the other end of a train.
         most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.
@@ -258,7 +262,7 @@ settings! {
         near: f64 = 3.0, /// A rival within this log-likelihood is not distinguishable. Derived: odds of 20.
         far: f64 = 10.0, /// A rival that is worse by more has no odds. Derived: odds of 22 000.
         ruled_out: f64 = 6.9, /// A rival that is worse by more is ruled out. Derived: odds of 1000.
-        confounded: f64 = 0.5, /// Odds that one effect is two others together which no search over single ones compares, where both fit: other Davis coefficients in one direction and a steady wind, beside a wrong gain and another mass; a limit of a section on a line described as level and a climb. Judgement.
+        confounded: f64 = 0.5, /// Odds that one effect is two others together which no search over single ones compares, where both fit: other Davis coefficients in one direction and a steady wind, beside a wrong gain and another mass; a limit of a section on a line described as level and a climb; or that a weak traction is drivers who never ask for all of it. Judgement.
         most_wind_mps: f64 = 10.0, /// No wind is stronger in all runs alike, nor its standard deviation between runs, m/s. Judgement.
         same_force: f64 = 0.02, /// Share of the traction within which a limit that the effort column shows as described is one and the same with the column's gain: what is off may be the mass. Judgement.
         same: f64 = 1.5, /// A tunnel and a gradient this near take the name that the track describes, log-likelihood. Judgement.

@@ -40,6 +40,9 @@ fn calculated_n_per_kg(found: &Calibrated) -> f64 {
 /// Whether the effort counts as measured.
 pub fn measured(runs: &[Run], config: &EffortConfig) -> bool {
     let moves = |v: f64| v > config.moving_mps;
+    if runs.iter().any(|run| run.recorded.brakes_aside) {
+        return true;
+    }
     let moving = || runs.iter().flat_map(|run| &run.samples).filter(|s| s.speed_mps.is_some_and(moves));
     let with = moving().filter(|s| s.effort_n_per_kg.is_some()).count();
     // A column of zeros is none.

@@ -4,12 +4,26 @@ use crate::candidate::{Fitted, Naming};
 use crate::config::{BetweenRunsConfig, SearchConfig};
 use crate::data::believed::{Conditions, Context};
 use crate::data::{rows::Row, runs::EffortReading};
+use crate::levels::{NotCompared, Standout};
 use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
 use crate::search::headwind::Headwind;
 use crate::traction::{limit::FoundLimit, powering::SteadyPower};
 use rundown_check::agreement::Figure;
 use rundown_check::agreement::HALF_95;
+
+/// By what runs differ from each other, beside the terms.
+#[derive(Clone, Debug, Default)]
+pub struct BetweenRuns {
+    /// Spread of a wind of its own in each run, m/s, beside the units and drivers that differ.
+    pub wind_mps: f64,
+    /// Its gain of log-likelihood over other differences between runs.
+    pub wind_gain: f64,
+    /// Units, drivers and days that differ from the others.
+    pub standouts: Vec<Standout>,
+    /// Which of these could not be compared with each other.
+    pub not_compared: Vec<NotCompared>,
+}
 
 #[derive(Clone, Debug)]
 pub struct Findings {
@@ -30,8 +44,8 @@ pub struct Findings {
     pub limits: Vec<FoundLimit>,
     /// Intervals of steady power from which the limits were found, run by run.
     pub powering: Vec<Vec<SteadyPower>>,
-    /// Gain of log-likelihood of a wind of its own in each run, over other differences between runs.
-    pub wind_gain: f64,
+    /// By what runs differ from each other.
+    pub differing: BetweenRuns,
     /// Where the logs have a headwind column.
     pub headwind: Option<Headwind>,
     pub conditions: Conditions,
@@ -42,9 +56,9 @@ impl Findings {
     fn run_wind(&self, config: &BetweenRunsConfig) -> Option<(f64, f64)> {
         let mut runs: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
         runs.dedup();
-        let spread = self.calibrated.own.wind_mps;
+        let BetweenRuns { wind_mps: spread, wind_gain, .. } = self.differing;
         let sd = config.wind_sd * spread / (2.0 * runs.len().max(2) as f64).sqrt();
-        let sure = self.wind_gain > config.wind_gain && spread - HALF_95 * sd > config.least_wind_mps;
+        let sure = wind_gain > config.wind_gain && spread - HALF_95 * sd > config.least_wind_mps;
         sure.then_some((spread, sd))
     }
 
@@ -62,7 +76,7 @@ impl Findings {
             measured: self.measured,
             kinematics: &self.kinematics,
             run_wind: self.run_wind(&context.config.between_runs),
-            wind_gain: self.wind_gain,
+            wind_gain: self.differing.wind_gain,
             limits: &self.limits,
         }
     }

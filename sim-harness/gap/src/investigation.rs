@@ -13,7 +13,6 @@ use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
 use crate::holdout::{journey::Journey, share::Share};
-use crate::levels::{NotCompared, Standout, standouts};
 use crate::named::Named;
 use crate::naming::{confounded::confounded, names::named, on_line::on_line};
 use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
@@ -36,10 +35,6 @@ pub struct Investigation {
     pub named: Vec<Named>,
     /// What fits as well as a named effect, but may be chance, or does not repeat in halves of the runs: no effect of the repaired model.
     pub candidates: Vec<Named>,
-    /// Units, drivers and days that differ from the others beside all that.
-    pub standouts: Vec<Standout>,
-    /// Which of these could not be compared with each other.
-    pub not_compared: Vec<NotCompared>,
     /// How well the noise fits; none from too few rows.
     pub whiteness: Option<Whiteness>,
     /// What is wrong with the readings of all runs alike, told or not.
@@ -128,8 +123,6 @@ pub fn investigate(
     let (evidence, p_value) = evidence(context, &findings.rows, &findings.calibrated);
     let rows = repaired(&context.believed, &named, runs, &findings.rows);
     let (_, p_value_after) = crate::evidence::evidence(context, &rows, &findings.calibrated);
-    progress("which unit, driver or day differs");
-    let (standouts, not_compared) = standouts(context, &findings.rows, &findings.calibrated, &findings.terms, runs);
     let whiteness = Whiteness::of(context, &findings.rows, &findings.calibrated, &findings.terms);
     let held_out = held_out(runs.len(), hold_out, &config.holdout);
     let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
@@ -149,8 +142,6 @@ pub fn investigate(
         findings,
         named,
         candidates,
-        standouts,
-        not_compared,
         whiteness,
         nuisances,
         trained,

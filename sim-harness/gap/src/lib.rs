@@ -58,6 +58,7 @@ mod fit;
 pub mod holdout;
 pub mod input;
 pub mod investigation;
+mod leap;
 pub mod levels;
 pub mod named;
 mod naming;

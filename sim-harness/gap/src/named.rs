@@ -22,6 +22,8 @@ pub struct Named {
     pub confidence: f64,
     /// Others that these data cannot separate from it.
     pub ambiguous_with: Vec<EffectKind>,
+    /// What it may be that is no effect of a train.
+    pub or_else: Option<&'static str>,
     /// What would separate them.
     pub would_separate: Vec<&'static str>,
     /// Runs in which it acts, if not in all.
@@ -59,6 +61,7 @@ impl Named {
             intervals,
             confidence: not_chance(gain, most_gain),
             ambiguous_with: Vec::new(),
+            or_else: None,
             would_separate: Vec::new(),
             runs: Vec::new(),
             per_run: Vec::new(),
@@ -81,6 +84,18 @@ impl Named {
         self.confidence = beside(self.confidence, odds);
         self.would_separate.push(separated_by);
         self.ambiguous_with.push(kind);
+    }
+
+    /// Adds what it may be that is no effect of a train, in the same way.
+    pub fn or_else(&mut self, what: &'static str, odds: f64, separated_by: &'static str) {
+        self.confidence = beside(self.confidence, odds);
+        self.would_separate.push(separated_by);
+        self.or_else = Some(what);
+    }
+
+    /// All that it is not distinguishable from, in words of files.
+    pub fn rivals(&self) -> impl Iterator<Item = &'static str> {
+        self.ambiguous_with.iter().map(|kind| kind.name()).chain(self.or_else)
     }
 
     /// Adds how it fared: chance is one more rival, and halves that differ make all rivals likelier.
@@ -128,6 +143,7 @@ impl Named {
             "intervals_95": intervals,
             "confidence": self.confidence,
             "ambiguous_with": self.ambiguous_with.iter().map(|kind| kind.name()).collect::<Vec<_>>(),
+            "or_else": self.or_else,
             "would_separate": self.would_separate,
             "runs": self.runs,
             "coordinate": self.coordinate(),

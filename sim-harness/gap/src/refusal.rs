@@ -1,5 +1,6 @@
 //! Why there is no answer.
 
+use crate::leap::Leap;
 use rundown::model::effects::EffectError;
 use rundown_check::gradients::Doubt;
 use rundown_files::off_track::OffTrack;
@@ -38,6 +39,20 @@ pub enum Refusal {
         off: OffTrack,
         /// The largest share with which anything can be said, %.
         most_percent: f64,
+    },
+    /// The locations leap at one place.
+    #[error(
+        "locations: expected as far as the trains go, found {:.0} m {} near km {:.1} in {} of {all} runs: the chainage leaps there, and what is described behind it would be taken for effects. Take the leap out of the locations, or out of the track; nothing was written",
+        leap.by_m.abs(),
+        if leap.by_m > 0.0 { "further" } else { "less" },
+        leap.at_m / 1000.0,
+        leap.runs
+    )]
+    Leap {
+        /// Where, and by how much.
+        leap: Leap,
+        /// How many runs there are.
+        all: usize,
     },
     /// The effort column is in another unit, or counts in the other direction.
     #[error(

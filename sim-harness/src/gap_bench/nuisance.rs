@@ -14,6 +14,10 @@ use serde::Serialize;
 pub enum Nuisance {
     /// The effort column is 6 to 12 % too high or too low.
     EffortGain,
+    /// The brake readings of the effort column are 20 to 50 % too low beside the power readings.
+    BrakeGain,
+    /// The effort column has the electric brake only.
+    ElectricBrake,
     /// The effort column is one sample late.
     EffortLate,
     /// All locations are 40 to 80 m off along the line.
@@ -47,6 +51,8 @@ impl Nuisance {
     pub fn name(self) -> &'static str {
         match self {
             Self::EffortGain => "effort 6 to 12 % too high or low, share",
+            Self::BrakeGain => "brake readings 20 to 50 % too low, share",
+            Self::ElectricBrake => "electric brake only",
             Self::EffortLate => "effort one sample late, s",
             Self::LocationOff => "locations 40 to 80 m off, m",
             Self::PlatformsOff => "platforms described 20 to 100 m off",
@@ -60,6 +66,7 @@ impl Nuisance {
     pub fn told_as(self) -> Option<&'static str> {
         match self {
             Self::EffortGain => Some("effort_gain"),
+            Self::BrakeGain | Self::ElectricBrake => Some("brake_gain"),
             Self::EffortLate => Some("effort_delay"),
             Self::LocationOff => Some("location_offset"),
             Self::Truncated => Some("truncated_speed"),
@@ -73,7 +80,13 @@ impl Nuisance {
         match self {
             Self::Truncated => Some(Kind::TruncatedSpeed),
             Self::LostSeconds => Some(Kind::LostSeconds),
-            Self::EffortGain | Self::EffortLate | Self::LocationOff | Self::PlatformsOff | Self::MixedStops => None,
+            Self::EffortGain
+            | Self::BrakeGain
+            | Self::ElectricBrake
+            | Self::EffortLate
+            | Self::LocationOff
+            | Self::PlatformsOff
+            | Self::MixedStops => None,
         }
     }
 
@@ -90,6 +103,15 @@ impl Nuisance {
                 let off = signed(&mut rng, 0.06, 0.12);
                 sensors.effort_gain *= 1.0 + off;
                 DrawnNuisance::Told(off)
+            }
+            Self::BrakeGain => {
+                let off = -rng.random_range(0.2..0.5);
+                sensors.brake_gain *= 1.0 + off;
+                DrawnNuisance::Told(off)
+            }
+            Self::ElectricBrake => {
+                scenario.electric_brake_only = true;
+                DrawnNuisance::Nowhere
             }
             Self::EffortLate => {
                 sensors.effort_lag_s = sensors.sampling_s;

@@ -159,6 +159,8 @@ tables! {
         momentary: bool = false;
         gain: f64 = 1.0, 0.1 to 10.0;
         gain_sd: f64 = 0.0, 0.0 to 0.3;
+        brake_gain: f64 = 1.0, 0.0 to 10.0;
+        electric_brake_only: bool = false;
         noise_n_per_kg: f64 = 0.0, 0.0 to 1.0;
         lag_s: f64 = 0.0, 0.0 to 600.0;
     }
@@ -214,6 +216,7 @@ impl SensorTable {
             standing_rows: self.standing_rows,
             day_clock_s: self.day_clock_s,
             effort_gain: effort.gain,
+            brake_gain: effort.brake_gain,
             effort_momentary: effort.momentary,
             effort_gain_sd: effort.gain_sd,
             effort_noise_n_per_kg: effort.noise_n_per_kg,
@@ -225,6 +228,7 @@ impl SensorTable {
         };
         let mut sensors = Sensors {
             effort_gain: own.effort_gain,
+            brake_gain: own.brake_gain,
             effort_momentary: own.effort_momentary,
             effort_gain_sd: own.effort_gain_sd,
             effort_noise_n_per_kg: own.effort_noise_n_per_kg,
@@ -344,6 +348,7 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates, given: &dyn Fn(&str
         driver: values.driver.kind,
         drivers: values.driver.drivers,
         notches: values.train.notches,
+        electric_brake_only: values.effort.electric_brake_only,
         cycle_share: values.driver.cycle_share,
         coast_brake_n_per_kg: values.driver.coast_brake_n_per_kg,
         brake_test_share: values.driver.brake_test_share,

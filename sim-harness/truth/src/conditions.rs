@@ -39,6 +39,8 @@ pub struct Scenario {
     pub drivers: usize,
     /// Notches of the driver's lever, each with its share of effort and power (a diesel); 0: without steps.
     pub notches: u8,
+    /// The column of the effort has of the brake what the motors hold, and nothing of the blocks.
+    pub electric_brake_only: bool,
     /// Probability that a driver cruises by cycles of power and coast.
     pub cycle_share: f64,
     /// What half of the coasts, drawn, keep on of the brake, N/kg: a driver who slows a little more than the train does by itself.
@@ -78,6 +80,7 @@ impl Default for Scenario {
             driver: DriverKind::CaseStudy,
             drivers: 0,
             notches: 0,
+            electric_brake_only: false,
             cycle_share: 0.4,
             coast_brake_n_per_kg: 0.0,
             brake_test_share: 0.0,

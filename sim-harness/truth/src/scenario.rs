@@ -238,7 +238,7 @@ fn row(
         speed_mps: motion.speed_mps,
         effort_n_per_kg: applied,
         mean_effort_n_per_kg: applied,
-        reported_n_per_kg: world.reported_n_per_kg(demanded, applied),
+        reported_n_per_kg: world.reported_n_per_kg([demanded, applied], motion),
         regime,
         resistance_n_per_kg: world.resistance_n_per_kg(history, motion),
         extra_n_per_kg,

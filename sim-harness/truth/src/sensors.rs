@@ -88,6 +88,8 @@ pub struct Sensors {
     pub speed_quantum_kmh: f64,
     /// Shown over true effort, 1 for none.
     pub effort_gain: f64,
+    /// The same of a braking effort, beside that.
+    pub brake_gain: f64,
     /// The effort at the moment of the sample instead of the mean since the sample before.
     pub effort_momentary: bool,
     /// How much this gain differs from run to run, standard deviation; drawn where a run is simulated.
@@ -125,6 +127,7 @@ impl Default for Sensors {
             day_clock_s: None,
             speed_quantum_kmh: 1.0,
             effort_gain: 1.0,
+            brake_gain: 1.0,
             effort_momentary: false,
             effort_gain_sd: 0.0,
             effort_noise_n_per_kg: 0.0,
@@ -275,13 +278,20 @@ impl Sensors {
                 time_s,
                 location_m: (heard && drop_location >= self.dropout_probability).then_some(location_m),
                 speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
-                effort_n_per_kg: self.effort_gain * reported_n_per_kg * (1.0 + self.effort_noise_share * effort_unit)
+                effort_n_per_kg: self.gain(reported_n_per_kg)
+                    * reported_n_per_kg
+                    * (1.0 + self.effort_noise_share * effort_unit)
                     + self.effort_noise_n_per_kg * effort_unit,
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
             truth.push(TruthSample { time_s, mean_effort_n_per_kg, ..*at });
         }
         (samples, truth)
+    }
+
+    /// Shown over true effort.
+    fn gain(&self, effort_n_per_kg: f64) -> f64 {
+        self.effort_gain * if effort_n_per_kg < 0.0 { self.brake_gain } else { 1.0 }
     }
 
     /// A location as it is shown, of a run that began at `begin_m`.
@@ -406,6 +416,13 @@ mod tests {
         assert_eq!(samples[0].effort_n_per_kg, 0.0);
         assert!((samples[1].effort_n_per_kg - 2.0 * 5.5).abs() < 1e-12);
         assert!((samples[2].effort_n_per_kg - 2.0 * 15.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn braking_efforts_have_a_gain_of_their_own_beside_that_of_all() {
+        let sensors = Sensors { effort_gain: 1.1, brake_gain: 0.5, ..Sensors::default() };
+        assert!((sensors.gain(0.2) - 1.1).abs() < 1e-12);
+        assert!((sensors.gain(-0.2) - 0.55).abs() < 1e-12);
     }
 
     #[test]

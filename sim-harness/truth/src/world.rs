@@ -19,6 +19,8 @@ use crate::timetable::Heading;
 use crate::train::{GRAVITY_MPS2, TrainTruth};
 use crate::weather::Weather;
 
+/// Motors hold nothing below the first of these speeds, and all that they can from the second on, m/s.
+const ELECTRIC_BRAKE_MPS: [f64; 2] = [5.0 / 3.6, 15.0 / 3.6];
 /// No driver plans to brake more gently than this, m/s².
 const LEAST_DECELERATION_MPS2: f64 = 0.1;
 
@@ -65,6 +67,8 @@ pub struct World {
     pub notches: u8,
     /// What half of the coasts keep on of the brake, N/kg.
     pub coast_brake_n_per_kg: f64,
+    /// The column of the effort has of the brake what the motors hold.
+    pub electric_brake_only: bool,
     /// How late the location is beyond the sensors' latency, s.
     pub location_lag_s: f64,
     effects: Vec<Effect>,
@@ -110,6 +114,7 @@ impl World {
             line,
             notches: scenario.notches,
             coast_brake_n_per_kg: scenario.coast_brake_n_per_kg,
+            electric_brake_only: scenario.electric_brake_only,
             headwind_mps,
             speed_scale,
             location_lag_s,
@@ -188,9 +193,17 @@ impl World {
     }
 
     /// What the train's computer reports for it, N/kg of *described* rotating mass: the traction that is applied, and the brake that is demanded
-    /// (it knows pressures, not friction).
-    pub fn reported_n_per_kg(&self, demanded: f64, applied: f64) -> f64 {
-        demanded.min(applied) / self.described_over_true_mass
+    /// (it knows pressures, not friction), or of the brake what the motors hold.
+    pub fn reported_n_per_kg(&self, [demanded, applied]: [f64; 2], motion: Motion) -> f64 {
+        let least = if self.electric_brake_only { -self.electric_brake_n_per_kg(motion) } else { f64::NEG_INFINITY };
+        demanded.min(applied).max(least) / self.described_over_true_mass
+    }
+
+    /// What the motors can hold, N/kg: as much as they can pull, and next to standstill nothing.
+    fn electric_brake_n_per_kg(&self, motion: Motion) -> f64 {
+        let [none_mps, all_mps] = ELECTRIC_BRAKE_MPS;
+        let share = ((motion.speed_mps - none_mps) / (all_mps - none_mps)).clamp(0.0, 1.0);
+        share * self.max_effort_n_per_kg(motion, 1.0, 1.0)
     }
 
     /// One step under a constant effort at the wheels.
@@ -199,5 +212,29 @@ impl World {
             let then = History { time_s: history.time_s + t, ..history };
             applied - self.load_n_per_kg(then, m)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is reported of a brake of 0.5 N/kg at a speed, N/kg.
+    fn reported(electric_brake_only: bool, kmh: f64) -> f64 {
+        let scenario = Scenario { electric_brake_only, ..Scenario::default() };
+        let world = World::new(&scenario, &RunPlan::alone(&scenario, 1), 1.0, 0.0);
+        let motion = Motion { location_m: 1_000.0, speed_mps: kmh / 3.6 };
+        world.reported_n_per_kg([-0.5; 2], motion)
+    }
+
+    #[test]
+    fn of_the_electric_brake_alone_there_is_as_much_as_the_motors_can_pull_and_nothing_at_walking_pace() {
+        for kmh in [4.0, 60.0, 140.0] {
+            assert!((reported(false, kmh) + 0.5).abs() < 1e-12);
+        }
+        assert_eq!(reported(true, 4.0), 0.0);
+        // 2036 kW of 364 t times 1.06, and the limit by effort, 0.5 N/kg.
+        assert!((reported(true, 140.0) + 2_036_377.8 / (140.0 / 3.6) / (364_000.0 * 1.06)).abs() < 1e-9);
+        assert!((reported(true, 20.0) + 0.5).abs() < 0.01);
     }
 }

@@ -60,8 +60,8 @@ pub fn notes(answer: &Answer) -> Vec<String> {
             white.sentence()
         )
     }));
-    notes.extend(found.standouts.iter().map(Standout::sentence));
-    notes.extend(found.not_compared.iter().map(NotCompared::sentence));
+    notes.extend(found.findings.differing.standouts.iter().map(Standout::sentence));
+    notes.extend(found.findings.differing.not_compared.iter().map(NotCompared::sentence));
     notes.extend(contradiction(found, answer.config.evidence.significant));
     notes.extend(about_gradients(&input.track_file).map(str::to_owned));
     if input.left_out > 0 {

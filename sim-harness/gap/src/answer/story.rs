@@ -6,7 +6,6 @@ use crate::candidates;
 use crate::data::{believed::Context, runs::Run};
 use crate::holdout::{forward::Touched, journey::Summary, share::Share};
 use crate::named::Named;
-use rundown::model::effects::EffectKind;
 
 /// The story.
 pub fn story(answer: &Answer) -> String {
@@ -34,8 +33,9 @@ pub fn story(answer: &Answer) -> String {
 fn of_effect(one: &Named, context: &Context<'_>, runs: &[Run], nearest: Option<&Rival>) -> String {
     let mut text = format!("  {}, confidence {:.2}", one.effect.name(), one.confidence);
     text.push_str(&acting(one, runs));
-    if !one.ambiguous_with.is_empty() {
-        text.push_str(&format!(", not distinguishable from {}", listed(&one.ambiguous_with)));
+    let rivals: Vec<&str> = one.rivals().collect();
+    if !rivals.is_empty() {
+        text.push_str(&format!(", not distinguishable from {}", rivals.join(", ")));
         if !one.would_separate.is_empty() {
             text.push_str(&format!("; would separate them: {}", one.would_separate.join(", ")));
         }
@@ -46,10 +46,6 @@ fn of_effect(one: &Named, context: &Context<'_>, runs: &[Run], nearest: Option<&
     }
     let sentence = candidates::of_effect(&one.effect).sentence(one, context);
     format!("{text}\n    {sentence}.\n")
-}
-
-fn listed(kinds: &[EffectKind]) -> String {
-    kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
 }
 
 fn held_out(answer: &Answer) -> String {

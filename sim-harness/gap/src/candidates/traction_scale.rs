@@ -2,6 +2,9 @@
 
 use crate::candidates::kit::*;
 
+/// What tells capability from habit.
+const POSITION: &str = "the position of the controller";
+
 pub struct This;
 
 impl Candidate for This {
@@ -21,7 +24,12 @@ impl Candidate for This {
     }
 
     fn limit(&self, found: &FoundLimit, naming: &Naming<'_>) -> Option<(Named, Odds)> {
-        let named = found.named(found.effect.clone(), &naming.context.config.certainty);
+        let certainty = &naming.context.config.certainty;
+        let mut named = found.named(found.effect.clone(), certainty);
+        // Nobody asks for more than there is; for less everybody may.
+        if found.factor < 1.0 {
+            named.or_else("drivers who never ask for all of it", certainty.confounded, POSITION);
+        }
         let rivals = (!naming.measured).then_some((EffectKind::MassError, 1.0));
         Some((named, rivals.into_iter().collect()))
     }
@@ -32,5 +40,51 @@ impl Candidate for This {
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "factor": hide.of([0.75, 0.85, 0.92]) }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::readings::kinematics::Kinematics;
+    use rundown::model::effects::TractionScale;
+
+    /// A scale that the data show beyond all doubt, as it is named with an effort column.
+    fn named(factor: f64) -> Named {
+        on_a_level_line(20, |context| {
+            let kinematics = Kinematics::default();
+            let naming = Naming {
+                context,
+                runs: &[],
+                rows: &[],
+                measured: true,
+                kinematics: &kinematics,
+                run_wind: None,
+                wind_gain: 0.0,
+                limits: &[],
+            };
+            let found = FoundLimit {
+                effect: TractionScale { factor }.into(),
+                factor,
+                factor_sd: 0.005,
+                runs: Vec::new(),
+                gain: 500.0,
+                value: 490.0,
+                edges_m: None,
+                below_kmh: None,
+            };
+            This.limit(&found, &naming).unwrap().0
+        })
+    }
+
+    #[test]
+    fn a_weak_traction_may_be_drivers_who_ask_for_less_and_a_strong_one_may_not() {
+        let weak = named(0.9);
+        assert!((weak.confidence - 1.0 / 1.5).abs() < 1e-3, "{}", weak.confidence);
+        assert_eq!(weak.rivals().collect::<Vec<_>>(), ["drivers who never ask for all of it"]);
+        assert_eq!(weak.would_separate, ["the position of the controller"]);
+        let strong = named(1.2);
+        assert!(strong.confidence > 0.99 && strong.rivals().next().is_none());
     }
 }

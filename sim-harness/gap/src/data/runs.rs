@@ -45,6 +45,8 @@ pub struct Recorded {
     pub usual_lag_s: Option<Figure>,
     /// The same of this run, as far as it is known; the locations of the samples are as they were read.
     pub location_lag_s: f64,
+    /// The effort column is not that of the brake: it has none while the train brakes, and is measured nevertheless.
+    pub brakes_aside: bool,
 }
 
 /// Median time between samples, s; that of a slow log where there is no second sample.

@@ -195,10 +195,11 @@ impl Repaired<'_> {
     }
 }
 
-/// The same effects and this wind, in the `up` direction.
+/// The same effects and this wind, in the `up` direction; a storm that no board takes is none: something else is wrong in the run, and the effects are right or not.
 fn in_wind(effects: &Effects, wind_mps: f64) -> Result<Effects, EffectError> {
     let steady = effects.iter().find_map(|e| if let Effect::SteadyWind(wind) = e { Some(wind.wind_mps) } else { None });
-    let both = Effect::SteadyWind(SteadyWind { wind_mps: wind_mps + steady.unwrap_or(0.0) });
+    let blowing = |wind_mps: f64| Effect::SteadyWind(SteadyWind { wind_mps: wind_mps + steady.unwrap_or(0.0) });
+    let both = Some(blowing(wind_mps)).filter(|wind| wind.check().is_ok()).unwrap_or_else(|| blowing(0.0));
     let others = effects.iter().filter(|effect| !matches!(effect, Effect::SteadyWind(_) | Effect::RunWind(_)));
     Effects::try_new(std::iter::once(both).chain(others.cloned()))
 }
@@ -281,6 +282,20 @@ mod tests {
         };
         let share = gap(&[one(0.0), one(1e-4)], &HoldoutConfig::default());
         assert!((share.before - 0.2).abs() < 1e-12 && (share.floor - 0.5_f64.sqrt() * 0.01).abs() < 1e-12, "{share:?}");
+    }
+
+    #[test]
+    fn a_run_whose_wind_would_be_a_storm_has_none_of_its_own() {
+        let effects = Effects::try_new([Effect::SteadyWind(SteadyWind { wind_mps: 2.0 })]).unwrap();
+        let wind_mps = |own_mps: f64| {
+            let effects = in_wind(&effects, own_mps).unwrap();
+            effects
+                .iter()
+                .map(|effect| serde_json::to_value(effect).unwrap()["wind_mps"].as_f64().unwrap())
+                .sum::<f64>()
+        };
+        assert_eq!(wind_mps(-5.0), -3.0);
+        assert_eq!(wind_mps(-43.87), 2.0, "and no refusal that speaks of a wind");
     }
 
     #[test]

@@ -53,6 +53,8 @@ pub struct Standout {
 
 impl Level {
     const ALL: [Self; 3] = [Self::Unit, Self::Driver, Self::Day];
+    /// What is the same from day to day.
+    const LASTING: [Self; 2] = [Self::Unit, Self::Driver];
 
     /// As in files.
     pub fn name(self) -> &'static str {
@@ -146,11 +148,39 @@ struct One<'a> {
     run: &'a Run,
 }
 
-/// Groups that differ from the others by more than chance, the surest first, and what could not be compared.
+/// The believed resistance in the rows of a group, for each group of these levels but the largest of each.
+fn all_columns(context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<Vec<f64>> {
+    let of_rows = || rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| &runs[rows[0].interval.run]);
+    let of_level = |level: Level| {
+        let labels: Vec<String> = of_rows().map(|run| level.of(run)).filter(|label| !label.is_empty()).collect();
+        let of = groups(labels.iter().map(String::as_str), context.config.evidence.least_runs);
+        let count = |group: &&&str| labels.iter().filter(|label| *label == **group).count();
+        let largest = of.iter().max_by_key(count).copied().filter(|_| of.len() > 1);
+        let others = of.iter().copied().filter(|group| largest.is_some_and(|largest| largest != *group));
+        others.map(|group| column_of(level, group, context, rows, runs)).collect::<Vec<_>>()
+    };
+    Level::LASTING.into_iter().flat_map(of_level).collect()
+}
+
+/// The believed resistance in the rows of a group.
+fn column_of(level: Level, group: &str, context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<f64> {
+    let davis = context.believed.train().davis();
+    let believed = |row: &Row| row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps));
+    rows.iter().map(|row| if level.of(&runs[row.interval.run]) == group { believed(row) } else { 0.0 }).collect()
+}
+
+/// Columns of the units and drivers that differ: beside them runs are compared with each other. A day that differs may be a windy one.
+pub fn columns(found: &[Standout], context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<Vec<f64>> {
+    let lasting = found.iter().filter(|one| Level::LASTING.contains(&one.level));
+    lasting.map(|one| column_of(one.level, &one.of, context, rows, runs)).collect()
+}
+
+/// Groups that differ from the others by more than chance, the surest first, and what could not be compared. `noise`: beside columns in which runs differ, so that
+/// what units and drivers differ by is no scatter of their runs.
 pub fn standouts(
     context: &Context<'_>,
     rows: &[Row],
-    calibrated: &Calibrated,
+    noise: impl FnOnce(Vec<Vec<f64>>) -> Calibrated,
     model: &[Fitted],
     runs: &[Run],
 ) -> (Vec<Standout>, Vec<NotCompared>) {
@@ -164,7 +194,8 @@ pub fn standouts(
     if !Level::ALL.iter().any(may_differ) {
         return Default::default();
     }
-    let ground = Ground::of_terms(context, rows, calibrated);
+    let calibrated = noise(all_columns(context, rows, runs));
+    let ground = Ground::of_terms(context, rows, &calibrated);
     let of_terms = |terms: &mut dyn Iterator<Item = &Fitted>| {
         let columns: Vec<Vec<f64>> = terms.map(|fitted| column(context, rows, fitted)).collect();
         ground.beside(&columns)
@@ -369,7 +400,7 @@ mod tests {
                 standouts(
                     context,
                     &rows,
-                    &calibrated,
+                    |_| calibrated,
                     if wrong_r0 > 0.0 { std::slice::from_ref(&model) } else { &[] },
                     &runs,
                 )

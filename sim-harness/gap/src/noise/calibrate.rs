@@ -195,9 +195,19 @@ fn climbed(
 /// Finds the noise of these rows. `measured`: the effort is measured, so its gain may differ from run to run.
 /// `wind` allows a wind of its own to each run. Also the log-likelihood reached.
 pub fn calibrate(context: &Context<'_>, rows: &[Row], measured: bool, wind: bool, model: &[Term]) -> (Calibrated, f64) {
+    calibrate_beside(context, rows, measured, wind, flexible(context, rows, model))
+}
+
+/// The same beside a flexible model with what else is known to differ.
+pub fn calibrate_beside(
+    context: &Context<'_>,
+    rows: &[Row],
+    measured: bool,
+    wind: bool,
+    flexible: Vec<Vec<f64>>,
+) -> (Calibrated, f64) {
     let config = &context.config.noise;
     let columns = own_columns(context, rows);
-    let flexible = flexible(context, rows, model);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
     let noise = Noise {
         reading_mps: config.reading_mps,

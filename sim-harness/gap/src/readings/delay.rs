@@ -12,9 +12,10 @@
 
 use crate::config::NuisanceConfig;
 use crate::data::believed::{Context, believed_load};
-use crate::data::cut;
 use crate::data::runs::{EffortReading, Run, usual_step_s};
+use crate::data::{cut, interval::Interval};
 use crate::fit::median;
+use crate::readings::brakes::is_braked;
 use rundown_check::agreement::Figure;
 use rundown_files::sample::Sample;
 
@@ -94,8 +95,8 @@ pub fn put_right(context: &Context<'_>, runs: &[Run], reading: EffortReading, de
     runs.iter().map(|run| read_later(run, reading, delay_s, gap)).collect()
 }
 
-/// Residuals of all moving intervals.
-fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f64) -> Sizes {
+/// Residuals of all moving intervals; of those in which trains brake not where the readings of the brake are none.
+fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f64, brakes: bool) -> Sizes {
     let moved: Vec<Run>;
     let runs = if delay_s == 0.0 {
         runs
@@ -105,9 +106,10 @@ fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f
     };
     let slowest_mps = context.config.interval.slowest_mps;
     let cut = cut::all(context, runs, reading);
-    let of_run = |(run, intervals): (&Run, Vec<crate::data::interval::Interval>)| {
+    let of_run = |(run, intervals): (&Run, Vec<Interval>)| {
         let line = context.believed.line(run.direction);
-        let moving = intervals.iter().filter(|i| i.speed_mps[0].min(i.speed_mps[1]) > slowest_mps);
+        let moves = |i: &&Interval| i.speed_mps[0].min(i.speed_mps[1]) > slowest_mps;
+        let moving = intervals.iter().filter(moves).filter(|i| brakes || !is_braked(context, run, i));
         moving.fold((0.0, 0.0), |(sum, count), interval| match interval.effort_n_per_kg {
             Some(effort) => {
                 let residual = effort - interval.acceleration_mps2() - believed_load(line, interval);
@@ -130,13 +132,13 @@ const MOST_RUNS: usize = 24;
 /// Parts of the runs of which each is left out once.
 const GROUPS: usize = 6;
 
-/// Finds reading and delay.
-pub fn delay(context: &Context<'_>, runs: &[Run]) -> Delay {
+/// Finds reading and delay. `brakes`: whether the readings of the brake count.
+pub fn delay(context: &Context<'_>, runs: &[Run], brakes: bool) -> Delay {
     let (config, effort) = (&context.config.nuisance, &context.config.effort);
     let every = runs.len().div_ceil(MOST_RUNS).max(1);
     let some: Vec<Run> = runs.iter().step_by(every).cloned().collect();
     let usual_s = median(some.iter().map(usual_step_s)).unwrap_or(10.0);
-    let of = |reading, delay_s: f64| (delay_s, sizes(context, &some, reading, delay_s));
+    let of = |reading, delay_s: f64| (delay_s, sizes(context, &some, reading, delay_s, brakes));
     let telling = telling(context, &some);
     let likelihood =
         |mean: f64, delay_s: f64| -telling * mean.max(1e-9).ln() - 0.5 * (delay_s / config.effort_delay_sd_s).powi(2);
@@ -239,7 +241,7 @@ mod tests {
             // What drives a second of these trains stands at its beginning: half a second early.
             for (step, late) in [(10, 1), (1, 3)] {
                 for age in [0, late] {
-                    let found = delay(context, &runs(context, step, age, EffortReading::Momentary));
+                    let found = delay(context, &runs(context, step, age, EffortReading::Momentary), true);
                     let told = found.matters(&context.config.nuisance, context.config.search.enough);
                     assert_eq!(told.is_some(), age > 0, "{step} s, {found:?}");
                     let late_s = told.map_or(0.0, |delay| delay.value);
@@ -255,7 +257,7 @@ mod tests {
         on_a_level_line(12, |context| {
             for age in [0, 1] {
                 let runs = runs(context, 10, age, EffortReading::MeanSinceLast);
-                let found = delay(context, &runs);
+                let found = delay(context, &runs, true);
                 assert_eq!(found.reading, EffortReading::MeanSinceLast);
                 assert!((found.delay_s.unwrap().value - 10.0 * age as f64).abs() <= 0.5, "{found:?}");
             }

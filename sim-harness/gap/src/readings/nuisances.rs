@@ -9,6 +9,7 @@ use crate::data::cut;
 use crate::data::runs::Run;
 use crate::efforts::{Looked, measured};
 use crate::named::Named;
+use crate::readings::brakes::{self, Brakes, brakes};
 use crate::readings::delay::{self, Delay, delay};
 use crate::readings::offset::{self, Offset, offset};
 use rundown::model::effects::EffectKind;
@@ -21,6 +22,8 @@ use serde_json::{Value, json};
 pub struct Readings {
     /// How the effort column is read, and its age.
     pub effort: Delay,
+    /// How its readings of the brake compare with those of powering; none without an effort column, or where trains hardly brake.
+    pub brakes: Option<Brakes>,
     /// None without an effort column.
     pub offset: Option<Offset>,
 }
@@ -48,15 +51,24 @@ pub fn righted(context: &Context<'_>, runs: &[Run]) -> (Vec<Run>, Readings) {
     if !measured(runs, &config.effort) {
         return (runs.to_vec(), Readings::default());
     }
-    let effort = delay(context, runs);
-    let late_s = effort.matters(&config.nuisance, config.search.enough).map(|delay| delay.value);
-    let runs = late_s.map_or_else(|| runs.to_vec(), |late_s| delay::put_right(context, runs, effort.reading, late_s));
+    let in_time = |with_brakes: bool| {
+        let effort = delay(context, runs, with_brakes);
+        let late_s = effort.matters(&config.nuisance, config.search.enough).map(|delay| delay.value);
+        let moved = |late_s: f64| delay::put_right(context, runs, effort.reading, late_s);
+        (late_s.map_or_else(|| runs.to_vec(), moved), effort)
+    };
+    let (mut runs, mut effort) = in_time(true);
+    let brakes = brakes(context, &runs, effort.reading);
+    if brakes.is_some_and(|brakes| brakes.are_apart(&config.nuisance)) {
+        (runs, effort) = in_time(false);
+        runs = brakes::set_aside(context, &runs, effort.reading);
+    }
     let cut = cut::all(context, &runs, effort.reading);
     let looked = Looked { context, runs: &runs, cut: &cut, effort: effort.reading, measured: true, model: (&[], &[]) };
     let offset = offset(context, &looked.rows(None, 0.0));
     let off_m = offset.and_then(|offset| offset.matters(&config.nuisance, config.search.enough));
     let runs = off_m.map_or_else(|| runs.clone(), |off_m| offset::put_right(&runs, off_m.value));
-    (runs, Readings { effort, offset })
+    (runs, Readings { effort, brakes, offset })
 }
 
 /// A gain of the effort column that is neither small nor unsure.
@@ -76,6 +88,7 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
         ambiguous_with: Vec::new(),
     };
     let gain = gain.map(|gain| one("effort_gain", "", gain, is_told(gain, config)));
+    let brakes = readings.brakes.map(|brakes| one("brake_gain", "", brakes.off, brakes.are_apart(nuisance)));
     let told = readings.effort.matters(nuisance, enough).is_some();
     let delay = readings.effort.delay_s.map(|delay| one("effort_delay", "s", delay, told));
     let offset = readings.offset.map(|offset| {
@@ -84,7 +97,7 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
         let ambiguous_with = rival.then_some(EffectKind::TrainLengthError).into_iter().collect();
         Nuisance { ambiguous_with, ..one("location_offset", "m", offset.offset_m, told) }
     });
-    [gain, delay, offset].into_iter().flatten().collect()
+    [gain, brakes, delay, offset].into_iter().flatten().collect()
 }
 
 /// A gain that was put right beside wrong Davis coefficients may as well be the mass, which changes both.
@@ -121,6 +134,13 @@ impl Nuisance {
                 100.0 * self.sd,
                 if more { "high" } else { "low" }
             ),
+            "brake_gain" => format!(
+                "The column's brake readings are {:.0} ± {:.0} % too {} beside its power readings{}; they are set aside",
+                100.0 * size,
+                100.0 * self.sd,
+                if more { "high" } else { "low" },
+                if more { "" } else { ", as of a column without all brakes" },
+            ),
             "effort_delay" => {
                 format!("The effort is {size:.1} ± {:.1} s {}", self.sd, if more { "late" } else { "early" })
             }
@@ -134,6 +154,10 @@ impl Nuisance {
         if !rivals.is_empty() {
             text.push_str(&format!(" (these data cannot tell it from {})", rivals.join(", ")));
         }
-        text + if self.ambiguous_with.is_empty() { "; put right, and no effect of the train." } else { "; put right." }
+        text + match (self.name, self.ambiguous_with.is_empty()) {
+            ("brake_gain", _) => ", and no effect of the train.",
+            (_, true) => "; put right, and no effect of the train.",
+            _ => "; put right.",
+        }
     }
 }

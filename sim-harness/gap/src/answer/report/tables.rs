@@ -91,7 +91,7 @@ fn effect(one: &Named) -> Markup {
         td rowspan=(rows) style=(TOP) { (confidence(one)) }
     };
     let rivals = html! {
-        td.text rowspan=(rows) style=(TOP) { (listed(one.ambiguous_with.iter().map(|kind| plain(kind.name())).collect())) }
+        td.text rowspan=(rows) style=(TOP) { (listed(one.rivals().map(plain).collect())) }
         td.text rowspan=(rows) style=(TOP) { (listed(one.would_separate.iter().map(|what| plain(what)).collect())) }
     };
     html! {

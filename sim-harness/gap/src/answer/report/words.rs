@@ -5,14 +5,9 @@ use crate::candidates;
 use crate::named::Named;
 use crate::verdict::Verdict;
 use crate::wording::{confidence, plain};
-use rundown::model::effects::EffectKind;
 use rundown_pages::numbers::{counted, number};
 
 /// `a`, `a or b`.
-fn any(kinds: &[EffectKind]) -> String {
-    kinds.iter().map(|kind| plain(kind.name())).collect::<Vec<_>>().join(" or ")
-}
-
 pub(super) fn verdict(answer: &Answer) -> Vec<String> {
     let found = &answer.found;
     let all = counted(answer.input.runs.len(), "run", "runs");
@@ -95,8 +90,9 @@ fn of(answer: &Answer, named: &Named) -> String {
     let mut text = candidates::of_effect(&named.effect).sentence(named, &answer.context());
     text.push_str(&acting(named, &answer.input.runs));
     text.push_str(&format!(". Confidence in the name: {}", confidence(named)));
-    if !named.ambiguous_with.is_empty() {
-        text.push_str(&format!("; not distinguishable from {} by these data", any(&named.ambiguous_with)));
+    let rivals: Vec<String> = named.rivals().map(plain).collect();
+    if !rivals.is_empty() {
+        text.push_str(&format!("; not distinguishable from {} by these data", rivals.join(" or ")));
         if !named.would_separate.is_empty() {
             text.push_str(&format!("; what would separate them: {}", named.would_separate.join(" or ")));
         }
