@@ -12,7 +12,7 @@
 //! says what a coast contradicts, whatever the speed it began with. What the reading of the speed, gusts, the doubt of the track and that of the
 //! resistance itself add to e is known, so e has an expected variance. If the coasts scatter more than that, something is not in the model, and a
 //! run says less than its filter believes: its information is divided by [`Trust::inflation`]. What is not in the model may be to one side, as a
-//! brake in half of the coasts is, and no number of coasts averages that away: what is told of the resistance is doubted by it, see [`Trust::doubted`].
+//! brake in half of the coasts is, and no number of coasts averages that away: the reported resistance is doubted by it, see [`Trust::doubted`].
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;

@@ -1,6 +1,6 @@
 //! Do the locations of all runs leap at one place, beyond what their speeds cover?
 //!
-//! In: the runs as they are read. Out: where, by how much, and in how many runs. A chainage that leaps, or a line that was measured anew up to one place, puts all that lies
+//! In: the runs as they are read. Out: where, by how much, and in how many runs. A chainage that leaps, or a line that was measured again up to one place, puts all that lies
 //! behind it elsewhere: gradients, lengths and wheels would be named for it.
 //!
 //! ```text

@@ -199,7 +199,7 @@ impl World {
         demanded.min(applied).max(least) / self.described_over_true_mass
     }
 
-    /// What the motors can hold, N/kg: as much as they can pull, and next to standstill nothing.
+    /// What the motors can hold, N/kg: as much as their traction, and next to standstill nothing.
     fn electric_brake_n_per_kg(&self, motion: Motion) -> f64 {
         let [none_mps, all_mps] = ELECTRIC_BRAKE_MPS;
         let share = ((motion.speed_mps - none_mps) / (all_mps - none_mps)).clamp(0.0, 1.0);
