@@ -91,7 +91,10 @@ pub fn powering(
         .map(|((interval, power), floats)| {
             let slowest = interval.speed_mps[0].min(interval.speed_mps[1]);
             let powering = *floats || interval.acceleration_mps2() > config.least_acceleration_mps2;
-            power.filter(|power| powering && slowest > config.slowest_mps && power.says_something(config))
+            // One that begins at the corner is a mean of both shares.
+            let at_corner = most / train.max_effort_n_per_kg(slowest.max(0.5)) < config.corner;
+            let says = |power: &SteadyPower| power.says_something(config) && !(power.by_power && at_corner);
+            power.filter(|power| powering && slowest > config.slowest_mps && says(power))
         })
         .collect();
     // Steady: like a neighbour.
@@ -222,4 +225,55 @@ pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &Tractio
         }
     }
     numbered(powering.into_iter(), config)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::interval::{POINTS, Point};
+    use rundown::model::train::TrainDescription;
+
+    /// A driver who asks for all of the power and for three quarters of the effort does not slip where the one takes over from the other.
+    #[test]
+    fn an_interval_that_begins_at_the_corner_says_nothing_of_the_power() {
+        let described = TrainDescription::CASE_STUDY;
+        let max_tractive_effort_n = 2.0 * described.max_tractive_effort_n;
+        let train = Train::try_new(TrainDescription { max_tractive_effort_n, ..described }).unwrap();
+        let most = train.max_effort_n_per_kg(0.1);
+        let given = |mps: f64| train.max_effort_n_per_kg(mps).min(0.75 * most);
+        for begin_mps in [1.5, 2.0, 3.0, 4.0, 5.0, 6.0] {
+            let mut speed_mps: f64 = begin_mps;
+            let (mut intervals, mut efforts) = (Vec::new(), Vec::new());
+            for i in 0..8 {
+                let mut path = [Point::default(); POINTS];
+                let begins = speed_mps;
+                for (k, point) in path.iter_mut().enumerate() {
+                    let since_departure_s = 10.0 * f64::from(i) + k as f64 + 0.5;
+                    *point = Point { location_m: 100.0 * since_departure_s, speed_mps, since_departure_s };
+                    speed_mps += given(speed_mps);
+                }
+                efforts.push(Some(path.iter().map(|point| given(point.speed_mps)).sum::<f64>() / POINTS as f64));
+                intervals.push(Interval {
+                    run: 0,
+                    begin_s: 10.0 * f64::from(i),
+                    dt_s: 10.0,
+                    speed_mps: [begins, speed_mps],
+                    effort_n_per_kg: efforts[i as usize],
+                    effort_change_n_per_kg: 0.0,
+                    effort_step_n_per_kg: 0.0,
+                    temperature_c: None,
+                    wind_mps: None,
+                    day: None,
+                    stood_s: None,
+                    braked: false,
+                    follows: i > 0,
+                    path,
+                });
+            }
+            let found = powering(&train, &intervals, &efforts, 0.0, &TractionConfig::default());
+            let by_power: Vec<f64> = found.iter().filter(|one| one.by_power).map(|one| one.ratio).collect();
+            assert!(by_power.len() >= 4, "{begin_mps}: {by_power:?}");
+            assert!(by_power.iter().all(|ratio| (ratio - 1.0).abs() < 0.005), "{begin_mps}: {by_power:?}");
+        }
+    }
 }
