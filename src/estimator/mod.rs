@@ -332,7 +332,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             Mode::Gated | Mode::Measured => {
                 let foresight = run.learner.foresight();
                 vehicle.learn(&self.memory_config(), &run.begin, &summary.run_davis, &foresight);
-                summary.run_davis = vehicle.trust().doubted(&summary.run_davis);
+                vehicle.trust().widen(&mut summary.run_davis);
                 summary.foresight = foresight;
             }
         }

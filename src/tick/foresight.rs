@@ -12,7 +12,7 @@
 //! says what a coast contradicts, whatever the speed it began with. What the reading of the speed, gusts, the doubt of the track and that of the
 //! resistance itself add to e is known, so e has an expected variance. If the coasts scatter more than that, something is not in the model, and a
 //! run says less than its filter believes: its information is divided by [`Trust::inflation`]. What is not in the model may be to one side, as a
-//! brake in half of the coasts is, and no number of coasts averages that away: the reported resistance is doubted by it, see [`Trust::doubted`].
+//! brake in half of the coasts is, and no number of coasts averages that away: the reported resistance is doubted by it, see [`Trust::widen`].
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;
@@ -85,9 +85,10 @@ impl Trust {
         self.scatter(self.squares)
     }
 
-    /// The learned resistance with the doubt that belongs to it.
-    pub fn doubted(&self, found: &Gaussian<3>) -> Gaussian<3> {
-        Gaussian { mean: found.mean, covariance: found.covariance * self.doubt() }
+    /// Gives the learned resistance the doubt that belongs to it. In its place: the stack has no room for another one.
+    #[inline(never)]
+    pub fn widen(&self, found: &mut Gaussian<3>) {
+        found.covariance *= self.doubt();
     }
 
     /// Variance of the learned resistance over that of the filters; above 1 where coasts scatter by more than wind and rounding do.

@@ -134,7 +134,9 @@ impl Vehicle {
 
     /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²), with all doubt that is known.
     pub fn davis(&self) -> Gaussian<3> {
-        self.trust.doubted(&self.in_si(&self.mixture(|hypothesis| hypothesis.vehicle)))
+        let mut shares = self.mixture(|hypothesis| hypothesis.vehicle);
+        self.trust.widen(&mut shares);
+        self.in_si(&shares)
     }
 
     /// What is believed of the train of the next run: the vehicle and the deviation of a day.

@@ -50,14 +50,14 @@ impl<F: NorFlash> Task<'_, F> {
 
     #[inline(never)]
     fn send_parameters(&mut self, estimate: &Estimate, port: &mut impl Port) {
-        let davis = Gaussian {
+        let mut davis = Gaussian {
             mean: estimate.belief.mean.fixed_rows::<3>(R0).into_owned(),
             covariance: estimate.belief.covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
         };
         let nominal = self.estimator.train().davis();
         let trust = self.vehicle.trust();
-        let (published, learned) =
-            self.published.judge(&nominal, self.initial_sd, &trust.doubted(&davis), trust.worse_by());
+        trust.widen(&mut davis);
+        let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis, trust.worse_by());
         let gain = match self.estimator.config().mode {
             Mode::Measured => Some(self.run.gain()),
             Mode::Gated | Mode::Paper => None,
