@@ -38,16 +38,22 @@ fn estimator_on(calm: &Fleet, factor: f64, doubt_permille: f64) -> Estimator {
     Estimator::try_new(config, calm.train().unwrap(), track).unwrap()
 }
 
+/// A vehicle after its runs.
+fn taught(estimator: &Estimator, runs: &[Run]) -> Vehicle {
+    let mut vehicle = estimator.new_vehicle();
+    for run in runs {
+        replay(estimator, &mut vehicle, run);
+    }
+    vehicle
+}
+
 /// Errors of r(v) and the trust in each vehicle.
 fn learned_on(fleet: &[Vec<Run>], factor: f64, doubt_permille: f64) -> (Errors, Vec<Trust>) {
     let calm = calm();
     let estimator = estimator_on(&calm, factor, doubt_permille);
     let mut errors = Errors::default();
     let of_vehicle = |runs: &Vec<Run>| {
-        let mut vehicle = estimator.new_vehicle();
-        for run in runs {
-            replay(&estimator, &mut vehicle, run);
-        }
+        let vehicle = taught(&estimator, runs);
         errors.add(calm.band_kmh, &vehicle.davis(), &davis(&runs[0].facts.davis));
         *vehicle.trust()
     };
@@ -82,10 +88,7 @@ fn a_brake_in_some_coasts_is_not_published_as_resistance() {
     let published = |coast_brake_n_per_kg: f64| {
         let estimator = estimator_on(&calm(), 1.0, 0.0);
         let of_vehicle = |runs: &Vec<Run>| {
-            let mut vehicle = estimator.new_vehicle();
-            for run in runs {
-                replay(&estimator, &mut vehicle, run);
-            }
+            let vehicle = taught(&estimator, runs);
             let (r, sd) = resistance(&vehicle.davis(), 60.0);
             let deviations = (r - davis(&runs[0].facts.davis).resistance_n_per_kg(60.0 / 3.6)) / sd;
             (estimator.published(&vehicle).1, deviations)

@@ -414,6 +414,14 @@ impl Naming<'_> {
     }
 }
 
+#[cfg(test)]
+impl<'a> Naming<'a> {
+    /// Of data with an effort column in which nothing else was found.
+    pub(crate) fn plain(context: &'a Context<'a>, kinematics: &'a Kinematics) -> Self {
+        Self { context, runs: &[], rows: &[], measured: true, kinematics, run_wind: None, wind_gain: 0.0, limits: &[] }
+    }
+}
+
 /// What the data at hand have already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Have {

@@ -41,7 +41,7 @@ pub fn davis(truth: &DavisTruth) -> Davis {
 }
 
 /// The measurements of a simulated run.
-pub fn measurements(run: &Run) -> Vec<Measurement> {
+fn measurements(run: &Run) -> Vec<Measurement> {
     let of_sample = |sample: &rundown_truth::sensors::Sample| Measurement {
         time_s: sample.time_s,
         location_m: sample.location_m,

@@ -54,16 +54,7 @@ mod tests {
     fn named(factor: f64) -> Named {
         on_a_level_line(20, |context| {
             let kinematics = Kinematics::default();
-            let naming = Naming {
-                context,
-                runs: &[],
-                rows: &[],
-                measured: true,
-                kinematics: &kinematics,
-                run_wind: None,
-                wind_gain: 0.0,
-                limits: &[],
-            };
+            let naming = Naming::plain(context, &kinematics);
             let found = FoundLimit {
                 effect: TractionScale { factor }.into(),
                 factor,

@@ -148,11 +148,27 @@ struct One<'a> {
     run: &'a Run,
 }
 
+/// The runs of the rows, in their order.
+fn runs_of<'a>(rows: &[Row], runs: &'a [Run]) -> Vec<&'a Run> {
+    rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| &runs[rows[0].interval.run]).collect()
+}
+
+/// The labels that runs have at a level.
+fn labels(level: Level, runs: &[&Run]) -> Vec<String> {
+    runs.iter().map(|run| level.of(run)).filter(|label| !label.is_empty()).collect()
+}
+
+/// The believed resistance of a row, N/kg.
+fn believed(context: &Context<'_>, row: &Row) -> f64 {
+    let davis = context.believed.train().davis();
+    row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps))
+}
+
 /// The believed resistance in the rows of a group, for each group of these levels but the largest of each.
 fn all_columns(context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<Vec<f64>> {
-    let of_rows = || rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| &runs[rows[0].interval.run]);
+    let of_rows = runs_of(rows, runs);
     let of_level = |level: Level| {
-        let labels: Vec<String> = of_rows().map(|run| level.of(run)).filter(|label| !label.is_empty()).collect();
+        let labels = labels(level, &of_rows);
         let of = groups(labels.iter().map(String::as_str), context.config.evidence.least_runs);
         let count = |group: &&&str| labels.iter().filter(|label| *label == **group).count();
         let largest = of.iter().max_by_key(count).copied().filter(|_| of.len() > 1);
@@ -164,9 +180,8 @@ fn all_columns(context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<Vec<f64
 
 /// The believed resistance in the rows of a group.
 fn column_of(level: Level, group: &str, context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<f64> {
-    let davis = context.believed.train().davis();
-    let believed = |row: &Row| row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps));
-    rows.iter().map(|row| if level.of(&runs[row.interval.run]) == group { believed(row) } else { 0.0 }).collect()
+    let of_row = |row: &Row| if level.of(&runs[row.interval.run]) == group { believed(context, row) } else { 0.0 };
+    rows.iter().map(of_row).collect()
 }
 
 /// Columns of the units and drivers that differ: beside them runs are compared with each other. A day that differs may be a windy one.
@@ -185,11 +200,9 @@ pub fn standouts(
     runs: &[Run],
 ) -> (Vec<Standout>, Vec<NotCompared>) {
     let evidence = &context.config.evidence;
-    let of_rows = || rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| &runs[rows[0].interval.run]);
-    let may_differ = |level: &Level| {
-        let labels: Vec<String> = of_rows().map(|run| level.of(run)).filter(|label| !label.is_empty()).collect();
-        groups(labels.iter().map(String::as_str), evidence.least_runs).len() > 1
-    };
+    let of_rows = runs_of(rows, runs);
+    let may_differ =
+        |level: &Level| groups(labels(*level, &of_rows).iter().map(String::as_str), evidence.least_runs).len() > 1;
     // Of one unit, and days of a run or two each, nothing is to be compared.
     if !Level::ALL.iter().any(may_differ) {
         return Default::default();
@@ -200,9 +213,7 @@ pub fn standouts(
         let columns: Vec<Vec<f64>> = terms.map(|fitted| column(context, rows, fitted)).collect();
         ground.beside(&columns)
     };
-    let davis = context.believed.train().davis();
-    let believed = |row: &Row| row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps));
-    let coasting = |row: &Row| if regime(row, evidence) == 0 { believed(row) } else { 0.0 };
+    let coasting = |row: &Row| if regime(row, evidence) == 0 { believed(context, row) } else { 0.0 };
     let believed: Vec<f64> = rows.iter().map(coasting).collect();
     // Of places the description is compared by others; what is the same all along the line stays in the comparison with it.
     let bases = (of_terms(&mut model.iter()), of_terms(&mut model.iter().filter(|fitted| fitted.term.by_place())));
@@ -210,7 +221,7 @@ pub fn standouts(
         return Default::default();
     };
     let [of_runs, described] = [base, places].map(|base| ground.of_runs(&base, &believed));
-    let all = of_runs.iter().zip(&described).zip(of_rows());
+    let all = of_runs.iter().zip(&described).zip(of_rows);
     let all = all.map(|((of_run, described), run)| One { of_run: *of_run, described: *described, run });
     let all: Vec<One<'_>> = all.filter(|one| one.of_run.information > 0.0).collect();
     let (mut found, mut not_compared) = (Vec::new(), Vec::new());

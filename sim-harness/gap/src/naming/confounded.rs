@@ -97,16 +97,7 @@ mod tests {
     ) -> Vec<EffectKind> {
         let rows = vec![Row::coasting(Direction::Up, 0.5 * (from_m + to_m), 30.0); coasts];
         let kinematics = Kinematics::default();
-        let naming = Naming {
-            context,
-            runs: &[],
-            rows: &rows,
-            measured,
-            kinematics: &kinematics,
-            run_wind: None,
-            wind_gain: 0.0,
-            limits: &[],
-        };
+        let naming = Naming { rows: &rows, measured, ..Naming::plain(context, &kinematics) };
         let limit = PowerLimitSection { from_m, to_m, factor: 0.6 };
         let mut all = vec![Named::plain(limit.into(), Vec::new(), 40.0, 1e-3)];
         let of_gradient = |[from_m, to_m]: [f64; 2]| GradientError { from_m, to_m, delta_permille: 4.0 };
@@ -138,16 +129,7 @@ mod tests {
         on_a_hilly_line(20, |context| {
             let rivals_of = |factor: f64, gain: Option<f64>| {
                 let kinematics = Kinematics::default();
-                let naming = Naming {
-                    context,
-                    runs: &[],
-                    rows: &[],
-                    measured: true,
-                    kinematics: &kinematics,
-                    run_wind: None,
-                    wind_gain: 0.0,
-                    limits: &[],
-                };
+                let naming = Naming::plain(context, &kinematics);
                 let mut all = vec![Named::plain(TractionScale { factor }.into(), Vec::new(), 40.0, 1e-3)];
                 let before = all[0].confidence;
                 confounded(&mut all, gain, &naming);

@@ -52,8 +52,9 @@ impl SteadyPower {
     }
 
     /// Enough of the limit, and away from the corner of effort and power, near which a driver who demands less effort than power is limited by neither share.
-    fn says_something(&self, config: &TractionConfig) -> bool {
-        self.ratio > least_ratio(config) && !(config.by_power..config.corner).contains(&self.effort_over_limit)
+    /// `begins`: the largest effort over the limit where it begins, for an interval that begins at the corner is a mean of both shares.
+    fn says_something(&self, begins: f64, config: &TractionConfig) -> bool {
+        self.ratio > least_ratio(config) && (!self.by_power || begins.min(self.effort_over_limit) >= config.corner)
     }
 }
 
@@ -91,10 +92,8 @@ pub fn powering(
         .map(|((interval, power), floats)| {
             let slowest = interval.speed_mps[0].min(interval.speed_mps[1]);
             let powering = *floats || interval.acceleration_mps2() > config.least_acceleration_mps2;
-            // One that begins at the corner is a mean of both shares.
-            let at_corner = most / train.max_effort_n_per_kg(slowest.max(0.5)) < config.corner;
-            let says = |power: &SteadyPower| power.says_something(config) && !(power.by_power && at_corner);
-            power.filter(|power| powering && slowest > config.slowest_mps && says(power))
+            let begins = most / train.max_effort_n_per_kg(slowest.max(0.5));
+            power.filter(|power| powering && slowest > config.slowest_mps && power.says_something(begins, config))
         })
         .collect();
     // Steady: like a neighbour.
@@ -208,7 +207,7 @@ pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &Tractio
             continue;
         }
         let floats = floats(&read, i, config);
-        if power.says_something(config)
+        if power.says_something(power.effort_over_limit, config)
             && power.speed_mps > config.slowest_mps
             && (gains > config.least_acceleration_mps2 || floats)
             && (near(before) || near(after))
@@ -231,6 +230,8 @@ pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &Tractio
 mod tests {
     use super::*;
     use crate::data::interval::{POINTS, Point};
+    use crate::data::rows::Row;
+    use rundown::model::direction::Direction;
     use rundown::model::train::TrainDescription;
 
     /// A driver who asks for all of the power and for three quarters of the effort does not slip where the one takes over from the other.
@@ -253,22 +254,9 @@ mod tests {
                     speed_mps += given(speed_mps);
                 }
                 efforts.push(Some(path.iter().map(|point| given(point.speed_mps)).sum::<f64>() / POINTS as f64));
-                intervals.push(Interval {
-                    run: 0,
-                    begin_s: 10.0 * f64::from(i),
-                    dt_s: 10.0,
-                    speed_mps: [begins, speed_mps],
-                    effort_n_per_kg: efforts[i as usize],
-                    effort_change_n_per_kg: 0.0,
-                    effort_step_n_per_kg: 0.0,
-                    temperature_c: None,
-                    wind_mps: None,
-                    day: None,
-                    stood_s: None,
-                    braked: false,
-                    follows: i > 0,
-                    path,
-                });
+                let of_row = Row::coasting(Direction::Up, 0.0, begins).interval;
+                let (begin_s, speed_mps) = (10.0 * f64::from(i), [begins, speed_mps]);
+                intervals.push(Interval { begin_s, speed_mps, path, follows: i > 0, ..of_row });
             }
             let found = powering(&train, &intervals, &efforts, 0.0, &TractionConfig::default());
             let by_power: Vec<f64> = found.iter().filter(|one| one.by_power).map(|one| one.ratio).collect();
