@@ -66,6 +66,20 @@ fn a_wheel_is_put_right_and_told_the_analyst_once() {
 }
 
 #[test]
+fn locations_that_are_off_are_told_without_an_effort_column() {
+    let folder = Folder::simulated(
+        "name = \"set\"\nruns = 24\nseed = 6\ndirections = \"both\"\n[line]\nname = \"hilly\"\n[sensors]\nlocation_offset_m = 60.0\n",
+    );
+    let Said { out: screen, .. } = gap(&folder, &[]);
+    let json = folder.json("out/gap.json");
+    assert!(names(&json).is_empty(), "{screen}");
+    let [offset] = &json["nuisances"].as_array().unwrap()[..] else { panic!("{}", json["nuisances"]) };
+    assert_eq!((&offset["name"], &offset["told"]), (&"location_offset".into(), &true.into()), "{offset}");
+    let [value, sd] = ["value", "sd"].map(|name| offset[name].as_f64().unwrap());
+    assert!((value - 60.0).abs() < 3.0 * sd && sd < 10.0, "{offset}");
+}
+
+#[test]
 fn a_run_that_cannot_be_used_is_left_out_with_the_reason() {
     let folder = truncated(1.0);
     let log = folder.read("set/runs/run002.csv");

@@ -93,6 +93,13 @@ fn between_runs(context: &Context<'_>, rows: &[Row], measured: bool, fitted: &[F
     BetweenRuns { wind_mps: with.own.wind_mps, wind_gain: reached - without, standouts, not_compared }
 }
 
+/// The rows of coasting of runs without an effort column.
+pub fn coasts(context: &Context<'_>, runs: &[Run]) -> Option<Vec<Row>> {
+    let effort = EffortReading::default();
+    let cut = cut::all(context, runs, effort);
+    model(context, runs, &cut, effort, false)?.last.map(|(rows, _)| rows)
+}
+
 /// With an effort column one round; without, the model shows where trains coast, and coasting the model.
 fn model(
     context: &Context<'_>,

@@ -206,11 +206,11 @@ fn stands(trial: &Option<Trial>, config: &GapConfig) -> bool {
 /// The trial in halves of what leaves no mean residual: limits of the traction, and the wheel of all runs.
 fn of_readings_and_limits(one: &Named, findings: &Findings, config: &GapConfig, runs: &[Run]) -> Option<Trial> {
     let limit = findings.limit(&config.search).filter(|limit| limit.effect.kind() == one.effect.kind());
-    match (&one.effect, limit) {
-        (_, Some(limit)) => Trial::by_halves(halves(limit, &findings.powering, runs, &config.traction)),
-        (Effect::SpeedScale(scale), _) => of_scale(scale.measured_over_true, &own_scales(runs), runs),
-        _ => None,
+    if let Some(limit) = limit {
+        return Trial::by_halves(halves(limit, &findings.powering, runs, &config.traction));
     }
+    let Effect::SpeedScale(scale) = &one.effect else { return None };
+    of_scale(scale.measured_over_true, &own_scales(runs), runs)
 }
 
 /// The wheels that the diagnosis of the logs has put right, where there are several units.

@@ -14,10 +14,6 @@ const PLACE_M: f64 = 100.0;
 /// Adds to what was named the causes that it may be in truth. `gain`: by how much more than 1 the effort column was put right by.
 pub fn confounded(all: &mut [Named], gain: Option<f64>, naming: &Naming<'_>) {
     let certainty = &naming.context.config.certainty;
-    let (have, odds) = (naming.have(), certainty.confounded);
-    // The column as it reads has the described limit: force and limit are right, and the acceleration is that of another mass.
-    let reads_as_described =
-        |factor: f64| gain.is_some_and(|gain| ((1.0 + gain) * factor - 1.0).abs() < certainty.same_force);
     let wrong: Vec<[f64; 2]> = all
         .iter()
         .filter(|one| is_of_gradients(one))
@@ -25,28 +21,31 @@ pub fn confounded(all: &mut [Named], gain: Option<f64>, naming: &Naming<'_>) {
         .map(Into::into)
         .collect();
     for named in all {
-        let rivals: &[EffectKind] = match &named.effect {
-            // Beside another mass, or what else changes r(v), a wind is no single rival.
-            Effect::DavisError(davis) => match (!have.both_directions && is_like_wind(davis, naming), gain.is_some()) {
-                (true, true) => &[EffectKind::SteadyWind, EffectKind::MassError],
-                (true, false) => &[EffectKind::SteadyWind],
-                (false, true) => &[EffectKind::MassError],
-                (false, false) => &[],
-            },
-            Effect::PowerLimitSection(PowerLimitSection { from_m, to_m, .. })
-                if !naming.measured && may_climb([*from_m, *to_m], &wrong, naming) =>
-            {
-                &[EffectKind::GradientError]
-            }
-            Effect::TractionScale(TractionScale { factor }) if reads_as_described(*factor) => &[EffectKind::MassError],
-            _ => &[],
-        };
-        for rival in rivals {
-            if !named.ambiguous_with.contains(rival) {
-                named.rival(*rival, odds, separates(named.effect.kind(), *rival, have));
+        for rival in rivals(&named.effect, gain, &wrong, naming) {
+            if !named.ambiguous_with.contains(&rival) {
+                named.rival(rival, certainty.confounded, separates(named.effect.kind(), rival, naming.have()));
             }
         }
     }
+}
+
+/// What an effect may be in truth, beside a cause that hides the difference. `wrong`: where gradients are.
+fn rivals(effect: &Effect, gain: Option<f64>, wrong: &[[f64; 2]], naming: &Naming<'_>) -> Vec<EffectKind> {
+    if let Effect::DavisError(davis) = effect {
+        // Beside another mass, or what else changes r(v), a wind is no single rival.
+        let wind = !naming.have().both_directions && is_like_wind(davis, naming);
+        let wind = wind.then_some(EffectKind::SteadyWind);
+        return wind.into_iter().chain(gain.map(|_| EffectKind::MassError)).collect();
+    }
+    if let Effect::PowerLimitSection(PowerLimitSection { from_m, to_m, .. }) = effect {
+        let climbs = !naming.measured && may_climb([*from_m, *to_m], wrong, naming);
+        return climbs.then_some(EffectKind::GradientError).into_iter().collect();
+    }
+    let Effect::TractionScale(TractionScale { factor }) = effect else { return Vec::new() };
+    // The column as it reads has the described limit: force and limit are right, and the acceleration is that of another mass.
+    let certainty = &naming.context.config.certainty;
+    let as_described = gain.is_some_and(|gain| ((1.0 + gain) * factor - 1.0).abs() < certainty.same_force);
+    as_described.then_some(EffectKind::MassError).into_iter().collect()
 }
 
 /// Places that the description of the line may be wrong about.

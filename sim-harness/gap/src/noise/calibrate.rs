@@ -46,7 +46,7 @@ impl Calibrated {
     /// With all that names are tried against: what drivers do between two readings, too, and the sensor of the brake.
     pub fn for_trials(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
         let mut common = common(context, rows);
-        if !common.is_empty() {
+        if has_efforts(rows) {
             let braking = rows.iter().map(|row| row.effort_n_per_kg.min(0.0)).collect();
             common.push((braking, context.config.nuisance.brake_gain_sd));
             common.extend(habits::columns(rows, &self.driven_n_per_kg, context.config));
@@ -68,14 +68,16 @@ impl Calibrated {
     }
 }
 
-/// Gain of the effort column and offset of the locations with the standard deviations of their priors; none without the column.
+/// Gain of the effort column, if there is one, and offset of the locations, with the standard deviations of their priors.
 fn common(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
-    if rows.iter().all(|row| row.interval.effort_n_per_kg.is_none()) {
-        return Vec::new();
-    }
     let config = &context.config.nuisance;
+    let gain = has_efforts(rows).then(|| (effort(rows), config.effort_gain_sd));
     let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
-    vec![(effort(rows), config.effort_gain_sd), (offset, config.location_offset_sd_m)]
+    gain.into_iter().chain([(offset, config.location_offset_sd_m)]).collect()
+}
+
+fn has_efforts(rows: &[Row]) -> bool {
+    rows.iter().any(|row| row.interval.effort_n_per_kg.is_some())
 }
 
 /// What the gain of the effort column is a factor of: none without the column.

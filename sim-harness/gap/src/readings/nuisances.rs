@@ -3,6 +3,7 @@
 //! The age of the effort and the offset of the locations are put right in the samples, one after the other, before effects are looked for. The gain of the effort
 //! column is straight in the residuals: it stays in every fit with its prior, and what the chosen model leaves for it is put right afterwards.
 
+use crate::analysis::coasts;
 use crate::config::GapConfig;
 use crate::data::believed::Context;
 use crate::data::cut;
@@ -24,7 +25,7 @@ pub struct Readings {
     pub effort: Delay,
     /// How its readings of the brake compare with those of powering; none without an effort column, or where trains hardly brake.
     pub brakes: Option<Brakes>,
-    /// None without an effort column.
+    /// None from too few rows.
     pub offset: Option<Offset>,
 }
 
@@ -49,7 +50,8 @@ pub struct Nuisance {
 pub fn righted(context: &Context<'_>, runs: &[Run]) -> (Vec<Run>, Readings) {
     let config = context.config;
     if !measured(runs, &config.effort) {
-        return (runs.to_vec(), Readings::default());
+        let offset = offset_of_coasts(context, runs);
+        return (in_place(context, runs, offset), Readings { offset, ..Readings::default() });
     }
     let in_time = |with_brakes: bool| {
         let effort = delay(context, runs, with_brakes);
@@ -65,10 +67,24 @@ pub fn righted(context: &Context<'_>, runs: &[Run]) -> (Vec<Run>, Readings) {
     }
     let cut = cut::all(context, &runs, effort.reading);
     let looked = Looked { context, runs: &runs, cut: &cut, effort: effort.reading, measured: true, model: (&[], &[]) };
-    let offset = offset(context, &looked.rows(None, 0.0));
-    let off_m = offset.and_then(|offset| offset.matters(&config.nuisance, config.search.enough));
-    let runs = off_m.map_or_else(|| runs.clone(), |off_m| offset::put_right(&runs, off_m.value));
-    (runs, Readings { effort, brakes, offset })
+    let offset = offset(context, &looked.rows(None, 0.0), true);
+    (in_place(context, &runs, offset), Readings { effort, brakes, offset })
+}
+
+/// The offset without an effort column. Coasts that were recognised by wrong locations favour these: they are recognised once more by the ones put right.
+fn offset_of_coasts(context: &Context<'_>, runs: &[Run]) -> Option<Offset> {
+    let of = |runs: &[Run]| offset(context, &coasts(context, runs)?, false);
+    let first = of(runs)?;
+    if first.matters(&context.config.nuisance, context.config.search.enough).is_none() {
+        return Some(first);
+    }
+    of(&in_place(context, runs, Some(first))).map(|rest| first.and(rest))
+}
+
+/// The runs with their locations put right, where that matters.
+fn in_place(context: &Context<'_>, runs: &[Run], offset: Option<Offset>) -> Vec<Run> {
+    let off_m = offset.and_then(|offset| offset.matters(&context.config.nuisance, context.config.search.enough));
+    off_m.map_or_else(|| runs.to_vec(), |off_m| offset::put_right(runs, off_m.value))
 }
 
 /// A gain of the effort column that is neither small nor unsure.
@@ -76,7 +92,7 @@ pub fn is_told(gain: Figure, config: &GapConfig) -> bool {
     gain.value.abs() > config.nuisance.least_gain && gain.away_from(0.0) > config.nuisance.sure
 }
 
-/// All nuisances with an effort column, told or not. `gain`: of the effort column less 1.
+/// All nuisances, told or not; without an effort column the offset of the locations alone. `gain`: of the effort column less 1.
 pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) -> Vec<Nuisance> {
     let (nuisance, enough) = (&config.nuisance, config.search.enough);
     let one = |name, unit, figure: Figure, told| Nuisance {

@@ -41,6 +41,12 @@ impl Offset {
         (sure && self.gain > enough && self.gain >= length_gain).then_some(self.offset_m)
     }
 
+    /// With what was left when that had been put right.
+    pub fn and(self, rest: Self) -> Self {
+        let value = self.offset_m.value + rest.offset_m.value;
+        Self { offset_m: Figure { value, ..rest.offset_m }, ..self }
+    }
+
     /// Another length would do nearly as well, if it were as common.
     pub fn may_be_length(&self, near: f64) -> bool {
         self.gain - self.length_gain < near
@@ -65,13 +71,13 @@ pub fn is_strong(row: &Row, config: &SearchConfig) -> bool {
     effort >= config.braking_n_per_kg && !(held && effort > 0.0)
 }
 
-/// Finds it. `rows` of runs with an effort column.
-pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
+/// Finds it. `rows` of all that moves where the effort is measured, else of coasting.
+pub fn offset(context: &Context<'_>, rows: &[Row], measured: bool) -> Option<Offset> {
     let config = &context.config.nuisance;
     if rows.len() < context.config.search.few_rows {
         return None;
     }
-    let (calibrated, _) = calibrate(context, rows, true, true, &[]);
+    let (calibrated, _) = calibrate(context, rows, measured, true, &[]);
     let whitening = calibrated.without_nuisances(context, rows);
     let mut beside = flexible(context, rows, &[]);
     beside.extend([sensors::DELAY, sensors::LATE_LOCATION].map(|of| of.columns(&Shape::Law, context, rows).remove(0)));
@@ -108,7 +114,7 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
     let weighed = tried.iter().map(|(offset_m, loss)| ((least - loss).exp(), (offset_m - value).powi(2)));
     let (weight, square) = weighed.fold((0.0, 0.0), |(weight, square), (w, s)| (weight + w, square + w * s));
     let sd = (scatter.sqrt().max(information.sqrt()) / information).max((square / weight).sqrt());
-    let (length_gain, length_penalty) = length_gain(context, rows, &left, none)?;
+    let (length_gain, length_penalty) = length_gain(&Offer { context, rows, measured }, &left, none)?;
     Some(Offset { offset_m: Figure { value, sd }, gain: none - loss(value), length_gain, length_penalty })
 }
 
@@ -120,19 +126,14 @@ pub fn places<'a>(rows: impl Iterator<Item = &'a Row>, count: usize) -> Vec<usiz
 }
 
 /// What the best other length of the train brings, and its penalty.
-fn length_gain(
-    context: &Context<'_>,
-    rows: &[Row],
-    left: &impl Fn(&[f64]) -> DVector<f64>,
-    none: f64,
-) -> Option<(f64, f64)> {
-    let offer = Offer { context, rows, measured: true };
+fn length_gain(offer: &Offer<'_>, left: &impl Fn(&[f64]) -> DVector<f64>, none: f64) -> Option<(f64, f64)> {
+    let (context, rows) = (offer.context, offer.rows);
     let of = |term: &Term| {
         let columns = term.columns(context, rows);
         let residual: Vec<f64> = rows.iter().zip(&columns[0]).map(|(row, c)| row.residual_n_per_kg - c).collect();
         (none - 0.5 * left(&residual).norm_squared(), term.penalty(context, rows))
     };
-    let families = candidates::of(EffectKind::TrainLengthError).families(&offer);
+    let families = candidates::of(EffectKind::TrainLengthError).families(offer);
     let terms = families.iter().flat_map(|family| match family {
         Family::Whole(terms) => terms.as_slice(),
         _ => &[],
@@ -190,7 +191,7 @@ mod tests {
                     rows.push(row);
                 }
             }
-            let found = offset(context, &rows).unwrap();
+            let found = offset(context, &rows, true).unwrap();
             let told = found.matters(&context.config.nuisance, context.config.search.enough).is_some();
             (found, told)
         })

@@ -40,17 +40,17 @@ pub fn halves(found: &FoundLimit, powering: &[Vec<SteadyPower>], runs: &[Run], c
 
 /// What the same kind of limit, with another factor, adds to the log-likelihood of a run.
 fn gain(run: &Shares<'_>, effect: &Effect, factor: f64) -> f64 {
-    match effect {
-        Effect::PowerLimitSection(PowerLimitSection { from_m, to_m, .. }) => {
-            run.gain(|power| if power.by_power && (*from_m..*to_m).contains(&power.location_m) { factor } else { 1.0 })
-        }
-        Effect::LowAdhesion(LowAdhesion { below_kmh, .. }) => {
-            run.gain(|power| if 3.6 * power.speed_mps < *below_kmh { factor * power.effort_over_limit } else { 1.0 })
-        }
-        // Drivers demand more than the train gives, or what they demand scales with it.
-        _ if factor < 1.0 => run.gain(|_| factor).max(run.gain_up_to(factor)),
-        _ => run.gain_up_to(factor),
+    if let Effect::PowerLimitSection(PowerLimitSection { from_m, to_m, .. }) = effect {
+        let within = *from_m..*to_m;
+        return run.gain(|power| if power.by_power && within.contains(&power.location_m) { factor } else { 1.0 });
     }
+    if let Effect::LowAdhesion(LowAdhesion { below_kmh, .. }) = effect {
+        let limited = |power: &SteadyPower| 3.6 * power.speed_mps < *below_kmh;
+        return run.gain(|power| if limited(power) { factor * power.effort_over_limit } else { 1.0 });
+    }
+    // All of the traction. Drivers demand more than the train gives, or what they demand scales with it.
+    let most = run.gain_up_to(factor);
+    if factor < 1.0 { run.gain(|_| factor).max(most) } else { most }
 }
 
 /// Both halves. `None`: one of them says nothing.
