@@ -32,6 +32,33 @@ fn clocks_are_read_as_people_write_them() {
 }
 
 #[test]
+fn times_whose_parts_have_columns_of_their_own_are_put_together() {
+    let rows = drive(&STOPS_M, 30.0);
+    let begin_s = 23.0 * 3600.0 + 58.0 * 60.0;
+    let plain = |t: f64| clock(begin_s + t).split(':').map(|part| part.parse::<u32>().unwrap()).collect::<Vec<_>>();
+    let dated = |t: f64| if begin_s + t < 86_400.0 { "2024;2;29" } else { "2024;3;1" };
+    let german = table("Jahr;Monat;Tag;Std;Min;Sek;Weg [km];v [km/h]", &rows, |t, x, v| {
+        let [h, m, s] = plain(t)[..] else { panic!() };
+        format!("{};{h};{m};{s};{:.4};{:.1}", dated(t), x / 1000.0, 3.6 * v).replace('.', ",")
+    });
+    // The seconds are a part, and no clock; `s` is no location.
+    let english = table("hh,mm,s,ms,location_m,speed_kmh", &rows, |t, x, v| {
+        let parts = clock(begin_s + t).replace(':', ",");
+        format!("{parts},250,{x:.1},{:.1}", 3.6 * v)
+    });
+    for (text, departure) in [(german, Some("2024-02-29T23:58:00Z")), (english, None)] {
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv"]);
+        let found = csv(&folder, "runs/a_01.csv");
+        assert_eq!(found.len(), rows.len(), "{}", said.err);
+        near(last(&found)[0] - found[0][0], rows.last().unwrap().0, 0.002);
+        assert!(departure.is_none_or(|departure| folder.read("runs/runs.csv").contains(departure)), "{}", said.err);
+        folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+        assert_eq!(folder.read("runs/a_01.csv"), folder.read("again/a_01.csv"));
+    }
+}
+
+#[test]
 fn units_are_found_by_evidence_and_wrong_ones_refused() {
     let rows = drive(&STOPS_M, 30.0);
     let bare = table("Zeit;Weg;v", &rows, |t, x, v| format!("{};{x:.0};{:.1}", 1000.0 * t, 3.6 * v));

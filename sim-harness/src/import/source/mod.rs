@@ -5,10 +5,12 @@ mod gpx;
 mod json;
 mod nmea;
 mod parquet;
+mod parts;
 pub mod row;
 mod sheet;
 
-use row::{Each, Header, Layout, SourceFormat};
+use parts::Parts;
+use row::{Each, Event, Header, Layout, RowField, SourceFormat};
 use rundown_files::refusal::ReadError;
 use std::fs::File;
 use std::io::Read;
@@ -19,7 +21,9 @@ use std::path::{Path, PathBuf};
 pub struct SourceFile {
     pub path: PathBuf,
     pub layout: Layout,
+    /// Those of the file, and behind them what parts make.
     pub headers: Vec<Header>,
+    parts: Vec<Parts>,
 }
 
 /// The kind of a file: by its name, else by its first bytes.
@@ -60,7 +64,7 @@ impl SourceFile {
         log::info!("read {}", path.display());
         let format = wanted.format.map_or_else(|| format_of(path), Ok)?;
         let plain = Layout { format: Some(format), ..wanted.clone() };
-        let (layout, headers) = match format {
+        let (layout, mut headers) = match format {
             SourceFormat::Csv => csv::open(path, &plain, named)?,
             SourceFormat::Sheet => sheet::open(path, &plain, named)?,
             SourceFormat::Gpx => (plain, gpx::headers()),
@@ -68,7 +72,8 @@ impl SourceFile {
             SourceFormat::JsonLines => (plain, json::headers(path)?),
             SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
-        Ok(Self { path: path.to_owned(), layout, headers })
+        let parts = parts::join(&mut headers);
+        Ok(Self { path: path.to_owned(), layout, headers, parts })
     }
 
     /// Every row, as long as `each` wants one.
@@ -76,13 +81,32 @@ impl SourceFile {
     /// # Errors
     /// [`ReadError`] when the file cannot be read any further.
     pub fn rows(&self, each: &mut Each) -> Result<(), ReadError> {
+        if self.parts.is_empty() {
+            return self.as_written(each);
+        }
+        let written = self.headers.len() - self.parts.len();
+        let mut whole: Vec<RowField> = Vec::new();
+        self.as_written(&mut |event| match event {
+            Event::Row(number, row) => {
+                whole.clear();
+                whole.extend_from_slice(row);
+                // A row may be shorter, or longer, than the header.
+                whole.resize(written, RowField::Empty);
+                whole.extend(self.parts.iter().map(|part| part.field(row)));
+                each(Event::Row(number, &whole))
+            }
+            bad @ Event::Bad(..) => each(bad),
+        })
+    }
+
+    fn as_written(&self, each: &mut Each) -> Result<(), ReadError> {
         let path = &self.path;
         match self.layout.format.unwrap_or(SourceFormat::Csv) {
             SourceFormat::Csv => csv::rows(path, &self.layout, each),
             SourceFormat::Sheet => sheet::rows(path, &self.layout, each),
             SourceFormat::Gpx => gpx::rows(path, each),
             SourceFormat::Nmea => nmea::rows(path, each),
-            SourceFormat::JsonLines => json::rows(path, &self.headers, each),
+            SourceFormat::JsonLines => json::rows(path, &self.headers[..self.headers.len() - self.parts.len()], each),
             SourceFormat::Parquet => parquet::rows(path, each),
         }
     }
