@@ -1,5 +1,6 @@
 //! Files before their rows: opened, put together by equal headers, their columns, clocks and units decided.
 
+use super::alike;
 use super::columns::{self, Columns, How};
 use super::evidence::SeenRows;
 use super::mapping::{Mapping, SAY_IT, SourceMapping, line};
@@ -12,7 +13,7 @@ use rundown_files::refusal::ReadError;
 use std::path::{Path, PathBuf};
 
 /// Files that are read in the same way.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Group {
     pub sources: Vec<SourceFile>,
     pub mapping: SourceMapping,
@@ -21,19 +22,21 @@ pub struct Group {
     pub notes: Vec<String>,
     /// What a person has to say before these files can be imported.
     pub question: Option<String>,
+    /// Of each file, whether its own rows deny what was decided of all.
+    pub denied: Vec<bool>,
 }
 
 /// What can be read, and the errors of what cannot.
 pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<ReadError>) {
     let mut refusals = Vec::new();
-    let mut alike: Vec<(SourceMapping, Vec<SourceFile>)> = Vec::new();
+    let mut same_header: Vec<(SourceMapping, Vec<SourceFile>)> = Vec::new();
     for path in files {
         let said = mapping.of_file(path);
         let named: Vec<String> =
             said.columns.values().map(|column| column.name.clone()).filter(|name| !name.is_empty()).collect();
         match SourceFile::open(path, &said.layout, &named) {
             Ok(source) => {
-                let same = alike.iter_mut().find(|(other, sources)| {
+                let same = same_header.iter_mut().find(|(other, sources)| {
                     let first = sources.first();
                     let equal =
                         first.is_some_and(|first| first.layout == source.layout && first.headers == source.headers);
@@ -41,35 +44,47 @@ pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<ReadErr
                 });
                 match same {
                     Some((_, sources)) => sources.push(source),
-                    None => alike.push((said, vec![source])),
+                    None => same_header.push((said, vec![source])),
                 }
             }
             Err(error) => refusals.push(error),
         }
     }
     let mut groups = Vec::new();
-    for (said, sources) in alike {
-        let first = sources.first().map(|source| source.path.clone()).unwrap_or_default();
-        match Group::new(sources, said) {
-            Ok(group) => groups.push(group),
-            Err(error) => refusals.push(refused(&first, error)),
+    for (said, sources) in same_header {
+        match alike::groups(sources, &said) {
+            Ok(found) => groups.extend(found),
+            Err(error) => refusals.push(error),
         }
     }
     (groups, refusals)
 }
 
 impl Group {
-    fn new(sources: Vec<SourceFile>, mapping: SourceMapping) -> Result<Self, String> {
-        let first = sources.first().ok_or("expected a file, found none")?;
-        let columns = columns::find(&first.headers, &mapping, first.layout.decimal.unwrap_or('.'))?;
-        let mut group = Self { sources, mapping, columns, notes: Vec::new(), question: None };
+    /// # Errors
+    /// What the mapping asks for and the files do not have.
+    pub fn new(sources: Vec<SourceFile>, mapping: SourceMapping) -> Result<Self, ReadError> {
+        let first = sources.first().ok_or_else(|| refused(Path::new(""), "expected a file, found none"))?;
+        let columns = columns::find(&first.headers, &mapping, first.layout.decimal.unwrap_or('.'));
+        let columns = columns.map_err(|error| refused(&first.path, error))?;
+        let mut group = Self { sources, mapping, columns, notes: Vec::new(), question: None, denied: Vec::new() };
         group.question = group.decide().err();
         Ok(group)
     }
 
+    /// Of each of some files with the same header, whether its rows deny what was decided.
+    ///
+    /// # Errors
+    /// A file cannot be read.
+    pub fn deny(&self, sources: &[SourceFile]) -> Result<Vec<bool>, ReadError> {
+        let mut seen = SeenRows::default();
+        sources.iter().try_for_each(|source| seen.look(source, &self.columns))?;
+        Ok(seen.denied(&self.columns))
+    }
+
     /// Clock and units.
     fn decide(&mut self) -> Result<(), String> {
-        let Self { sources, mapping, columns, notes, .. } = self;
+        let Self { sources, mapping, columns, notes, denied, .. } = self;
         if let Some(first) = sources.first() {
             needed(columns, first)?;
         }
@@ -86,6 +101,7 @@ impl Group {
             needed(columns, first).map_err(|missing| format!("{missing}; {}", notes.join("; ")))?;
         }
         notes.extend(seen.units(columns)?);
+        *denied = seen.denied(columns);
         notes.extend(notes_of(columns, sources.first().map_or(&[], |first| &first.headers)));
         Ok(())
     }

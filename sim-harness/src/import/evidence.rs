@@ -24,6 +24,8 @@ const LEAST_ALIKE: f64 = 0.8;
 const ALIKE: f64 = 0.2;
 /// A wheel may be off by so much; the units that are closest lie 10 % apart.
 const NEAR: f64 = 0.06;
+/// Named units are believed where the distances agree so.
+const MAY_BE: std::ops::Range<f64> = 0.8..1.25;
 /// What trains do, m/s, and how often recorders write, s.
 const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
 const STEP_S: std::ops::Range<f64> = 0.009..600.0;
@@ -32,6 +34,8 @@ const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 #[derive(Debug, Default)]
 pub struct SeenRows {
     rows: Vec<WrittenRow>,
+    /// Where the rows of each file begin.
+    begins: Vec<usize>,
     /// The first line that is no row.
     bad: Option<String>,
     efforts: Vec<f64>,
@@ -50,6 +54,7 @@ impl SeenRows {
         let numbers = EXPECTED.map(index);
         let (date, effort) = (index(Meaning::Date), index(Meaning::Effort));
         // A new file is a new stretch.
+        self.begins.push(self.rows.len());
         self.rows.push(WrittenRow::default());
         source.rows(&mut |event| {
             if let Event::Bad(line, message) = &event {
@@ -188,7 +193,7 @@ impl SeenRows {
     pub fn unit_alone(&self, columns: &mut Columns) -> Vec<String> {
         let alone = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::UnitAlone);
         let Some(meaning) = [Meaning::Speed, Meaning::Location].into_iter().find(alone) else { return Vec::new() };
-        let follows = self.stretches(columns).map(|stretches| stretches.alike);
+        let follows = stretches(&self.rows, columns).map(|stretches| stretches.alike);
         let header = columns.header(meaning).to_owned();
         let (key, percent) = (meaning.key(), 100.0 * follows.unwrap_or(0.0));
         let stays = follows.map_or(meaning == Meaning::Speed, |alike| alike >= LEAST_ALIKE);
@@ -228,7 +233,7 @@ impl SeenRows {
         let unnamed = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none());
         let unknown: Vec<Meaning> =
             DECIDED.into_iter().filter(unnamed).filter(|meaning| *meaning != Meaning::Time || is_number).collect();
-        let Some(stretches) = self.stretches(columns).filter(|_| columns.has(Meaning::Speed)) else {
+        let Some(stretches) = stretches(&self.rows, columns).filter(|_| columns.has(Meaning::Speed)) else {
             let why = "speed and location are not there together in enough rows";
             return if unknown.is_empty() { Ok(Vec::new()) } else { Err(not_decided(columns, &unknown, &[], why)) };
         };
@@ -255,11 +260,8 @@ impl SeenRows {
 
     /// Named units whose distances do not agree: refused, unless a person said so.
     fn contradiction(&self, columns: &Columns, ratio: f64, stretches: &Stretches) -> Result<Vec<String>, String> {
-        let said = [Meaning::Location, Meaning::Speed]
-            .iter()
-            .any(|meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::Mapping));
         let figure = figure(ratio);
-        if said || (0.8..1.25).contains(&ratio) {
+        if is_said(columns) || MAY_BE.contains(&ratio) {
             return Ok(vec![figure]);
         }
         let of = |meaning: Meaning| units::candidates(meaning).iter().map(move |unit| (meaning, *unit));
@@ -286,6 +288,19 @@ impl SeenRows {
         Err(format!("units: expected 1, found: {figure}; {remedy}"))
     }
 
+    /// Of each file, whether its own rows deny what was decided of all: times that are not read so, or distances that do not agree. Never what a person said.
+    pub fn denied(&self, columns: &Columns) -> Vec<bool> {
+        let ends = self.begins.iter().skip(1).copied().chain([self.rows.len()]);
+        let of_file = |(begin, end): (&usize, usize)| {
+            let rows = &self.rows[*begin..end];
+            let written = rows.iter().filter(|row| row.time.is_some()).count();
+            let read = rows.iter().filter(|row| row.time(columns).is_some()).count();
+            2 * read < written
+                || (!is_said(columns) && ratio_of(rows, columns).is_some_and(|ratio| !MAY_BE.contains(&ratio)))
+        };
+        self.begins.iter().zip(ends).map(of_file).collect()
+    }
+
     /// An effort without unit is one per mass if it is as small as that.
     fn effort(&self, columns: &mut Columns) {
         let largest = self.efforts.iter().map(|effort| effort.abs()).fold(0.0, f64::max);
@@ -297,41 +312,53 @@ impl SeenRows {
             column.how = How::Evidence(format!("no value beyond {largest:.2}"));
         }
     }
+}
 
-    /// Distances by location over those by speed, in the units of the file.
-    fn stretches(&self, columns: &Columns) -> Option<Stretches> {
-        let located = columns.has(Meaning::Location);
-        let rows: Vec<Option<Passing>> = self.rows.iter().map(|row| row.passing(columns)).collect();
-        let mut speeds: Vec<f64> = rows.iter().flatten().map(|row| row.speed).collect();
-        speeds.sort_by(f64::total_cmp);
-        let fastest = *speeds.get(speeds.len() * 99 / 100)?;
-        let steps = rows.windows(2).filter_map(|pair| Some(pair[1]?.time - pair[0]?.time));
-        let step = middle(steps.filter(|step| *step > 0.0).collect())?;
-        let goes_on = |(a, b): &(Passing, Passing)| {
-            a.speed.min(b.speed) > 0.25 * fastest && b.time > a.time && b.time - a.time < 10.0 * step
+/// A person said what place or speed are in.
+fn is_said(columns: &Columns) -> bool {
+    let said = |meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::Mapping);
+    [Meaning::Location, Meaning::Speed].iter().any(said)
+}
+
+/// Distance by location over distance by speed in the units that were decided.
+fn ratio_of(rows: &[WrittenRow], columns: &Columns) -> Option<f64> {
+    let stretches = stretches(rows, columns).filter(|_| columns.has(Meaning::Speed))?;
+    stretches.tried(columns, &[]).first().map(|(ratio, _)| *ratio)
+}
+
+/// Distances by location over those by speed, in the units of the file.
+fn stretches(all: &[WrittenRow], columns: &Columns) -> Option<Stretches> {
+    let located = columns.has(Meaning::Location);
+    let rows: Vec<Option<Passing>> = all.iter().map(|row| row.passing(columns)).collect();
+    let mut speeds: Vec<f64> = rows.iter().flatten().map(|row| row.speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    let fastest = *speeds.get(speeds.len() * 99 / 100)?;
+    let steps = rows.windows(2).filter_map(|pair| Some(pair[1]?.time - pair[0]?.time));
+    let step = middle(steps.filter(|step| *step > 0.0).collect())?;
+    let goes_on = |(a, b): &(Passing, Passing)| {
+        a.speed.min(b.speed) > 0.25 * fastest && b.time > a.time && b.time - a.time < 10.0 * step
+    };
+    let mut ratios = Vec::new();
+    let (mut by_speed, mut by_place, mut count) = (0.0, 0.0, 0);
+    for pair in rows.windows(2) {
+        let Some((a, b)) = pair[0].zip(pair[1]).filter(goes_on) else {
+            (by_speed, by_place, count) = (0.0, 0.0, 0);
+            continue;
         };
-        let mut ratios = Vec::new();
-        let (mut by_speed, mut by_place, mut count) = (0.0, 0.0, 0);
-        for pair in rows.windows(2) {
-            let Some((a, b)) = pair[0].zip(pair[1]).filter(goes_on) else {
-                (by_speed, by_place, count) = (0.0, 0.0, 0);
-                continue;
-            };
-            by_speed += 0.5 * (a.speed + b.speed) * (b.time - a.time);
-            by_place += if located { b.place.0 - a.place.0 } else { geo::distance_m(a.place, b.place) };
-            count += 1;
-            if count == STEPS {
-                ratios.push(by_place.abs() / by_speed);
-                (by_speed, by_place, count) = (0.0, 0.0, 0);
-            }
+        by_speed += 0.5 * (a.speed + b.speed) * (b.time - a.time);
+        by_place += if located { b.place.0 - a.place.0 } else { geo::distance_m(a.place, b.place) };
+        count += 1;
+        if count == STEPS {
+            ratios.push(by_place.abs() / by_speed);
+            (by_speed, by_place, count) = (0.0, 0.0, 0);
         }
-        // A train that stands where its speed is large denies the speed.
-        let all = ratios.len();
-        ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
-        let ratio = middle(ratios.clone()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
-        let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / all as f64;
-        Some(Stretches { ratio, alike, fastest, step })
     }
+    // A train that stands where its speed is large denies the speed.
+    let tried = ratios.len();
+    ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
+    let ratio = middle(ratios.clone()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
+    let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / tried as f64;
+    Some(Stretches { ratio, alike, fastest, step })
 }
 
 /// A row as it is written.

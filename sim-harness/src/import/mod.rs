@@ -9,6 +9,7 @@
 //! places them on a common chainage is held.
 
 pub(crate) mod account;
+mod alike;
 mod analysis;
 mod chainage;
 mod clock;

@@ -185,3 +185,37 @@ fn a_location_that_no_name_tells_is_taken_by_its_unit_where_the_speed_agrees() {
     let said = folder.rundown(&["import", "height.csv", "--out", "none"]);
     assert!(said.code != Some(0) && said.err.contains("expected columns for location"), "{said:?}");
 }
+
+#[test]
+fn a_file_that_denies_the_header_it_shares_is_asked_of_and_spoils_no_other() {
+    let rows = drive(&STOPS_M, 30.0);
+    let header = "time_s,location_m,speed_kmh";
+    let good = table(header, &rows, |t, x, v| format!("{t},{x:.1},{:.1}", 3.6 * v));
+    let slow = table(header, &rows, |t, x, v| format!("{t},{x:.1},{v:.2}"));
+    let far = table(header, &rows, |t, x, v| format!("{t},{:.4},{:.1}", x / 1000.0, 3.6 * v));
+    let dated = table(header, &rows, |t, x, v| format!("2025-01-31T{}Z,{x:.1},{:.1}", clock(36_000.0 + t), 3.6 * v));
+    let folder =
+        Folder::new().with("good.csv", &good).with("slow.csv", &slow).with("far.csv", &far).with("dated.csv", &dated);
+    let alone = folder.done(&["import", "good.csv", "--out", "alone"]);
+    assert!(alone.err.is_empty() || !alone.err.contains("error"), "{}", alone.err);
+    let good_alone = folder.read("alone/good_01.csv");
+    for (others, asked) in [
+        (vec!["slow.csv"], vec![("slow.csv", "unit = \"m/s\"")]),
+        (vec!["far.csv"], vec![("far.csv", "unit = \"km\"")]),
+        (vec!["slow.csv", "far.csv"], vec![("slow.csv", "unit = \"m/s\""), ("far.csv", "unit = \"km\"")]),
+        (vec!["dated.csv"], vec![]),
+    ] {
+        let files: Vec<&str> = others.iter().copied().chain(["good.csv"]).collect();
+        let said = folder.rundown(&[&["import", "--out", "runs"], &files[..]].concat());
+        assert_eq!(said.code, Some(i32::from(!asked.is_empty())), "{}", said.err);
+        for (file, line) in asked {
+            let has = |text: &&str| text.contains(file) && text.contains(line);
+            assert!(said.err.lines().any(|text| has(&text)), "{file}: {line} in {}", said.err);
+        }
+        assert_eq!(folder.read("runs/good_01.csv"), good_alone, "{others:?}");
+        if others == ["dated.csv"] {
+            near(last(&csv(&folder, "runs/dated_01.csv"))[0], rows.last().unwrap().0, 1e-6);
+        }
+        std::fs::remove_dir_all(folder.path("runs")).unwrap();
+    }
+}
