@@ -229,15 +229,21 @@ impl EffortReading {
         let (share, share_variance) = self.share(config);
         let (gain, gain_sd) = (gain as f32, gain_sd as f32);
         let column = gain * change;
-        let variance = square(speed_sd_mps as f32)
-            + square(resistance_sd as f32 * time_s)
-            + square(gain_sd * read)
+        // Resistance and gain are off alike in each window, and what they have in common with `s` is not carried: where the effort falls in all of them, as
+        // where trains power from a stop and then brake, no number of windows says more of `s` than one that knows its own errors.
+        let common = square(resistance_sd as f32 * time_s) + square(gain_sd * read);
+        let own = square(speed_sd_mps as f32)
             + square(config.noise_share as f32 * read) * self.usual_s / time_s
             + square(MISSED * share.max(0.0) * column);
-        let expected = share_variance * square(column) + variance;
+        let expected = share_variance * square(column) + common + own;
+        let least = (COMMON * common / square(column)).min(share_variance);
+        let after = (share_variance * (common + own) / expected).max(least);
+        if !(after < share_variance) {
+            return;
+        }
         let limit = GATE * root(expected);
         let missed = (asked - gain * read - share * column).min(limit).max(-limit);
-        self.share = (share + share_variance * column / expected * missed, share_variance * variance / expected);
+        self.share = (share + (1.0 - after / share_variance) / column * missed, after);
         self.share_tick_s = self.usual_s;
     }
 }
@@ -262,6 +268,8 @@ const SAME_TICK: f32 = 0.1;
 const LONGEST_TICK: f32 = 1.5;
 /// Standard deviations beyond which a window is not believed as it is.
 const GATE: f32 = 4.0;
+/// Twice the standard deviations of resistance and gain, squared: those are known beside an `s` that is taken for right.
+const COMMON: f32 = 4.0;
 /// What two bytes of a record hold.
 const MOST_STEPS: f32 = 16_383.0;
 /// Gain less 1 that no sensor has, in steps of 1e-4.
@@ -316,6 +324,31 @@ mod tests {
             }
         }
         (reading, libm::sqrt(square / count))
+    }
+
+    /// Trains that power from a stop and then brake show the end of each powering phase alone.
+    #[test]
+    fn a_resistance_that_is_off_is_no_age_however_often_the_effort_falls() {
+        let config = EffortReadingConfig::default();
+        let mut reading = EffortReading::ZEROED;
+        // The resistance is larger than learned by a standard deviation.
+        let (resistance_sd, off_n_per_kg) = (3e-3, 3e-3);
+        for _ in 0..300 {
+            reading.begin_interval();
+            for tick in 0..60 {
+                let effort_n_per_kg: Real = if tick < 30 { 0.7 } else { 0.1 };
+                reading.read(&config, 0.05, 1.0, Some(effort_n_per_kg));
+                if tick % 10 == 9 {
+                    let mean_n_per_kg = if tick < 30 { 0.7 } else { 0.1 } + off_n_per_kg;
+                    let effort =
+                        Effort { effort_n_per_kg: mean_n_per_kg, acceleration_mps2: 0.0, resistance_n_per_kg: 0.0 };
+                    reading.compare(&config, 10.0, &effort, [0.1, resistance_sd], (1.0, 2e-3));
+                }
+            }
+            reading.interrupt();
+        }
+        let (share, variance) = reading.share;
+        assert!(share.abs() < 2.0 * root(variance) && root(variance) < 0.4, "{share} {}", root(variance));
     }
 
     #[test]

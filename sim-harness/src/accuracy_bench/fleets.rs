@@ -118,6 +118,9 @@ pub fn all() -> Vec<Fleet> {
         Fleet::new("tram", "tram, 50 km/h, 500 m between stops, 1 s", tram(1.0)).band([15.0, 50.0]),
         Fleet::new("suburban", "suburban, 120 km/h, 3 km between stops, 10 s", suburban(10.0)).band([20.0, 120.0]),
         Fleet::new("suburban-1s", "suburban, the same at 1 s", suburban(1.0)).band([20.0, 120.0]),
+        Fleet::new("suburban-effort", "suburban, 1 s, effort column: mean, 2 % noise, unknown gain", suburban(1.0))
+            .measured()
+            .band([20.0, 120.0]),
         Fleet::new("freight", "freight, 90 km/h, 10 s", freight()).band([20.0, 90.0]),
         Fleet::new("high-speed", "high speed, 300 km/h, 10 s", high_speed()).band([60.0, 300.0]),
     ]
