@@ -45,8 +45,10 @@ fn a_crash_loop_leaves_a_heartbeat() {
     first.status();
     let task = task(Ok(PROVISIONING), Flash::erased(8), true);
     let mut board = Board { task, ..first };
-    let frames = board.tick();
-    assert!(matches!(frames[0].body, Body::Status(_)));
+    for ticks in 1..=2 {
+        let frames = board.tick();
+        assert!(matches!(frames[0].body, Body::Status(status) if status.silent_ticks == ticks));
+    }
     for message in board.desk.prepare(&description, Direction::Up, Pace::Clock).unwrap() {
         assert!(answer(&board.say(&message)).unwrap().result.is_err());
     }
