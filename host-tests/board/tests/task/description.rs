@@ -1,7 +1,7 @@
 //! Train, track and settings: taken whole or not at all, and only between runs.
 
 use crate::board;
-use board_tests::board::{PROVISIONING, answer, described, estimate, running};
+use board_tests::board::{Board, PROVISIONING, answer, described, estimate, running};
 use board_tests::prelude::*;
 use rundown::onboard::event::Event;
 use rundown::onboard::uplink::Setting;
@@ -101,4 +101,40 @@ fn a_train_that_is_described_once_more_is_not_looked_for_again() {
     board.prepare(&description, Direction::Up);
     let looked = board.log.iter().filter(|event| matches!(event, Event::Vehicle { .. })).count();
     assert_eq!(looked, 1, "{:?}", board.log);
+}
+
+#[test]
+fn only_a_change_to_or_from_the_papers_mode_looks_for_the_vehicle_again() {
+    let mut board = board();
+    let (description, _) = described();
+    let looked = |board: &Board| board.log.iter().filter(|event| matches!(event, Event::Vehicle { .. })).count();
+    board.status();
+    board.ask(Request::Setting(Setting::Mode(Mode::Paper))).unwrap();
+    assert_eq!(looked(&board), 0, "no train is described yet");
+    for request in description.requests(PROVISIONING.train.0) {
+        board.ask(request).unwrap();
+    }
+    board.ask(Request::Setting(Setting::Mode(Mode::Gated))).unwrap();
+    let before = looked(&board);
+    let modes = [(Mode::Measured, 0), (Mode::Paper, 1), (Mode::Paper, 1), (Mode::Gated, 2), (Mode::Measured, 2)];
+    for (mode, more) in modes {
+        board.ask(Request::Setting(Setting::Mode(mode))).unwrap();
+        assert_eq!(looked(&board), before + more, "{mode:?}");
+    }
+}
+
+#[test]
+fn another_description_of_the_train_comes_into_force() {
+    let (mut board, mut description, log) = running(described());
+    board.end();
+    let before = board.status().setup;
+    description.train.mass_kg *= 1.1;
+    board.prepare(&description, Direction::Up);
+    assert_ne!(board.status().setup, before);
+    let estimator = description.estimator().unwrap();
+    let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
+    for measurement in &log[..30] {
+        let expected = estimator.step(&mut run, measurement).unwrap();
+        assert_eq!(estimate(&board.measure(measurement)).unwrap().digest, digest::of_estimate(&expected));
+    }
 }

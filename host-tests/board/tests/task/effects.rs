@@ -146,3 +146,18 @@ fn effects_are_kept_once_and_not_at_the_begin_of_each_run() {
     board.ask(Request::Command(Command::Begin { direction: Direction::Up, track_id })).unwrap();
     assert_eq!(board.status().records[0], before, "the same effects");
 }
+
+#[test]
+fn effects_that_differ_in_one_value_are_another_setup() {
+    let (mut board, ..) = running(described());
+    board.end();
+    let bare = board.status().setup;
+    let mut with = |amplitude| {
+        board.ask(Request::Command(Command::ClearEffects)).unwrap();
+        assert_eq!(board.status().setup, bare);
+        board.ask(Request::Effect(Effect::WarmUp(WarmUp { amplitude, tau_s: 300.0 }).to_frame())).unwrap();
+        board.status().setup
+    };
+    let setups = [with(1e-3), with(2e-3), with(1e-3)];
+    assert!(!setups.contains(&bare) && setups[0] != setups[1] && setups[0] == setups[2], "{setups:?}");
+}

@@ -53,3 +53,17 @@ fn in_lockstep_the_clock_says_nothing() {
     let (mut board, ..) = running(described());
     assert!(board.tick().is_empty());
 }
+
+#[test]
+fn lockstep_drops_what_waits_for_the_clock_and_the_clock_once_more_does_not() {
+    let (mut board, _, log) = running(described());
+    let clock = Request::Command(Command::Pace(Pace::Clock));
+    board.ask(clock.clone()).unwrap();
+    board.measure(&log[0]);
+    board.ask(clock).unwrap();
+    assert_eq!(estimate(&board.tick()).unwrap().time_s, log[0].time_s);
+    board.measure(&log[1]);
+    board.ask(Request::Command(Command::Pace(Pace::Lockstep))).unwrap();
+    assert!(board.tick().is_empty());
+    assert_eq!(estimate(&board.measure(&log[1])).unwrap().time_s, log[1].time_s);
+}

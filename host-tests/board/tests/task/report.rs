@@ -6,7 +6,7 @@ use board_tests::described::measurements;
 use board_tests::prelude::*;
 use board_tests::said;
 use rundown_truth::sensors::SpeedReading;
-use rundown_wire::{Body, Downlink};
+use rundown_wire::{Body, Downlink, SWITCHING_POINTS};
 
 #[test]
 fn every_tick_says_what_the_estimator_says() {
@@ -99,4 +99,44 @@ fn a_recorder_that_cuts_speeds_off_is_named_once_it_is_found() {
     assert_eq!(named[0], None, "one run does not say");
     let offset_kmh = named[7].expect("found");
     assert!((offset_kmh - 0.5).abs() < 0.15, "half a step of 1 km/h: {offset_kmh}");
+}
+
+#[test]
+fn a_summary_has_all_switching_points_and_a_minute_the_last_ones() {
+    let (mut board, description, log) = running(described());
+    // Three times the run's points, without the leap of the location back to the begin.
+    let again_s = log.last().unwrap().time_s - log[0].time_s + 10.0;
+    let drive = |round: usize| {
+        let later = move |one: &Measurement| Measurement {
+            time_s: one.time_s + again_s * round as f64,
+            location_m: None,
+            ..*one
+        };
+        log.iter().map(later)
+    };
+    let log: Vec<Measurement> = (0..3).flat_map(drive).collect();
+    let estimator = description.estimator().unwrap();
+    let mut vehicle = estimator.new_vehicle();
+    let mut run = estimator.begin_run(&vehicle, Direction::Up);
+    let mut minutes = 0;
+    for measurement in &log {
+        estimator.step(&mut run, measurement).unwrap();
+        if let Some(said) = said!(board.measure(measurement), SwitchingPoints) {
+            assert_eq!(usize::from(said.first) + said.points.len(), usize::from(said.total));
+            assert_eq!(said.points.len(), SWITCHING_POINTS.min(said.total.into()));
+            minutes += 1;
+        }
+    }
+    assert_eq!(minutes, log.len() / 6);
+    let summary = estimator.end_run(&mut run, &mut vehicle);
+    let expected: Vec<f64> = summary.features.switching_points.iter().map(|point| point.time_s).collect();
+    let mut found = Vec::new();
+    for frame in board.end() {
+        if let Body::SwitchingPoints(said) = frame.body {
+            assert_eq!(usize::from(said.first), found.len());
+            found.extend(said.points.iter().map(|point| point.time_s));
+        }
+    }
+    assert_eq!(found, expected);
+    assert!(expected.len() > SWITCHING_POINTS, "more than one frame: {}", expected.len());
 }

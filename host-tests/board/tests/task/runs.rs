@@ -34,3 +34,23 @@ fn a_run_that_is_none_does_not_end() {
     assert_eq!(board.ask(Request::Command(Command::End)), Err(Refusal::NotRunning));
     assert_eq!(board.ask(Request::Command(Command::Snapshot)), Err(Refusal::NotRunning));
 }
+
+#[test]
+fn a_run_ends_with_the_tick_in_which_the_train_has_stood_for_five_minutes() {
+    let (mut board, _, log) = running(described());
+    let last = *log.last().unwrap();
+    let stands =
+        (1..=40).map(|tick| Measurement { time_s: last.time_s + 10.0 * f64::from(tick), speed_mps: Some(0.0), ..last });
+    let (mut since_s, mut ended_s) = (None, None);
+    for measurement in log.iter().copied().chain(stands) {
+        let frames = board.measure(&measurement);
+        if ended_s.is_none() && said!(frames, RunSummary).is_some() {
+            ended_s = Some(measurement.time_s);
+        }
+        match estimate(&frames).unwrap().regime {
+            Regime::Standstill => since_s = since_s.or(Some(measurement.time_s)),
+            _ => since_s = None,
+        }
+    }
+    assert_eq!(ended_s, since_s.map(|since_s| since_s + 300.0));
+}

@@ -92,3 +92,17 @@ fn a_board_without_a_key_refuses_and_says_so() {
     let mut desk = Desk::new(PROVISIONING);
     assert!(desk.secured(Request::Command(Command::End)).is_err());
 }
+
+#[test]
+fn a_secured_message_is_refused_for_its_true_reason() {
+    let (mut with_key, ..) = running(described());
+    let valid = with_key.desk.secured(Request::Command(Command::End)).unwrap();
+    let mut forged = valid.clone();
+    *forged.last_mut().unwrap() ^= 1;
+    let refused = |board: &mut Board, message: &[u8]| answer(&board.say(message)).unwrap().result;
+    assert_eq!(refused(&mut with_key, &forged), Err(Refusal::WrongMac));
+    assert_eq!(refused(&mut with_key, &valid[..4]), Err(Refusal::Malformed), "shorter than what protects it");
+    let without = task(Provisioning::from_bytes(&[0xFF; 64]), Flash::erased(8), false);
+    let mut without_key = Board { task: without, ..board() };
+    assert_eq!(refused(&mut without_key, &valid), Err(Refusal::Unprovisioned));
+}
