@@ -132,7 +132,7 @@ fn a_summary_has_all_switching_points_and_a_minute_the_last_ones() {
     let expected: Vec<f64> = summary.features.switching_points.iter().map(|point| point.time_s).collect();
     let mut found = Vec::new();
     for frame in board.end() {
-        if let Body::SwitchingPoints(said) = frame.body {
+        if let Some(said) = said!([frame], SwitchingPoints) {
             assert_eq!(usize::from(said.first), found.len());
             found.extend(said.points.iter().map(|point| point.time_s));
         }
