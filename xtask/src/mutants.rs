@@ -10,7 +10,10 @@ struct Module {
     name: &'static str,
     package: &'static str,
     files: &'static str,
-    test_packages: &'static str,
+    test_packages: &'static [&'static str],
+    /// What is built of those packages. Nothing else is: each mutant waits for it.
+    targets: &'static [&'static str],
+    /// Which of their tests.
     tests: &'static [&'static str],
 }
 
@@ -19,56 +22,43 @@ const MODULES: [Module; 5] = [
         name: "plausibility",
         package: "rundown",
         files: "src/tick/plausibility.rs",
-        test_packages: "rundown",
-        tests: &["--lib", "tick::plausibility"],
+        test_packages: &["rundown"],
+        targets: &["--lib"],
+        tests: &["tick::plausibility"],
     },
     Module {
         name: "store",
         package: "rundown",
         files: "src/onboard/store/*.rs",
-        test_packages: "rundown,board-tests",
+        test_packages: &["rundown", "board-tests"],
+        targets: &["--lib", "--test=store"],
         // What takes longer than all else; what survives the others is to be asked by these, too.
-        tests: &[
-            "--lib",
-            "--test",
-            "store",
-            "--",
-            "--skip=a_cut_before_any_operation",
-            "--skip=after_many_cuts",
-            "--skip=wear_of_a_year",
-        ],
+        tests: &["--", "--skip=a_cut_before_any_operation", "--skip=after_many_cuts", "--skip=wear_of_a_year"],
     },
     Module {
         name: "auth",
         package: "rundown",
         files: "src/onboard/auth/*.rs",
-        test_packages: "rundown,board-tests",
-        tests: &["--lib", "--test", "auth", "--test", "task"],
+        test_packages: &["rundown", "board-tests"],
+        targets: &["--lib", "--test=auth", "--test=task"],
+        tests: &[],
     },
     Module {
         name: "task",
         package: "rundown",
         files: "src/onboard/task/*.rs",
-        test_packages: "board-tests",
-        tests: &["--test", "task", "--test", "hostile", "--test", "events", "--test", "faults"],
+        test_packages: &["board-tests"],
+        targets: &["--test=task", "--test=hostile", "--test=events", "--test=faults"],
+        tests: &[],
     },
     Module {
         name: "link",
         package: "rundown-wire",
         files: "wire/src/link/**",
-        test_packages: "rundown-wire,board-tests",
-        // The skipped one flips every two bits, which takes longer than all else.
-        tests: &[
-            "--lib",
-            "--test",
-            "link_can",
-            "--test",
-            "link_serial",
-            "--test",
-            "link_document",
-            "--",
-            "--skip=no_single_or_double_flip",
-        ],
+        test_packages: &["rundown-wire", "board-tests"],
+        targets: &["--lib", "--test=link_can", "--test=link_serial", "--test=link_document"],
+        // It flips every two bits, which takes longer than all else.
+        tests: &["--", "--skip=no_single_or_double_flip"],
     },
 ];
 
@@ -78,13 +68,25 @@ pub fn mutants(name: &str, share: &str) -> Result<(), String> {
     let module = MODULES.iter().find(|module| module.name == name);
     let module = module.ok_or_else(|| format!("expected a module ({names}), found `{name}`"))?;
     ask("cargo", &["mutants", "--version"]).ok_or("needs cargo-mutants: cargo install cargo-mutants --locked")?;
+    unchanged(module)?;
     let mut command = cargo();
     command.args(["mutants", "--package", module.package, "--file", module.files, "--profile", "mutants"]);
-    command.args(["--test-package", module.test_packages, "--shard", share, "--sharding", "round-robin"]);
-    command.args(["--timeout", "60", "--jobs", "1", "--output"]).arg(target().join("mutants").join(name));
+    command.args(["--test-package", &module.test_packages.join(","), "--shard", share, "--sharding", "round-robin"]);
+    command.args(module.targets.iter().map(|target| format!("--cargo-arg={target}")));
+    command.args(["--baseline", "skip", "--timeout", "60", "--jobs", "1"]);
+    command.arg("--output").arg(target().join("mutants").join(name));
     run(command.arg("--").args(module.tests)).map_err(|error| {
         format!("{error}\nwhich mutants survived is said above and in target/mutants/{name}/mutants.out/missed.txt")
     })
+}
+
+/// The tests with nothing changed: where they fail, each mutant would count as caught. The baseline of cargo-mutants
+/// asks the changed package alone, which does not have the tests of `board-tests`.
+fn unchanged(module: &Module) -> Result<(), String> {
+    let mut command = cargo();
+    command.args(["test", "--quiet", "--profile", "mutants"]);
+    command.args(module.test_packages.iter().map(|package| format!("--package={package}")));
+    run(command.args(module.targets).args(module.tests))
 }
 
 #[cfg(test)]
@@ -102,6 +104,16 @@ mod tests {
         for module in MODULES {
             let folder = crate::shell::root().join(module.files.trim_end_matches(['*']).trim_end_matches("*.rs"));
             assert!(folder.exists(), "{}", module.files);
+        }
+    }
+
+    #[test]
+    fn every_test_target_exists() {
+        let tests = crate::shell::root().join("host-tests/board/tests");
+        let targets = MODULES.iter().flat_map(|module| module.targets);
+        for name in targets.filter_map(|target| target.strip_prefix("--test=")) {
+            let exists = tests.join(format!("{name}.rs")).exists() || tests.join(name).join("main.rs").exists();
+            assert!(exists, "{name}");
         }
     }
 }

@@ -47,6 +47,8 @@ fn refusals_and_a_flash_that_takes_nothing_are_trouble() {
     board.prepare(&described().0, Direction::Up);
     board.end();
     assert_eq!(board.log.last(), Some(&Event::NotKept), "{:?}", board.log);
+    let status = board.status();
+    assert_eq!((status.records, status.memory), ([0, 1], Memory::ReadOnly));
     assert!(Event::NotKept.is_trouble());
 }
 

@@ -134,3 +134,15 @@ fn a_flood_of_open_messages_gets_one_status_and_a_few_answers_a_second_and_costs
     let status = board.status();
     assert!(status.refusals[Refusal::NotSecured as usize] >= 20 * 300, "{status:?}");
 }
+
+#[test]
+fn the_status_of_a_second_is_used_up_by_an_open_status_alone() {
+    let (mut board, log) = in_one_second();
+    board.measure(&log[0]);
+    let status = Request::Command(Command::Status);
+    let secured = board.desk.secured(status.clone()).unwrap();
+    assert!(said!(board.say(&secured), Status).is_some());
+    board.status();
+    let open = board.desk.open(status).unwrap();
+    assert!(board.say(&open).is_empty());
+}

@@ -252,6 +252,53 @@ fn a_controller_that_is_full_loses_nothing() {
     assert_eq!(received.as_deref(), Some(&message[..]));
 }
 
+/// A controller that takes frames only while it may.
+struct Held {
+    end: pipe::PipeEnd<CanFrame>,
+    takes: bool,
+}
+
+impl Can for Held {
+    type Frame = CanFrame;
+    type Error = pipe::BusError;
+
+    fn transmit(&mut self, frame: &CanFrame) -> nb::Result<Option<CanFrame>, Self::Error> {
+        if self.takes { self.end.transmit(frame) } else { Err(nb::Error::WouldBlock) }
+    }
+
+    fn receive(&mut self) -> nb::Result<CanFrame, Self::Error> {
+        self.end.receive()
+    }
+}
+
+#[test]
+fn a_message_is_on_its_way_until_the_controller_has_taken_all_of_it() {
+    let (end, mut there) = pipe::bus();
+    let mut host = CanLink::host(Held { end, takes: false }, Config::CLASSIC);
+    assert!(!host.is_sending());
+    host.send(&[1], 0).unwrap();
+    assert!(host.is_sending());
+    assert!(matches!(host.send(&[2], 0), Err(LinkError::Busy)));
+    host.controller_mut().takes = true;
+    assert!(host.receive(0).unwrap().is_none());
+    assert!(!host.is_sending());
+    assert_eq!(there.take().len(), 1);
+}
+
+#[test]
+fn the_other_sides_silence_begins_when_the_controller_has_taken_the_frame() {
+    let (end, mut there) = pipe::bus();
+    let mut host = CanLink::host(Held { end, takes: false }, Config::CLASSIC);
+    host.send(&[1; 50], 0).unwrap();
+    host.controller_mut().takes = true;
+    host.receive(900_000).unwrap();
+    assert_eq!(there.take().len(), 1);
+    host.receive(1_899_999).unwrap();
+    assert_eq!((host.is_sending(), host.counters().timeout), (true, 0));
+    host.receive(1_900_000).unwrap();
+    assert_eq!((host.is_sending(), host.counters().timeout), (false, 1));
+}
+
 #[test]
 fn a_serial_port_that_is_full_within_a_line_loses_nothing() {
     let (here, there) = pipe::bytes();
@@ -394,4 +441,40 @@ fn an_adapter_is_closed_set_and_opened_and_answers_what_it_knows() {
     wire.put(*b"V\rt1230\r");
     assert!(host.receive().is_ok());
     assert_eq!(wire.take(), b"");
+    // It counts what the adapter refuses.
+    wire.put(*b"\x07\x07\rt1230\r");
+    assert!(host.receive().is_ok());
+    assert_eq!((host.refused(), host.damaged()), (2, 0));
+}
+
+#[test]
+fn a_babbling_line_does_not_hold_up_the_caller_and_a_full_ring_is_read_in_one_call() {
+    let (mut here, mut there) = pipe::bytes();
+    let babble = vec![b'x'; 100 * slcan::MAX_LINE];
+    there.put(babble.iter().copied());
+    assert!(Slcan::device(&mut here).receive().is_err());
+    let read = babble.len() - here.take().len();
+    assert!((512..=16 * slcan::MAX_LINE).contains(&read), "{read}");
+}
+
+#[test]
+fn each_failure_says_what_it_is() {
+    use rundown::link::slcan::PortError;
+
+    let of_link = [LinkError::Port("unplugged"), LinkError::Full, LinkError::Busy, LinkError::Length { found: 0 }];
+    assert_eq!(
+        of_link.map(|error| error.to_string()),
+        [
+            "port: unplugged",
+            "the port takes no more bytes",
+            "the message before is still being sent",
+            "expected 1 to 512 bytes, found 0"
+        ]
+    );
+    let of_port = [PortError::Port("unplugged"), PortError::Full];
+    assert_eq!(of_port.map(|error| error.to_string()), ["unplugged", "the port takes no more bytes"]);
+    let of_length = |format| CanFrame::try_new(standard(1), format, &[0; 9]).unwrap_err().to_string();
+    assert_eq!(of_length(Format::Classic), "expected at most 8 bytes, found 9");
+    let fd = Format::Fd { bit_rate_switch: false };
+    assert_eq!(of_length(fd), "expected 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes, found 9");
 }

@@ -229,6 +229,7 @@ fn nothing_between_two_delimiters_is_no_error() {
     let line = [&[0; 5], &encode(b"a").unwrap()[..], &[0; 3], &encode(b"b").unwrap()[..]].concat();
     assert_eq!(decode(&line), (vec![b"a".to_vec(), b"b".to_vec()], vec![]));
     assert_eq!(crc32c(&[]), 0, "why an empty message does not exist");
+    assert!(encode(&[]).is_err());
     assert_eq!(decode(&[1, 1, 1, 1, 1, 0]).1, [DecodeError::Checksum(ChecksumError::TooShort { found: 4 })]);
 }
 
@@ -303,6 +304,18 @@ fn a_babbling_line_does_not_hold_up_the_caller() {
     there.put(babble.iter().copied());
     assert!(SerialLink::new(&mut here).receive(0).unwrap().is_none());
     assert!(babble.len() - here.take().len() <= 2 * MAX_SERIAL);
+}
+
+#[test]
+fn one_call_gets_past_a_damaged_message_to_the_one_behind_it() {
+    let (here, mut there) = pipe::bytes();
+    let good = encode(&[0xFF; MAX_MESSAGE]).unwrap();
+    let mut damaged = good.clone();
+    damaged[9] ^= 1;
+    there.put([damaged.to_vec(), good.to_vec()].concat());
+    let mut link = SerialLink::new(here);
+    assert_eq!(link.receive(0).unwrap().as_deref(), Some(&[0xFF; MAX_MESSAGE][..]));
+    assert!(!link.is_sending(), "a port takes a message at once or not at all");
 }
 
 proptest! {

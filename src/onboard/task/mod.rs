@@ -231,7 +231,6 @@ impl<F: NorFlash> Task<'_, F> {
     pub fn begin_tick(&mut self, port: &mut impl Port) {
         self.finish(port);
         match self.newest.take() {
-            _ if self.heartbeat_only => self.send_status(port),
             Some(measurement) => {
                 if let Err(refusal) = self.step(&measurement, port) {
                     self.answer(0, Err(refusal), port);

@@ -228,6 +228,12 @@ mod tests {
     }
 
     #[test]
+    fn an_identifier_is_extended_where_it_has_29_bits() {
+        assert!(!CanFrame::new(standard(0x7FF), &[]).unwrap().is_extended());
+        assert!(CanFrame::new(extended(0x7FF), &[]).unwrap().is_extended());
+    }
+
+    #[test]
     fn a_frame_survives_another_frame_type() {
         for frame in [
             CanFrame::new(standard(0x123), &[1, 2, 3]).unwrap(),

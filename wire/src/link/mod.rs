@@ -214,3 +214,59 @@ impl Counters {
 pub(crate) fn count(counter: &mut u32) {
     *counter = counter.saturating_add(1);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A link with something to say of each call.
+    struct Talking {
+        sent: heapless::Vec<u8, 4>,
+        is_sending: bool,
+    }
+
+    impl Link for Talking {
+        type PortError = &'static str;
+
+        fn send(&mut self, message: &[u8], _now_us: u64) -> Result<(), LinkError<&'static str>> {
+            self.sent.extend_from_slice(message).map_err(|_| LinkError::Full)
+        }
+
+        fn receive(&mut self, _now_us: u64) -> Result<Option<Message>, LinkError<&'static str>> {
+            Ok(Message::from_slice(b"heard").ok())
+        }
+
+        fn is_sending(&self) -> bool {
+            self.is_sending
+        }
+
+        fn counters(&self) -> Counters {
+            Counters { sent: 7, ..Counters::ZERO }
+        }
+    }
+
+    /// What [`Link`] says, whoever it is.
+    fn ask(mut link: impl Link<PortError = &'static str>) -> (Option<Message>, bool, u32) {
+        link.send(b"ab", 0).unwrap();
+        (link.receive(0).unwrap(), link.is_sending(), link.counters().sent)
+    }
+
+    #[test]
+    fn a_borrowed_link_is_the_link() {
+        for is_sending in [false, true] {
+            let mut link = Talking { sent: heapless::Vec::new(), is_sending };
+            assert_eq!(ask(&mut link), (Message::from_slice(b"heard").ok(), is_sending, 7));
+            assert_eq!(link.sent, *b"ab");
+        }
+    }
+
+    #[test]
+    fn the_counts_of_two_links_add_up_and_stay_at_the_largest() {
+        let counts = |[sent, received, checksum, coding, too_long, too_short, sequence, timeout, refused]: [u32; 9]| {
+            Counters { sent, received, checksum, coding, too_long, too_short, sequence, timeout, refused }
+        };
+        let (one, other) = (counts([1, 2, 3, 4, 5, 6, 7, 8, 9]), counts([10, 20, 30, 40, 50, 60, 70, 80, 90]));
+        assert_eq!(one.and(&other), counts([11, 22, 33, 44, 55, 66, 77, 88, 99]));
+        assert_eq!(one.and(&counts([u32::MAX; 9])), counts([u32::MAX; 9]));
+    }
+}

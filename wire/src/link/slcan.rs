@@ -433,8 +433,15 @@ mod tests {
             assert_eq!(parse(line.as_bytes()), Err(error), "{line}");
         }
         assert!(matches!(parse(b"t6D01ab1234"), Ok(Line::Frame(_))), "time stamp");
-        assert_eq!(parse(b""), Ok(Line::Done));
         assert_eq!(parse(b"S6"), Ok(Line::Command(b'S')));
+    }
+
+    #[test]
+    fn a_device_confirms_with_nothing_or_with_a_z() {
+        for line in [&b""[..], b"z", b"Z"] {
+            assert_eq!(parse(line), Ok(Line::Done));
+        }
+        assert_eq!(parse(b"z1"), Ok(Line::Command(b'z')), "with more it is a command");
     }
 
     #[test]

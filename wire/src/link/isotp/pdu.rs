@@ -292,6 +292,22 @@ mod tests {
     }
 
     #[test]
+    fn separation_times_are_milliseconds_hundreds_of_microseconds_or_the_longest() {
+        for (code, us) in [
+            (0, 0),
+            (1, 1000),
+            (0x7F, 127_000),
+            (0x80, 127_000),
+            (0xF0, 127_000),
+            (0xF1, 100),
+            (0xF9, 900),
+            (0xFA, 127_000),
+        ] {
+            assert_eq!(SeparationTime(code).to_us(), us, "{code:#x}");
+        }
+    }
+
+    #[test]
     fn lengths_that_the_standard_forbids_are_refused() {
         let fd_nine = |first, second| {
             let mut frame = [0; 12];

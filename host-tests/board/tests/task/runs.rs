@@ -1,0 +1,56 @@
+//! When a run ends, and what ends none.
+
+use board_tests::board::{described, estimate, running};
+use board_tests::prelude::*;
+use board_tests::said;
+use rundown::tick::regime::Regime;
+use rundown_wire::Refusal;
+
+#[test]
+fn a_long_stop_ends_the_run_and_keeps_what_it_taught() {
+    let (mut board, _, log) = running(described());
+    for measurement in &log {
+        board.measure(measurement);
+    }
+    let last = *log.last().unwrap();
+    let mut ended = 0;
+    for minute in 1..=480_u32 {
+        let frames = board.measure(&Measurement {
+            time_s: last.time_s + 60.0 * f64::from(minute),
+            speed_mps: Some(0.0),
+            ..last
+        });
+        ended += usize::from(said!(frames, RunSummary).is_some());
+        assert_eq!(estimate(&frames).unwrap().regime, Regime::Standstill);
+    }
+    // Eight hours: one end, one record.
+    assert_eq!((ended, board.status().records), (1, [1, 0]));
+}
+
+#[test]
+fn a_run_that_is_none_does_not_end() {
+    let (mut board, ..) = running(described());
+    board.end();
+    assert_eq!(board.ask(Request::Command(Command::End)), Err(Refusal::NotRunning));
+    assert_eq!(board.ask(Request::Command(Command::Snapshot)), Err(Refusal::NotRunning));
+}
+
+#[test]
+fn a_run_ends_with_the_tick_in_which_the_train_has_stood_for_five_minutes() {
+    let (mut board, _, log) = running(described());
+    let last = *log.last().unwrap();
+    let stands =
+        (1..=40).map(|tick| Measurement { time_s: last.time_s + 10.0 * f64::from(tick), speed_mps: Some(0.0), ..last });
+    let (mut since_s, mut ended_s) = (None, None);
+    for measurement in log.iter().copied().chain(stands) {
+        let frames = board.measure(&measurement);
+        if ended_s.is_none() && said!(frames, RunSummary).is_some() {
+            ended_s = Some(measurement.time_s);
+        }
+        match estimate(&frames).unwrap().regime {
+            Regime::Standstill => since_s = since_s.or(Some(measurement.time_s)),
+            _ => since_s = None,
+        }
+    }
+    assert_eq!(ended_s, since_s.map(|since_s| since_s + 300.0));
+}
