@@ -148,7 +148,7 @@ fn a_column_of_another_tick_keeps_its_gain_and_its_age_is_learned_again() {
 /// for coasts gave a suburban train a fifth too much.
 #[test]
 fn short_coasts_teach_metros_trams_and_suburban_trains() {
-    for (name, most_percent) in [("metro", 9.0), ("tram", 6.0), ("suburban-1s", 13.0)] {
+    for (name, most_percent) in [("metro", 9.0), ("tram", 6.0), ("suburban-1s", 13.0), ("suburban-effort", 13.0)] {
         let fleet = fleets::all().into_iter().find(|fleet| fleet.name == name).unwrap();
         let table = sim_harness::accuracy_bench::judge(&fleet, fleet.config(), 6, 20, 4000, || ()).unwrap();
         table.print(name);

@@ -168,7 +168,8 @@ fn what_spoils_a_whole_replay_is_said_aloud() {
     assert_eq!(
         notes(&folder.replay(&["--mode", "measured", "run.csv"])),
         "note: run: no effort_n_per_kg, without which the measured mode learns nothing\n\
-         note: nothing was learned about the resistance: it takes 60 s of known effort in one piece\n"
+         note: nothing was learned about the resistance: it takes 60 s of known effort in one piece, \
+         or 16 s of coasting above 50 km/h after a hop of at most 300 s\n"
     );
     let paper = notes(&folder.replay(&["--mode", "paper", "run.csv"]));
     assert!(paper.contains("does not follow the true resistance"));
@@ -178,7 +179,7 @@ fn what_spoils_a_whole_replay_is_said_aloud() {
          Nothing is known of gradients there; bring the runs onto its chainage with `rundown import --chainage align`, \
          or describe the track from where their locations count, with its whole length_m\n\
          note: nothing was learned about the resistance: it takes 60 s of coasting above 50 km/h in one piece, \
-         or 16 s above 50 km/h after a hop of at most 300 s; the fastest of these runs reached 136 km/h\n"
+         or 16 s of coasting above 50 km/h after a hop of at most 300 s; the fastest of these runs reached 136 km/h\n"
     );
 }
 

@@ -93,7 +93,7 @@ pub(super) fn learning_tick(
     if read {
         run.hops.observe(&config.short_hops, judged.time_s, standing);
     }
-    let are_short = config.mode == Mode::Gated && run.hops.are_short(&config.short_hops, judged.time_s);
+    let are_short = run.hops.are_short(&config.short_hops, judged.time_s);
     let reading = &mut run.effort_reading;
     let read_effort = match config.mode {
         Mode::Measured => {
@@ -104,6 +104,12 @@ pub(super) fn learning_tick(
     };
     let recognition = recognise(config, run, line, acting, &now, ReadNow { read, standing, short_hops: are_short });
     let learned = match config.mode {
+        // Of hops the effort column shows the ends of powering only, for then the train brakes: what its age and gain are off by there the resistance would be.
+        // Coasts need neither.
+        Mode::Measured if are_short => {
+            run.waits = None;
+            learn_coasting(config, run, line, acting, judged, &recognition, are_short)
+        }
         Mode::Measured => {
             let usual = read && now.speed_mps > SLOWEST_MEASURED_MPS && judged.contradiction.is_none();
             let learned = learn_measured(config, run, line, acting, read_effort);

@@ -362,7 +362,7 @@ pub struct Known {
     pub stops_m: Vec<f64>,
     /// Limits of train and line.
     pub limits: limits::Described,
-    /// Locations are moved to the age of the speed. Not for a model that asks for the lag itself.
+    /// Locations are moved to the age of the speed, and efforts that are not the train's are left out. Not for a model that asks for lag and efforts itself.
     pub moves_locations: bool,
 }
 
@@ -402,6 +402,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let of_unit = |unit| {
         let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
         recorder.exceeds(recordings, &runs, known);
+        recorder.effort_apart(recordings, &runs);
         recorder.effort_zero(recordings, &runs);
         recorder.effort_age(recordings, &runs, known);
         recorder

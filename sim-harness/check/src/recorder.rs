@@ -280,9 +280,19 @@ impl RecorderCheck {
             self.evidence.insert(kind, evidence);
         }
         if let Some(effort::Apart { correlation, evidence, .. }) = effort::apart(own.into_iter()) {
-            self.found(Kind::EffortApart, correlation, "", Done::Said);
+            let done = if known.moves_locations { Done::LeftOut } else { Done::Said };
+            self.found(Kind::EffortApart, correlation, "", done);
             self.evidence.insert(Kind::EffortApart, evidence);
         }
+    }
+
+    /// Leaves out the efforts that do not go with its trains: nothing may be learned from them.
+    pub(crate) fn effort_apart(&self, recordings: &mut [Recording], runs: &[RunCheck]) {
+        if !self.findings.iter().any(|one| one.kind == Kind::EffortApart && one.done == Done::LeftOut) {
+            return;
+        }
+        let own = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
+        own.flat_map(|(recording, _)| &mut recording.rows).for_each(|row| row.effort_n_per_kg = None);
     }
 
     /// Takes the zero of the effort from trains that stand, and leaves out zeros that are no effort of 0.

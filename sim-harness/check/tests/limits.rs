@@ -88,6 +88,11 @@ fn an_effort_column_that_is_not_the_trains_is_said() {
             let mut recordings = runs(53_000 + seed);
             let rows = recordings.iter_mut().flat_map(|run| &mut run.rows);
             rows.enumerate().for_each(|(i, row)| row.effort_n_per_kg = row.effort_n_per_kg.map(|own| column(i, own)));
+            let mut replayed = recordings.clone();
+            let of_replay = check_beside(&mut replayed, &Known { moves_locations: true, ..Known::default() });
+            assert!(kinds(&of_replay).contains(&Kind::EffortApart), "{evidence} {seed}");
+            let efforts = replayed.iter().flat_map(|run| &run.rows).filter(|row| row.effort_n_per_kg.is_some());
+            assert_eq!(efforts.count(), 0, "{evidence} {seed}: a replay would learn from them");
             let found = checked(&mut recordings, &[]);
             assert!(kinds(&found).contains(&Kind::EffortApart), "{evidence} {seed}: {:?}", kinds(&found));
             let notes = found.notes();

@@ -65,7 +65,7 @@ impl Advice {
             let least_s = config.learning.min_segment_s;
             let what = match config.mode {
                 Mode::Gated => self.coasting(estimator),
-                _ => format!("{least_s} s of known effort in one piece"),
+                _ => format!("{least_s} s of known effort in one piece{}", on_hops(estimator)),
             };
             let doubt = config.track_doubt.gradient_sd_permille;
             let slopes = if doubt > 0.0 {
@@ -81,23 +81,29 @@ impl Advice {
 
     /// The coasts that the gated mode learns from, and how fast these runs were.
     fn coasting(&self, estimator: &Estimator) -> String {
-        let Config { learning, short_hops, .. } = estimator.config();
-        let is_seen = |kmh: &u16| {
-            let r = estimator.train().davis().resistance_n_per_kg(f64::from(*kmh) / 3.6);
-            r > short_hops.min_resistance_n_per_kg
-        };
-        let on_hops = (1..=MOST_KMH).find(is_seen).filter(|_| short_hops.hop_s > 0.0).map(|kmh| {
-            let (hop_s, least_s) = (short_hops.hop_s, short_hops.min_segment_s + short_hops.end_cut_s);
-            format!(", or {least_s} s above {kmh} km/h after a hop of at most {hop_s} s")
-        });
+        let learning = &estimator.config().learning;
         format!(
             "{} s of coasting above {} km/h in one piece{}; the fastest of these runs reached {:.0} km/h",
             learning.min_segment_s,
             learning.min_speed_kmh,
-            on_hops.unwrap_or_default(),
+            on_hops(estimator),
             3.6 * self.fastest_mps
         )
     }
+}
+
+/// The coasts of hops that teach in both learning modes.
+fn on_hops(estimator: &Estimator) -> String {
+    let short_hops = &estimator.config().short_hops;
+    let is_seen = |kmh: &u16| {
+        let r = estimator.train().davis().resistance_n_per_kg(f64::from(*kmh) / 3.6);
+        r > short_hops.min_resistance_n_per_kg
+    };
+    let seen = (1..=MOST_KMH).find(is_seen).filter(|_| short_hops.hop_s > 0.0);
+    seen.map_or_else(String::new, |kmh| {
+        let (hop_s, least_s) = (short_hops.hop_s, short_hops.min_segment_s + short_hops.end_cut_s);
+        format!(", or {least_s} s of coasting above {kmh} km/h after a hop of at most {hop_s} s")
+    })
 }
 
 /// Runs of which the same is to be said: the first names, and how many they are.
