@@ -129,6 +129,14 @@ impl MixtureFit {
         self.shares.iter().sum()
     }
 
+    /// Mean resistance of the coasted stretches, N/kg.
+    pub fn resistance_n_per_kg(&self, stretches: &[Stretch]) -> f64 {
+        let [constant, share] = self.deltas;
+        let of =
+            |(stretch, coasted): (&Stretch, &f64)| coasted * (stretch.resistance_n_per_kg * (1.0 + share) + constant);
+        stretches.iter().zip(&self.shares).map(of).sum::<f64>() / self.coasted().max(1.0)
+    }
+
     /// What effort is left of each stretch if it is coasted, N/kg.
     pub fn residuals(&self, stretches: &[Stretch], climbs_n_per_kg: &[f64]) -> Vec<f64> {
         stretches.iter().zip(climbs_n_per_kg).map(|(stretch, climb)| effort(stretch, *climb, self.deltas)).collect()

@@ -39,6 +39,8 @@ const LEAST_GAIN: f64 = 12.0;
 const LEAST_Z: f64 = 1.7;
 /// ... and where none does, as of another line; speeds that are held roughly look like that, too.
 const LEAST_Z_UNEXPLAINED: f64 = 2.5;
+/// The resistance of the coasts is so many times their scatter.
+const LEAST_SEEN: f64 = 1.5;
 /// And its scatter less than this share of the described one's.
 const LEAST_SHARPER: f64 = 0.8;
 /// So many coasted stretches must say it.
@@ -107,12 +109,14 @@ impl Coasts {
         let (better, least_z) =
             if explains(best.sd_n_per_kg) { (nearest, LEAST_Z) } else { (Version::Level, LEAST_Z_UNEXPLAINED) };
         let better_n_per_kg = climbs(better);
+        // Coasts that scatter nearly as much as they are slowed may be held speeds.
+        let sees = best.resistance_n_per_kg(&self.stretches) > LEAST_SEEN * best.sd_n_per_kg;
         let described_sd = described.sd_of(&self.stretches, described_n_per_kg, &best.shares);
         let [one, two] = self.gains(&best, &described);
         let agree = one > LEAST_GAIN && two > LEAST_GAIN;
         let clear = best.coasted() >= LEAST_STRETCHES && best.sd_n_per_kg < LEAST_SHARPER * described_sd;
         let z = places::better_by(&self.stretches, &best, &described);
-        (agree && clear && z > least_z).then(|| Doubt {
+        (agree && clear && sees && z > least_z).then(|| Doubt {
             better,
             sd_n_per_kg: best.sd_n_per_kg,
             described_sd_n_per_kg: described_sd,
