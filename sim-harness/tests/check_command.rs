@@ -38,6 +38,7 @@ fn speeds_in_other_units_are_refused() {
     let said = folder.rundown(&["check", "run.csv"]);
     assert_eq!(said.code, Some(6), "{}", said.out);
     assert!(said.out.contains("another unit") && said.out.contains("3.6"), "{}", said.out);
+    assert!(said.out.contains("`rundown import` does with a --mapping"), "{}", said.out);
 }
 
 #[test]

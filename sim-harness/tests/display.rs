@@ -110,6 +110,14 @@ fn wrong_arguments_are_named() {
     assert_eq!(code(&[]), Some(2), "no source");
     assert_eq!(code(&["-", "--text", "--json"]), Some(2), "two views");
     assert_eq!(code(&["--file", "no-such-file", "--text"]), Some(3));
+    for view in ["--text", "--json"] {
+        for prose in ["# Rundown\n", "# Rundown\n\0is no recording\0of frames"] {
+            let refused = rundown(&["-", view], prose.as_bytes());
+            assert_eq!(refused.status.code(), Some(3));
+            let said = String::from_utf8(refused.stderr).unwrap();
+            assert!(said.contains("expected a recording of frames, found none in "), "{said}");
+        }
+    }
     assert_eq!(code(&["-", "--text", "--speed", "0"]), Some(2));
 }
 

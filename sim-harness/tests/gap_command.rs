@@ -386,6 +386,18 @@ fn a_track_that_is_too_short_or_flat_is_reported() {
     assert!(!folder.path("out").exists());
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_folder_that_cannot_be_made_is_refused_before_the_work() {
+    let folder = simulated(6, "");
+    let model = ["--train", "set/train.toml", "--track", "set/track.toml", "--runs", "set/runs"];
+    // Not even the administrator makes a folder there.
+    let Said { code, err: said, .. } = folder.rundown(&[&["gap", "--out", "/proc/gap"][..], &model].concat());
+    assert_eq!(code, Some(4), "{said}");
+    assert!(said.contains("/proc/gap: cannot be written: ") && said.contains("another folder with --out"), "{said}");
+    assert!(!said.contains("all runs"), "{said}");
+}
+
 #[test]
 fn an_output_folder_that_is_a_file_is_refused_before_the_work() {
     let folder = simulated(6, "");

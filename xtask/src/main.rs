@@ -136,7 +136,7 @@ const REFERENCE: [&str; 2] = ["data/reference/train.toml", "data/reference/track
 fn emulate_command(run_log: &str, described: [&str; 2], frames: Option<&str>) -> Command {
     let mut command = cargo();
     command
-        .args(["run", "--release", "--quiet", "-p", "host-tests"])
+        .args(["run", "--release", "-p", "host-tests"])
         .args(["--example", "emulate", "--", run_log])
         .args(described)
         .args(frames);

@@ -168,7 +168,9 @@ impl Kind {
     pub fn remedy(self) -> Option<&'static str> {
         match self {
             Self::TwoDirections => Some("cut the log where the train turns"),
-            Self::OtherUnit => Some("convert the column to the unit of its name"),
+            Self::OtherUnit => Some(
+                "convert the column to the unit of its name; `rundown import` does with a --mapping that it prints",
+            ),
             Self::SpeedScale => Some("compare the wheel diameter of the recorder, or the length of the track"),
             Self::WheelChange => Some("look when the wheels were turned, or their diameter was entered"),
             Self::CoarseClock => Some("write the times as fine as the rows"),

@@ -12,7 +12,7 @@
 //! | what is refused, and how is it said? | [`refusal`] |
 //! | what does the estimator get? | [`recording`], [`map_matching`], [`units`] |
 //! | what does it say? | [`replay`] |
-//! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
+//! | train, track, configuration, effects | [`train_file`], [`track_file`] (and which of the two: `exchanged`), [`config_file`], [`effect_file`], all by [`toml_file`] |
 //! | how do results get into their folder? | [`folder`] |
 //! | tables and runs for other tools | [`mod@column`], [`table`], [`parquet`] |
 #![forbid(unsafe_code)]
@@ -22,6 +22,7 @@ pub mod column;
 pub mod config_file;
 pub mod effect_file;
 pub mod effect_frame;
+mod exchanged;
 pub mod folder;
 pub mod map_matching;
 pub mod off_track;

@@ -39,6 +39,9 @@ pub enum ReadError {
     BadRows { path: PathBuf, rows: Vec<Refusal> },
 }
 
+/// What helps with a log that has other columns than a run log, or the same ones in another form.
+pub const IMPORT_TIP: &str = "`rundown import` reads other names, units and times";
+
 /// Bad rows and warnings that are spelled out; the rest is counted.
 pub const MAX_LISTED: usize = 20;
 

@@ -33,9 +33,7 @@ impl<T: DeserializeOwned> TomlFile<T> {
     /// # Errors
     /// [`ReadError`] when it cannot be read, is no TOML, or holds a field that is unknown, missing or of another type.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        let text = std::fs::read_to_string(path).map_err(|source| ReadError::io(path, source))?;
-        log::info!("read {}", path.display());
-        Self::parse(path, &text)
+        Self::parse(path, &text_of(path)?)
     }
 
     /// Reads a text; `path` is for the messages.
@@ -119,6 +117,13 @@ impl<T> TomlFile<T> {
         }
         Some(value.span().start)
     }
+}
+
+/// The text of a file.
+pub(crate) fn text_of(path: &Path) -> Result<String, ReadError> {
+    let text = std::fs::read_to_string(path).map_err(|source| ReadError::io(path, source))?;
+    log::info!("read {}", path.display());
+    Ok(text)
 }
 
 fn child<'a, 'i>(value: &'a Spanned<DeValue<'i>>, step: &Step<'_>) -> Option<&'a Spanned<DeValue<'i>>> {

@@ -1,8 +1,8 @@
 //! Track descriptions: a TOML file, see [`TrackFile`]. Out: the estimator's [`Track`], and the tables the estimator has no use for.
 
 use crate::effect_file::{self, EffectEntry};
-use crate::refusal::ReadError;
-use crate::toml_file::{Step, TomlFile};
+use crate::toml_file::{self, Step, TomlFile};
+use crate::{exchanged::Described, refusal::ReadError};
 use rundown::estimator::config::Config;
 use rundown::model::track::{Curve, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
 use rundown::model::units::KmPerHour;
@@ -103,7 +103,7 @@ impl TrackFile {
     /// # Errors
     /// [`ReadError`] names file, line and column.
     pub fn read(path: &Path) -> Result<(Self, Track), ReadError> {
-        checked(TomlFile::read(path)?)
+        Self::parse(path, &toml_file::text_of(path)?)
     }
 
     /// How far a gradient may be off: as the file says; else nothing where gradients are described, and as much as lines differ from flat ones
@@ -177,7 +177,8 @@ impl TrackFile {
     /// # Ok::<(), rundown_files::refusal::ReadError>(())
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<(Self, Track), ReadError> {
-        checked(TomlFile::parse(path, text)?)
+        let file = TomlFile::parse(path, text);
+        checked(file.map_err(|error| Described::Track.or_exchanged(error, path, text))?)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Train descriptions: a TOML file, see [`TrainFile`]. Out: the estimator's [`Train`].
 
 use crate::effect_file::{self, EffectEntry};
-use crate::{refusal::ReadError, toml_file::TomlFile};
+use crate::toml_file::{self, TomlFile};
+use crate::{exchanged::Described, refusal::ReadError};
 use rundown::model::train::{Train, TrainDescription};
 use rundown::{model::bounds::OutOfRange, model::resistance::Davis};
 use serde::{Deserialize, Serialize};
@@ -34,7 +35,7 @@ impl TrainFile {
     /// # Errors
     /// [`ReadError`] names file, line and column.
     pub fn read(path: &Path) -> Result<(Self, Train), ReadError> {
-        checked(TomlFile::read(path)?)
+        Self::parse(path, &toml_file::text_of(path)?)
     }
 
     /// Reads and checks a text; `path` is for the messages.
@@ -42,7 +43,8 @@ impl TrainFile {
     /// # Errors
     /// As [`TrainFile::read`].
     pub fn parse(path: &Path, text: &str) -> Result<(Self, Train), ReadError> {
-        checked(TomlFile::parse(path, text)?)
+        let file = TomlFile::parse(path, text);
+        checked(file.map_err(|error| Described::Train.or_exchanged(error, path, text))?)
     }
 
     /// The estimator's train.

@@ -14,7 +14,7 @@ use arrow_array::types::{
 use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchReader};
 use arrow_pyarrow::FromPyArrow;
 use arrow_schema::{ArrowError, DataType};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyImportError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rundown_files::refusal::{Place, ReadError, Refusal};
@@ -99,9 +99,23 @@ enum Run {
 
 impl Arrived {
     fn table(&self, argument: &Bound<'_, PyAny>) -> PyResult<RunTable> {
-        let reader = RecordBatchStreamReader::from_pyarrow_bound(argument)?;
+        let reader = RecordBatchStreamReader::from_pyarrow_bound(argument);
+        let reader = reader.map_err(|error| self.lacking(argument, error))?;
         let names: Vec<String> = reader.schema().fields().iter().map(|field| field.name().clone()).collect();
         self.read(reader, names).map_err(unread)
+    }
+
+    /// Frames of pandas become Arrow by another package, which pandas does not bring.
+    fn lacking(&self, argument: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
+        let py = argument.py();
+        if !error.is_instance_of::<PyImportError>(py) {
+            return error;
+        }
+        let (path, found) = (self.path.display(), argument.get_type());
+        let text = format!("{path}: expected a package that makes Arrow of {found}, found none: `pip install pyarrow`");
+        let said = PyImportError::new_err(text);
+        said.set_cause(py, Some(error));
+        said
     }
 
     fn read(

@@ -253,3 +253,15 @@ def test_other_threads_go_on_while_it_works(tmp_path):
     longest = max(after - before for before, after in zip(inside, inside[1:]))
     assert ended - begun > 0.1, "too short to be a test"
     assert longest < 0.5 * (ended - begun), (longest, ended - begun)
+
+
+def test_what_a_frame_of_pandas_lacks_is_named_with_what_installs_it(made):
+    class Frame:
+        """As one of pandas where pyarrow is not installed."""
+
+        def __arrow_c_stream__(self, requested_schema=None):
+            raise ImportError("Import pyarrow failed.")
+
+    with pytest.raises(ImportError, match="runs.*: expected .*Frame.*`pip install pyarrow`") as refused:
+        rundown.replay({"a": Frame()}, train=made.train, track=made.track)
+    assert "Import pyarrow failed" in str(refused.value.__cause__)

@@ -285,7 +285,7 @@ fn finished(hub: &Hub) -> Result<ExitCode, Failure> {
             ));
         }
         match &view.link.connection {
-            Connection::Lost(error) => Err(Failure::refused(error)),
+            Connection::Lost(error) => Err(Failure::refused(format!("{}: {error}", view.link.source))),
             _ => Ok(ExitCode::SUCCESS),
         }
     })

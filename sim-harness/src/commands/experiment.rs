@@ -5,11 +5,14 @@ use crate::study::experiments::answer::{Answer, to_json};
 use crate::study::experiments::plan::Plan;
 use crate::study::experiments::{Experiment, catalogue};
 use crate::study::write;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rundown_files::WriteError;
 use rundown_files::folder::{self, Provenance};
 use std::path::Path;
 use std::process::ExitCode;
 
+/// Every experiment.
+const ALL: &str = "all";
 /// Sets of runs, and runs of each.
 const SETS: u16 = 5;
 const RUNS: usize = 20;
@@ -21,6 +24,19 @@ pub(super) struct Extent<'a> {
     pub(super) seed: u64,
     /// In place of the experiment's own.
     pub(super) values: Option<&'a [f64]>,
+}
+
+/// What `--experiment` takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Choice {
+    All,
+    One(&'static Experiment),
+}
+
+/// Every name, and [`ALL`].
+pub(super) fn choices() -> impl TypedValueParser<Value = Choice> {
+    let names = [ALL].into_iter().chain(catalogue::ALL.iter().map(|experiment| experiment.name));
+    PossibleValuesParser::new(names).map(|name| catalogue::find(&name).map_or(Choice::All, Choice::One))
 }
 
 /// The names and questions of all experiments.
@@ -41,13 +57,12 @@ pub(super) fn all(extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode
         }
     }
     for experiment in &catalogue::ALL {
-        run(experiment.name, extent, &out.join(experiment.name), false)?;
+        run(experiment, extent, &out.join(experiment.name), false)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
-    let experiment = catalogue::find(name).ok_or_else(|| unknown(name))?;
+pub(super) fn run(experiment: &Experiment, extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
     let bar = screen::progress(0);
     let done = |all: usize| {
         bar.set_length(all as u64);
@@ -72,11 +87,5 @@ pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Res
 
 fn no_values(name: &str) -> Failure {
     let message = format!("--values: expected an experiment whose variants are values, found {name}: its are kinds");
-    Failure { message, code: WRONG_ARGUMENTS }
-}
-
-fn unknown(name: &str) -> Failure {
-    let names: Vec<&str> = catalogue::ALL.iter().map(|experiment| experiment.name).collect();
-    let message = format!("--experiment: expected all or one of {}, found {name}", names.join(", "));
     Failure { message, code: WRONG_ARGUMENTS }
 }

@@ -3,7 +3,7 @@
 use super::{Failure, RunPagesChoice, Strict, screen};
 use clap::builder::PossibleValuesParser;
 use rundown::model::effects::EffectKind;
-use rundown_files::recording::DirectionChoice;
+use rundown_files::{folder, recording::DirectionChoice};
 use rundown_gap::answer::{files::AnswerError, story::story};
 use rundown_gap::candidates::{explain, printed_config, read_config};
 use rundown_gap::config::GapConfig;
@@ -122,13 +122,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let input =
         Input::read(&train, &track, &arguments.runs, arguments.direction, arguments.as_recorded).map_err(failed)?;
     // Refused before the work, not after it.
-    if let Some(file) = arguments.out.ancestors().find(|path| path.is_file()) {
-        return Err(Failure::refused(format!(
-            "--out {}: expected a folder, or a name that is free; {} is a file",
-            arguments.out.display(),
-            file.display()
-        )));
-    }
+    folder::try_place("gap", &arguments.out)?;
     input.notes.iter().for_each(|text| screen::note(text));
     arguments.strict.check(input.notes.len())?;
     let bar = screen::waiting();

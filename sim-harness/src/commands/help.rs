@@ -3,9 +3,12 @@
 //! The texts below the options stand in the source with lines of up to 120 columns, so the line breaks inside a paragraph are taken out first. What clap
 //! breaks goes on below the name of an item; so clap breaks nothing, and the whole help is broken here.
 
-use clap::Command;
-use clap::error::ErrorKind;
+use super::Arguments;
+use clap::error::{ContextKind, ErrorKind};
+use clap::{Arg, Command, CommandFactory};
+use std::any::TypeId;
 use std::io::Write;
+use std::path::PathBuf;
 use textwrap::core::display_width;
 use textwrap::{Options, WordSplitter, fill};
 
@@ -31,13 +34,31 @@ pub(super) fn unbroken(command: Command) -> Command {
 pub(super) fn exit(error: &clap::Error) -> ! {
     let help = [ErrorKind::DisplayHelp, ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand];
     let said = error.render().ansi().to_string();
-    let text = if help.contains(&error.kind()) { lines(&said, width()) } else { expected(said) };
+    let text = if help.contains(&error.kind()) { lines(&said, width()) } else { expected(said) + &tip(error) };
     // Whoever closed the other end wants no more.
     let _ = match error.use_stderr() {
         true => anstream::stderr().write_all(text.as_bytes()),
         false => anstream::stdout().write_all(text.as_bytes()),
     };
     std::process::exit(error.exit_code())
+}
+
+/// What helps where logs stand where other commands take them: the option of this one.
+fn tip(error: &clap::Error) -> String {
+    let of = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+    let (found, usage) = (of(ContextKind::InvalidArg), of(ContextKind::Usage));
+    let is_word = error.kind() == ErrorKind::UnknownArgument && !found.starts_with('-');
+    let command = Arguments::command();
+    // Of `simulate` it is a number.
+    let is_path = |argument: &Arg| argument.get_value_parser().type_id() == TypeId::of::<PathBuf>();
+    let takes_runs = |one: &&Command| one.get_arguments().any(|one| one.get_long() == Some("runs") && is_path(one));
+    let is_used = |one: &&Command| usage.contains(&format!("rundown {} ", one.get_name()));
+    let has_option = command.get_subcommands().filter(takes_runs).any(|one| is_used(&one));
+    if is_word && has_option {
+        format!("\n  tip: logs and their folders are given with --runs {found}\n")
+    } else {
+        String::new()
+    }
 }
 
 /// An error with what was expected, where the standard library says what it found.
@@ -135,8 +156,6 @@ fn continues(before: &str, line: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::commands::Arguments;
-    use clap::CommandFactory;
 
     #[test]
     fn a_value_that_is_no_number_is_refused_by_what_was_expected() {
@@ -148,6 +167,19 @@ mod tests {
         assert!(said(&["rundown", "study", "--seed", "99999999999999999999"]).contains("expected a smaller number"));
         let floats = said(&["rundown", "study", "--experiment", "wind", "--values", "a,b"]);
         assert!(floats.contains("expected a number"), "{floats}");
+    }
+
+    #[test]
+    fn logs_without_the_option_that_takes_them_are_told_of_it() {
+        let said =
+            |arguments: &[&str]| tip(&unbroken(Arguments::command()).try_get_matches_from(arguments).unwrap_err());
+        let models = ["--train", "t.toml", "--track", "k.toml"];
+        for command in ["gap", "study", "tune"] {
+            let found = said(&[&["rundown", command, "--out", "o", "set/runs"][..], &models].concat());
+            assert!(found.ends_with("with --runs set/runs\n"), "{command}: {found}");
+        }
+        assert_eq!(said(&["rundown", "gap", "--rums", "set/runs"]), "");
+        assert_eq!(said(&["rundown", "simulate", "set/runs"]), "");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::{Failure, screen};
 use rundown::onboard::auth::{Key, Provisioning};
 use rundown::onboard::train_id::TrainId;
+use rundown_files::WriteError;
 use std::{path::PathBuf, process::ExitCode};
 
 const EXAMPLES: &str = "\
@@ -42,7 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         std::io::ErrorKind::AlreadyExists => {
             at("expected no file of this name, for the key in it may be a board's; choose another --out".to_owned())
         }
-        _ => at(error.to_string()),
+        _ => WriteError { path: arguments.out.clone(), source: error }.into(),
     })?;
     std::io::Write::write_all(&mut file, &provisioning.to_bytes()).map_err(|error| at(error.to_string()))?;
     screen::print(&format!(
@@ -59,6 +60,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 mod tests {
     use super::*;
     use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn a_place_that_takes_no_file_is_named_with_what_helps() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("no/such/key.bin");
+        let refused = run(&Arguments { train_id: "2451".into(), key_id: 1, out }).unwrap_err();
+        assert_eq!(refused.code, super::super::NOT_WRITTEN);
+        assert!(refused.message.contains("key.bin: cannot be written: "), "{}", refused.message);
+        assert!(refused.message.ends_with("with --out"), "{}", refused.message);
+    }
 
     #[test]
     fn a_key_is_for_its_owner_alone() {

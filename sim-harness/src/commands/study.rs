@@ -2,8 +2,9 @@
 
 mod readings;
 
+use super::experiment::{self, Choice};
 use super::recorded::{OpenedCase, RecordedRuns};
-use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, WRONG_ARGUMENTS, experiment, screen};
+use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, WRONG_ARGUMENTS, screen};
 use crate::output::files;
 use crate::study::case::{calm, case_study, skewed_case_study};
 use crate::study::claims::{Claim, Verdict, summary};
@@ -74,8 +75,6 @@ Files in the output folder:
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
 const SEED: u64 = 1;
-/// Every experiment.
-const ALL: &str = "all";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
@@ -118,8 +117,8 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config"])]
     tunnel: bool,
     /// Only one of the experiments that the paper leaves to future work, or all; --seeds sets (5) of --count runs (20)
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config", "all", "tunnel"])]
-    experiment: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = experiment::choices(), conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config", "all", "tunnel"])]
+    experiment: Option<Choice>,
     /// Values of your own for the experiment, in the unit of its axis, in place of its variants
     #[arg(long, value_name = "X,Y,...", requires = "experiment", value_delimiter = ',', allow_hyphen_values = true)]
     values: Vec<f64>,
@@ -179,13 +178,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if arguments.list_experiments {
         return Ok(experiment::list());
     }
-    if let Some(name) = &arguments.experiment {
+    if let Some(choice) = arguments.experiment {
         let seed = arguments.seed.unwrap_or(SEED);
         let values = (!arguments.values.is_empty()).then_some(arguments.values.as_slice());
         let extent = experiment::Extent { sets: arguments.seeds, runs: arguments.count, seed, values };
-        return match name.as_str() {
-            ALL => experiment::all(&extent, &arguments.out, arguments.json),
-            name => experiment::run(name, &extent, &arguments.out, arguments.json),
+        return match choice {
+            Choice::All => experiment::all(&extent, &arguments.out, arguments.json),
+            Choice::One(one) => experiment::run(one, &extent, &arguments.out, arguments.json),
         };
     }
     if arguments.all {

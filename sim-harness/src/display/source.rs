@@ -177,21 +177,32 @@ fn recording(mut reader: impl Read, hub: &Hub, player: &mut Player<'_>) -> io::R
 
 fn bytes(mut reader: impl BufRead, hub: &Hub, player: &mut Player<'_>) -> io::Result<()> {
     let mut decoder: Decoder = Decoder::new();
+    let (mut read, mut heard) = (0, false);
     loop {
         let bytes = reader.fill_buf()?;
         if bytes.is_empty() {
-            return Ok(());
+            return if heard || read == 0 { Ok(()) } else { Err(no_recording(read)) };
         }
         for byte in bytes {
             match decoder.push(*byte) {
-                Ok(Some(message)) => player.message(message),
+                Ok(Some(message)) => {
+                    heard = true;
+                    player.message(message);
+                }
                 Ok(None) => {}
                 Err(_) => hub.damaged(1),
             }
         }
         let taken = bytes.len();
+        read += taken;
         reader.consume(taken);
     }
+}
+
+/// Of a file that is something else: what a line lost is counted, but not one message came of all of it.
+fn no_recording(read: usize) -> io::Error {
+    let message = format!("expected a recording of frames, found none in {read} bytes");
+    io::Error::new(io::ErrorKind::InvalidData, message)
 }
 
 /// Longest line that is looked at: a message of the largest size has half of it.

@@ -36,6 +36,14 @@ pub fn write<T, E: From<WriteError>>(
     Ok(written)
 }
 
+/// Asks whether [`write`] could put results there, before the work that makes them.
+///
+/// # Errors
+/// [`WriteError`] where it could not.
+pub fn try_place(command: &str, out: &Path) -> Result<(), WriteError> {
+    staged::Staged::begin(command, out).map(drop)
+}
+
 /// The files, relative to the folder, that its manifest lists as results of a command; none where that command wrote nothing there.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! The header of a run log: which column is where, and what that makes of a row.
 
-use crate::refusal::{Place, Refusal};
+use crate::refusal::{IMPORT_TIP, Place, Refusal};
 use crate::sample::{self, COLUMNS, LOCATION, NumberColumn, Sample, TIME};
 use csv::StringRecord;
 use std::path::PathBuf;
@@ -37,7 +37,8 @@ impl Header {
             _ if missing == [LOCATION] => "; latitude_deg and longitude_deg together may stand for it",
             _ => "",
         };
-        let message = format!("expected a header with {}, found {found:?}{hint}", missing.join(" and "));
+        let missing = missing.join(" and ");
+        let message = format!("expected a header with {missing}, found {found:?}{hint}; {IMPORT_TIP}");
         Err(Place::of_line(path, line).refuse("", message))
     }
 

@@ -15,7 +15,7 @@
 
 mod header;
 
-use crate::refusal::{Place, ReadError, Refusal};
+use crate::refusal::{IMPORT_TIP, Place, ReadError, Refusal};
 use crate::sample::{LOCATION, Sample};
 use csv::{ReaderBuilder, StringRecord, Terminator, Trim};
 use header::Header;
@@ -113,6 +113,11 @@ impl RunLog {
                 Err(refusal) => log.bad_rows.push(refusal),
             }
         }
+        if log.samples.is_empty()
+            && let Some(refusal) = of_every_row(&log.bad_rows)
+        {
+            return Err(refusal.into());
+        }
         if bad_rows == BadRows::Refuse && !log.bad_rows.is_empty() {
             return Err(ReadError::BadRows { path: path.to_owned(), rows: log.bad_rows });
         }
@@ -121,6 +126,17 @@ impl RunLog {
         }
         Ok(log)
     }
+}
+
+/// One refusal for several rows that are all refused for the same column, as for one with dates: a line for each would say the same.
+fn of_every_row(rows: &[Refusal]) -> Option<Refusal> {
+    let (first, others) = rows.split_first()?;
+    let is_like = |row: &Refusal| !row.field.is_empty() && row.field == first.field;
+    let count = rows.len();
+    (count > 1 && others.iter().all(is_like)).then(|| {
+        let message = format!("{}, and the like in all {count} rows; {IMPORT_TIP}", first.message);
+        Refusal { message, ..first.clone() }
+    })
 }
 
 /// The text without its byte order mark.
@@ -273,6 +289,29 @@ mod tests {
     }
 
     #[test]
+    fn rows_that_all_fail_in_the_same_column_are_one_line_with_their_number_and_what_helps() {
+        let of = |field: fn(u32) -> String| -> String {
+            (0..14).map(|row| format!("{},{row},36\n", field(row))).collect::<String>()
+        };
+        let header = "time_s,location_m,speed_kmh\n";
+        let dates = of(|row| format!("2024-01-01T08:00:{row:02}Z"));
+        for bad_rows in [BadRows::Refuse, BadRows::LeaveOut] {
+            let text = format!("{header}{dates}");
+            let error = RunLog::parse("run.csv".as_ref(), text.as_bytes(), bad_rows).unwrap_err().to_string();
+            assert!(
+                error.starts_with("run.csv:2:1: time_s: expected a number, found \"2024-01-01T08:00:00Z\""),
+                "{error}"
+            );
+            assert!(error.ends_with(&format!("in all 14 rows; {IMPORT_TIP}")), "{error}");
+            assert_eq!(error.lines().count(), 1, "{error}");
+        }
+        // One row that is read, or one that fails otherwise, and each is named.
+        let lines = |rest: &str| message(&format!("{header}{dates}{rest}")).lines().count();
+        assert_eq!(lines("60,1,36\n"), 15);
+        assert_eq!(lines("60,x,36\n"), 16);
+    }
+
+    #[test]
     fn doubtful_values_are_warned_of_and_handed_on() {
         let log = parse("time_s,location_m,speed_kmh\n0,0,0\n5,1,-3\n5,NaN,2\n4,2,inf\n6,3,4\n").unwrap();
         assert_eq!(log.samples.len(), 5);
@@ -307,11 +346,12 @@ mod tests {
     #[test]
     fn header_names_what_is_missing() {
         let found = message("# x\ntime_s,location_m,speed_mps\n0,0,0\n");
-        assert_eq!(found, "run.csv:2: expected a header with speed_kmh, found \"time_s,location_m,speed_mps\"");
+        let expected = "run.csv:2: expected a header with speed_kmh, found \"time_s,location_m,speed_mps\"; ";
+        assert_eq!(found, format!("{expected}{IMPORT_TIP}"));
         let found = message("time_s;location_m;speed_kmh\n0;0;0\n");
-        assert!(found.ends_with("the separator must be a comma, not a semicolon"), "{found}");
+        assert!(found.contains("; the separator must be a comma, not a semicolon; `rundown import` "), "{found}");
         let found = message("time_s,speed_kmh,latitude_deg\n");
-        assert!(found.ends_with("latitude_deg and longitude_deg together may stand for it"), "{found}");
+        assert!(found.contains("; latitude_deg and longitude_deg together may stand for it; "), "{found}");
         let found = message("time_s,time_s,location_m,speed_kmh\n");
         assert_eq!(found, "run.csv:1:2: time_s: expected each column once, found it also as column 1");
     }

@@ -41,11 +41,22 @@ fn of_effect(one: &Named, context: &Context<'_>, runs: &[Run], nearest: Option<&
         }
     }
     if let Some(nearest) = nearest {
-        let (size, less) = if nearest.worse < 0.0 { (-nearest.worse, "more") } else { (nearest.worse, "less") };
-        text.push_str(&format!("; next best {} (log-likelihood {size:.1} {less})", nearest.name));
+        text.push_str(&format!("; next best {} (log-likelihood {})", nearest.name, compared(nearest.worse, context)));
     }
     let sentence = candidates::of_effect(&one.effect).sentence(one, context);
     format!("{text}\n    {sentence}.\n")
+}
+
+/// How a rival fits beside what is named; where it fits better, why that does not make it the name.
+fn compared(worse: f64, context: &Context<'_>) -> String {
+    let size = worse.abs();
+    match worse {
+        w if w >= 0.0 => format!("{size:.1} less"),
+        w if w > -context.config.certainty.near => {
+            format!("{size:.1} more, too little for these data to separate the two")
+        }
+        _ => format!("{size:.1} more: it fits better than what is named"),
+    }
 }
 
 fn held_out(answer: &Answer) -> String {
@@ -127,6 +138,9 @@ mod tests {
         assert!(
             early.starts_with("  location_lag, confidence 0.99; next best warm_up (log-likelihood 4.2 less)\n    ")
         );
+        let beside = |worse| on_a_level_line(2, |context| compared(worse, context));
+        assert_eq!(beside(-1.0), "1.0 more, too little for these data to separate the two");
+        assert_eq!(beside(-4.0), "4.0 more: it fits better than what is named");
         let table = [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect();
         let unknown = text(Effect::Unknown(Unknown { coordinate: Coordinate::Speed, table }));
         assert!(unknown.contains("depends on the speed: 0.00200 N/kg most at 144.0 km/h"), "{unknown}");
