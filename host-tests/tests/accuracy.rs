@@ -148,12 +148,15 @@ fn a_column_of_another_tick_keeps_its_gain_and_its_age_is_learned_again() {
 /// for coasts gave a suburban train a fifth too much.
 #[test]
 fn short_coasts_teach_metros_trams_and_suburban_trains() {
-    for (name, most_percent) in [("metro", 9.0), ("tram", 6.0), ("suburban-1s", 13.0), ("suburban-effort", 13.0)] {
+    // With an effort column the first hop of each run, which is not known to be one, teaches by it: 2.9 %, 90 % inside; by all hops 9 % after ten runs, 31 % inside.
+    let fleets_and_limits =
+        [("metro", 9.0, 0.95), ("tram", 6.0, 0.95), ("suburban-1s", 13.0, 0.95), ("suburban-effort", 5.0, 0.8)];
+    for (name, most_percent, least_inside) in fleets_and_limits {
         let fleet = fleets::all().into_iter().find(|fleet| fleet.name == name).unwrap();
         let table = sim_harness::accuracy_bench::judge(&fleet, fleet.config(), 6, 20, 4000, || ()).unwrap();
         table.print(name);
         assert!(table.vehicle[2].rmse_percent() < most_percent, "{name}");
-        assert!(table.vehicle[2].coverage() > 0.95, "{name}");
+        assert!(table.vehicle[2].coverage() > least_inside, "{name}");
     }
 }
 

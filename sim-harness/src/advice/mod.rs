@@ -5,7 +5,7 @@
 pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
+use rundown::estimator::config::Mode;
 use rundown_files::replay::ReplayedRun;
 use std::collections::BTreeMap;
 

@@ -18,6 +18,7 @@ mod cut;
 mod evidence;
 mod geo;
 mod line;
+mod listed;
 mod mapping;
 mod meaning;
 mod number;
@@ -223,7 +224,10 @@ impl ImportOrder {
             for source in &group.sources {
                 let read = self.read(source, group, folder, &mut names, &mut account);
                 match read {
-                    Ok(runs) => staged.extend(runs),
+                    Ok(mut runs) => {
+                        errors.extend(listed::keep(&source.path, &mut runs).err());
+                        staged.extend(runs);
+                    }
                     Err(ImportError::Refused(error)) => errors.push(error),
                     Err(error) => return Err(error),
                 }
@@ -316,8 +320,9 @@ impl ImportOrder {
         let mut done =
             Imported { notes: groups.iter().flat_map(|group| group.notes.clone()).collect(), ..Imported::default() };
         done.lines.push(format!("chainage: {} ({})", placed.method.name(), placed.why));
-        let (mut index, mut runs, mut passed) =
-            (String::from("file,departure_utc,unit,direction\n"), Vec::new(), Vec::new());
+        let drivers = staged.iter().any(|run| !run.driver.is_empty());
+        let mut index = format!("file,departure_utc,unit,direction{}\n", if drivers { ",driver" } else { "" });
+        let (mut runs, mut passed) = (Vec::new(), Vec::new());
         let mut account = account.clone();
         for (run, place) in staged.iter().zip(&placed.places) {
             if let Placing::Out(reason) = place {
@@ -331,8 +336,9 @@ impl ImportOrder {
             account.count("rows whose positions are off the centre line, without a location", written.lost);
             moved(place, &mut account);
             let direction = if written.is_up { "up" } else { "down" };
-            let departure = if run.is_dated { departure(run.begin_s) } else { String::new() };
-            index += &format!("{}.csv,{departure},{},{direction}\n", run.name, plain_unit(&run.unit));
+            let departure = run.departure_s.map_or_else(String::new, departure);
+            let driver = if drivers { format!(",{}", plain_field(&run.driver)) } else { String::new() };
+            index += &format!("{}.csv,{departure},{},{direction}{driver}\n", run.name, plain_field(&run.unit));
             if passed.len() < SHOWN {
                 done.lines.push(line_of(run, direction, written.ends_m));
             }
@@ -397,8 +403,8 @@ fn name_of(path: &Path, run: &str, names: &mut HashSet<String>) -> String {
 }
 
 /// A field of the index.
-fn plain_unit(unit: &str) -> String {
-    unit.replace([',', '"', '\n', '\r'], "_")
+fn plain_field(text: &str) -> String {
+    text.replace([',', '"', '\n', '\r'], "_")
 }
 
 fn departure(seconds: f64) -> String {

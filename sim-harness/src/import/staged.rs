@@ -25,11 +25,13 @@ pub struct Staged {
     pub name: String,
     pub source: String,
     pub unit: String,
+    pub driver: String,
     pub reason: String,
     /// Time of the first row; since 1970 UTC if dated.
     pub begin_s: f64,
+    /// When it begins, since 1970 UTC, if that is known.
+    pub departure_s: Option<f64>,
     pub duration_s: f64,
-    pub is_dated: bool,
     pub from_fixes: bool,
     /// It begins with its file, or with a run of a column.
     pub is_head: bool,
@@ -73,10 +75,11 @@ impl Staged {
             name,
             source: source.display().to_string(),
             unit: piece.unit.clone(),
+            driver: String::new(),
             reason: piece.reason.clone(),
             begin_s,
+            departure_s: piece.is_dated.then_some(begin_s),
             duration_s: end_s - begin_s,
-            is_dated: piece.is_dated,
             from_fixes: piece.from_fixes,
             is_head: piece.is_head,
             rows: piece.rows.len(),

@@ -238,6 +238,6 @@ fn runs_that_stop_at_their_ends_only_are_placed_by_these_and_turned_by_their_spe
     assert!(said.err.contains("run051_01 is left out: ") && said.err.contains("--chainage as-is"), "{}", said.err);
     let index = folder.read("back/runs.csv");
     let down: Vec<&str> = index.lines().filter(|line| line.ends_with(",down")).collect();
-    assert_eq!(down, ["run007_01.csv,,,down"]);
+    assert_eq!(down, ["run007_01.csv,2024-01-14T08:24:14Z,unit-1,down"]);
     near(csv(&folder, "back/run007_01.csv")[0][1], end_m, 100.0);
 }

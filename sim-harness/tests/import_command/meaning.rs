@@ -219,3 +219,15 @@ fn a_file_that_denies_the_header_it_shares_is_asked_of_and_spoils_no_other() {
         std::fs::remove_dir_all(folder.path("runs")).unwrap();
     }
 }
+
+#[test]
+fn an_index_beside_the_files_stays() {
+    let rows = drive(&STOPS_M, 30.0);
+    let log = table("time_s,location_m,speed_kmh", &rows, |t, x, v| format!("{t},{x:.1},{:.1}", 3.6 * v));
+    let index = "file,departure_utc,unit,direction,driver\na.csv,2025-03-01T08:00:00Z,7,up,ann\nb.csv,2025-03-02T08:00:00Z,9,up,ben\n";
+    let folder = Folder::new().with("in/a.csv", &log).with("in/b.csv", &log).with("in/runs.csv", index);
+    folder.done(&["import", "in"]);
+    let kept = folder.read("runs/runs.csv");
+    let expected = ["a_01.csv,2025-03-01T08:00:00Z,7,up,ann", "b_01.csv,2025-03-02T08:00:00Z,9,up,ben"];
+    assert!(expected.iter().all(|line| kept.contains(line)), "{kept}");
+}
