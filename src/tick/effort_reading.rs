@@ -238,7 +238,7 @@ impl EffortReading {
         let expected = share_variance * square(column) + common + own;
         let least = (COMMON * common / square(column)).min(share_variance);
         let after = (share_variance * (common + own) / expected).max(least);
-        if !(after < share_variance) {
+        if after >= share_variance {
             return;
         }
         let limit = GATE * root(expected);

@@ -137,6 +137,7 @@ impl NamedRuns {
 mod tests {
     use super::*;
     use crate::replaying::Request;
+    use rundown::estimator::config::Config;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
     use std::path::{Path, PathBuf};
 
