@@ -36,7 +36,7 @@ pub fn write<T, E: From<WriteError>>(
     Ok(written)
 }
 
-/// Asks whether [`write`] could put results there, before the work that makes them.
+/// Asks whether [`write()`] could put results there, before the work that makes them.
 ///
 /// # Errors
 /// [`WriteError`] where it could not.
