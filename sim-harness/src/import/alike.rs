@@ -1,15 +1,50 @@
-//! Files with one header need not be of one recorder: those that deny what the others say are read by themselves.
+//! Files that are read in the same way, put together by equal headers. These need not be of one recorder: those that deny what the others say are read by themselves.
 
 use super::analysis::Group;
-use super::mapping::SourceMapping;
+use super::mapping::{Mapping, SourceMapping};
 use super::source::SourceFile;
 use rundown_files::refusal::ReadError;
+use std::path::PathBuf;
+
+/// What can be read, and the errors of what cannot.
+pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<ReadError>) {
+    let mut refusals = Vec::new();
+    let mut same_header: Vec<(SourceMapping, Vec<SourceFile>)> = Vec::new();
+    for path in files {
+        let said = mapping.of_file(path);
+        let named: Vec<String> =
+            said.columns.values().map(|column| column.name.clone()).filter(|name| !name.is_empty()).collect();
+        match SourceFile::open(path, &said.layout, &named) {
+            Ok(source) => {
+                let same = same_header.iter_mut().find(|(other, sources)| {
+                    let first = sources.first();
+                    let equal =
+                        first.is_some_and(|first| first.layout == source.layout && first.headers == source.headers);
+                    equal && other.columns == said.columns && other.zone == said.zone && other.unit == said.unit
+                });
+                match same {
+                    Some((_, sources)) => sources.push(source),
+                    None => same_header.push((said, vec![source])),
+                }
+            }
+            Err(error) => refusals.push(error),
+        }
+    }
+    let mut found = Vec::new();
+    for (said, sources) in same_header {
+        match groups(sources, &said) {
+            Ok(groups) => found.extend(groups),
+            Err(error) => refusals.push(error),
+        }
+    }
+    (found, refusals)
+}
 
 /// Groups of files with the same header that say the same.
 ///
 /// # Errors
 /// What the mapping asks for and the files do not have.
-pub fn groups(sources: Vec<SourceFile>, mapping: &SourceMapping) -> Result<Vec<Group>, ReadError> {
+fn groups(sources: Vec<SourceFile>, mapping: &SourceMapping) -> Result<Vec<Group>, ReadError> {
     let group = Group::new(sources, mapping.clone())?;
     if group.sources.len() < 2 {
         return Ok(vec![group]);

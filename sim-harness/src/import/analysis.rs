@@ -1,9 +1,8 @@
-//! Files before their rows: opened, put together by equal headers, their columns, clocks and units decided.
+//! Files before their rows: of those that are read alike, columns, clocks and units decided.
 
-use super::alike;
 use super::columns::{self, Columns, How};
 use super::evidence::SeenRows;
-use super::mapping::{Mapping, SAY_IT, SourceMapping, line};
+use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::source::SourceFile;
 use super::source::row::{Header, refused};
@@ -24,40 +23,6 @@ pub struct Group {
     pub question: Option<String>,
     /// Of each file, whether its own rows deny what was decided of all.
     pub denied: Vec<bool>,
-}
-
-/// What can be read, and the errors of what cannot.
-pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<ReadError>) {
-    let mut refusals = Vec::new();
-    let mut same_header: Vec<(SourceMapping, Vec<SourceFile>)> = Vec::new();
-    for path in files {
-        let said = mapping.of_file(path);
-        let named: Vec<String> =
-            said.columns.values().map(|column| column.name.clone()).filter(|name| !name.is_empty()).collect();
-        match SourceFile::open(path, &said.layout, &named) {
-            Ok(source) => {
-                let same = same_header.iter_mut().find(|(other, sources)| {
-                    let first = sources.first();
-                    let equal =
-                        first.is_some_and(|first| first.layout == source.layout && first.headers == source.headers);
-                    equal && other.columns == said.columns && other.zone == said.zone && other.unit == said.unit
-                });
-                match same {
-                    Some((_, sources)) => sources.push(source),
-                    None => same_header.push((said, vec![source])),
-                }
-            }
-            Err(error) => refusals.push(error),
-        }
-    }
-    let mut groups = Vec::new();
-    for (said, sources) in same_header {
-        match alike::groups(sources, &said) {
-            Ok(found) => groups.extend(found),
-            Err(error) => refusals.push(error),
-        }
-    }
-    (groups, refusals)
 }
 
 impl Group {

@@ -1,7 +1,7 @@
 //! `rundown import`: what people have becomes run logs.
 //!
 //! ```text
-//! source -> columns, clock, evidence (analysis) -> rows -> cut -> staged -> chainage, line -> write, skeleton
+//! source -> columns, clock, evidence (analysis, alike) -> rows -> cut -> staged -> chainage, line -> write, skeleton
 //! ```
 //!
 //! In: tables as text, sheets, GPX, NMEA, JSON lines, Parquet, and what `import.toml` says about them. Out: a folder of run logs with its
@@ -164,7 +164,7 @@ impl ImportOrder {
         if files.is_empty() {
             return Err(ImportError::nothing(Vec::new(), [analysis::no_files(&given)]));
         }
-        let (groups, mut errors) = analysis::analyse(&files, &self.mapping);
+        let (groups, mut errors) = alike::analyse(&files, &self.mapping);
         errors.extend(groups.iter().filter_map(Group::asked));
         if groups.is_empty() { Err(ImportError::nothing(errors, [])) } else { Ok((groups, errors)) }
     }
