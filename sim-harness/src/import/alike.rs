@@ -63,43 +63,46 @@ fn groups(sources: Vec<SourceFile>, mapping: &SourceMapping) -> Result<Vec<Group
 fn apart(sources: Vec<SourceFile>, mapping: &SourceMapping) -> Result<Vec<Group>, ReadError> {
     let each: Vec<Group> =
         sources.into_iter().map(|source| Group::new(vec![source], mapping.clone())).collect::<Result<_, _>>()?;
-    let (sure, asking): (Vec<Group>, Vec<Group>) = each.into_iter().partition(|group| group.question.is_none());
-    let mut found = Vec::new();
-    let mut sure: Vec<SourceFile> = sure.into_iter().flat_map(|group| group.sources).collect();
+    let (mut sure, asking): (Vec<Group>, Vec<Group>) = each.into_iter().partition(|group| group.question.is_none());
+    let mut found: Vec<Vec<SourceFile>> = Vec::new();
     while !sure.is_empty() {
-        let first = Group::new(vec![sure.remove(0)], mapping.clone())?;
-        let denied = first.deny(&sure)?;
+        let first = sure.remove(0);
+        let denied = first.deny(&files_of(&sure))?;
         let (others, alike) = partition(sure, &denied);
         sure = others;
-        found.push([first.sources, alike].concat());
+        found.push([first.sources, files_of(&alike)].concat());
     }
-    let mut left: Vec<(String, Vec<SourceFile>)> = Vec::new();
-    for Group { sources, question, .. } in asking {
-        if let Some(files) = found.first_mut() {
-            let known = Group::new(files.clone(), mapping.clone())?;
-            if known.question.is_none() && !known.deny(&sources)?.contains(&true) {
-                files.extend(sources);
-                continue;
-            }
+    let mut left = asking;
+    if let Some(files) = found.first_mut() {
+        let known = Group::new(files.clone(), mapping.clone())?;
+        if known.question.is_none() {
+            let denied = known.deny(&files_of(&left))?;
+            let (others, alike) = partition(left, &denied);
+            left = others;
+            files.extend(files_of(&alike));
         }
+    }
+    let mut asked: Vec<(String, Vec<SourceFile>)> = Vec::new();
+    for Group { sources, question, .. } in left {
         // What is to be done about it: figures before that differ from file to file.
         let question = question.unwrap_or_default();
         let remedy = question.rsplit("; ").next().unwrap_or_default().to_owned();
-        match left.iter_mut().find(|(other, _)| *other == remedy) {
+        match asked.iter_mut().find(|(other, _)| *other == remedy) {
             Some((_, files)) => files.extend(sources),
-            None => left.push((remedy, sources)),
+            None => asked.push((remedy, sources)),
         }
     }
-    found
-        .into_iter()
-        .chain(left.into_iter().map(|(_, files)| files))
-        .map(|files| Group::new(files, mapping.clone()))
-        .collect()
+    let all = found.into_iter().chain(asked.into_iter().map(|(_, files)| files));
+    all.map(|files| Group::new(files, mapping.clone())).collect()
 }
 
-/// The files that are denied, and the others.
-fn partition(sources: Vec<SourceFile>, denied: &[bool]) -> (Vec<SourceFile>, Vec<SourceFile>) {
-    let (yes, no): (Vec<_>, Vec<_>) = sources.into_iter().zip(denied).partition(|(_, denied)| **denied);
-    let files = |pairs: Vec<(SourceFile, &bool)>| pairs.into_iter().map(|(source, _)| source).collect();
-    (files(yes), files(no))
+fn files_of(groups: &[Group]) -> Vec<SourceFile> {
+    groups.iter().flat_map(|group| group.sources.clone()).collect()
+}
+
+/// Those that are denied, and the others.
+fn partition<T>(all: Vec<T>, denied: &[bool]) -> (Vec<T>, Vec<T>) {
+    let (yes, no): (Vec<_>, Vec<_>) = all.into_iter().zip(denied).partition(|(_, denied)| **denied);
+    let without_flags = |pairs: Vec<(T, &bool)>| pairs.into_iter().map(|(one, _)| one).collect();
+    (without_flags(yes), without_flags(no))
 }

@@ -4,25 +4,46 @@ use super::clock::{self, DateOrder, WrittenTime};
 use super::staged::Staged;
 use jiff::tz::TimeZone;
 use rundown_files::refusal::ReadError;
-use rundown_files::run_set::RunSet;
-use std::path::Path;
+use rundown_files::run_set::{RunFile, RunSet};
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
 
-/// Unit, driver and departure of the runs of a file, by the index beside it.
-///
-/// # Errors
-/// The index cannot be read.
-pub fn keep(source: &Path, runs: &mut [Staged]) -> Result<(), ReadError> {
-    let Some(listed) = RunSet::find(&[source.to_owned()])?.files.into_iter().next() else { return Ok(()) };
-    let departure_s = listed.departure_utc.as_deref().and_then(seconds);
-    let first_s = runs.first().map_or(0.0, |run| run.begin_s);
-    for run in runs {
-        if run.unit.is_empty() {
-            run.unit.clone_from(&listed.unit);
+/// What the indexes say of files, by their paths.
+#[derive(Debug, Default)]
+pub struct Indexes {
+    files: HashMap<PathBuf, RunFile>,
+}
+
+impl Indexes {
+    /// Reads the index of each folder once. Out: also those that cannot be read.
+    pub fn find<'a>(sources: impl Iterator<Item = &'a Path>) -> (Self, Vec<ReadError>) {
+        let mut folders: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
+        for source in sources {
+            folders.entry(source.parent().unwrap_or(source)).or_default().push(source.to_owned());
         }
-        run.driver.clone_from(&listed.driver);
-        run.departure_s = run.departure_s.or(departure_s.map(|at| at + run.begin_s - first_s));
+        let (mut listed, mut errors) = (Self::default(), Vec::new());
+        for paths in folders.into_values() {
+            match RunSet::find(&paths) {
+                Ok(set) => listed.files.extend(set.files.into_iter().map(|file| (file.path.clone(), file))),
+                Err(error) => errors.push(error),
+            }
+        }
+        (listed, errors)
     }
-    Ok(())
+
+    /// Gives the runs of a file its unit, driver and departure.
+    pub fn keep(&self, source: &Path, runs: &mut [Staged]) {
+        let Some(file) = self.files.get(source) else { return };
+        let departure_s = file.departure_utc.as_deref().and_then(seconds);
+        let first_s = runs.first().map_or(0.0, |run| run.begin_s);
+        for run in runs {
+            if run.unit.is_empty() {
+                run.unit.clone_from(&file.unit);
+            }
+            run.driver.clone_from(&file.driver);
+            run.departure_s = run.departure_s.or(departure_s.map(|at| at + run.begin_s - first_s));
+        }
+    }
 }
 
 /// Since 1970 UTC.

@@ -35,6 +35,7 @@ use account::{Account, INVERTED, ROWS, SHIFTED};
 use analysis::Group;
 use chainage::{Given, Placed, Placing};
 use cut::{Cutter, Odometer, Stretch};
+use listed::Indexes;
 use mapping::{Chainage, Mapping};
 use rows::Converter;
 use rundown_files::WriteError;
@@ -220,12 +221,15 @@ impl ImportOrder {
         let mut account = Account::default();
         let mut staged = Vec::new();
         let mut names = HashSet::new();
+        let sources = groups.iter().flat_map(|group| &group.sources);
+        let (listed, unread) = Indexes::find(sources.map(|source| source.path.as_path()));
+        errors.extend(unread);
         for group in groups {
             for source in &group.sources {
                 let read = self.read(source, group, folder, &mut names, &mut account);
                 match read {
                     Ok(mut runs) => {
-                        errors.extend(listed::keep(&source.path, &mut runs).err());
+                        listed.keep(&source.path, &mut runs);
                         staged.extend(runs);
                     }
                     Err(ImportError::Refused(error)) => errors.push(error),

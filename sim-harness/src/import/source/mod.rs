@@ -84,7 +84,7 @@ impl SourceFile {
         if self.parts.is_empty() {
             return self.as_written(each);
         }
-        let written = self.headers.len() - self.parts.len();
+        let written = self.written().len();
         let mut whole: Vec<RowField> = Vec::new();
         self.as_written(&mut |event| match event {
             Event::Row(number, row) => {
@@ -99,6 +99,11 @@ impl SourceFile {
         })
     }
 
+    /// The headers of the file.
+    fn written(&self) -> &[Header] {
+        &self.headers[..self.headers.len() - self.parts.len()]
+    }
+
     fn as_written(&self, each: &mut Each) -> Result<(), ReadError> {
         let path = &self.path;
         match self.layout.format.unwrap_or(SourceFormat::Csv) {
@@ -106,7 +111,7 @@ impl SourceFile {
             SourceFormat::Sheet => sheet::rows(path, &self.layout, each),
             SourceFormat::Gpx => gpx::rows(path, each),
             SourceFormat::Nmea => nmea::rows(path, each),
-            SourceFormat::JsonLines => json::rows(path, &self.headers[..self.headers.len() - self.parts.len()], each),
+            SourceFormat::JsonLines => json::rows(path, self.written(), each),
             SourceFormat::Parquet => parquet::rows(path, each),
         }
     }
