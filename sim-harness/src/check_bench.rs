@@ -82,6 +82,8 @@ pub enum Defect {
     HiddenSeconds,
     /// Efforts 5 s older than the speed.
     LateEffort,
+    /// Efforts in steps of 0.03 N/kg.
+    EffortSteps,
 }
 
 /// A clean recorder.
@@ -99,12 +101,14 @@ pub enum Clean {
     Stations,
 }
 
+/// A step of the effort, three hundredths of what a train powers with.
+const EFFORT_STEP_N_PER_KG: f64 = 0.03;
 /// What turning leaves of a wheel.
 const TURNED: f64 = 0.99;
 
 impl Defect {
     /// All of them.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 29] = [
         Self::Truncated,
         Self::Wheel,
         Self::TruncatedWheel,
@@ -133,6 +137,7 @@ impl Defect {
         Self::WheelTurned,
         Self::HiddenSeconds,
         Self::LateEffort,
+        Self::EffortSteps,
     ];
 
     /// In words, with the unit of its figure.
@@ -166,6 +171,7 @@ impl Defect {
             Self::WheelTurned => ("wheels turned between runs, 1 %", "ratio"),
             Self::HiddenSeconds => ("a second lost every 106 s that a wheel hides", "% of rows"),
             Self::LateEffort => ("efforts 5 s late", "s"),
+            Self::EffortSteps => ("efforts in steps of 0.03 N/kg", "N/kg"),
         }
     }
 
@@ -194,6 +200,7 @@ impl Defect {
             Self::WheelOnTheWay | Self::WheelTurned => Kind::WheelChange,
             Self::HiddenSeconds => Kind::LostSeconds,
             Self::LateEffort => Kind::EffortLate,
+            Self::EffortSteps => Kind::EffortSteps,
         }
     }
 
@@ -375,6 +382,7 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         }
         Defect::HiddenSeconds => (sensors.lost_second_every_s, sensors.speed_gain) = (106.0, 107.0 / 106.0),
         Defect::LateEffort => sensors.effort_lag_s = 5.0,
+        Defect::EffortSteps => sensors.effort_step_n_per_kg = EFFORT_STEP_N_PER_KG,
         Defect::Midnight => sensors.day_clock_s = Some([85_800.0; 2]),
         Defect::NoStandstill => sensors.standing_rows = false,
         _ => {}
@@ -416,6 +424,9 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
             found.iter().map(|one| KnownFigure { truth: 100.0 / 106.0, found: one.figure }).collect()
         }
         Defect::LateEffort => found.iter().map(|one| KnownFigure { truth: 5.0, found: one.figure }).collect(),
+        Defect::EffortSteps => {
+            found.iter().map(|one| KnownFigure { truth: EFFORT_STEP_N_PER_KG, found: one.figure }).collect()
+        }
         Defect::Midnight => found.iter().map(|one| KnownFigure { truth: 86_400.0, found: one.figure }).collect(),
         Defect::NoStandstill => Vec::new(),
         _ => found.iter().take(1).map(|one| KnownFigure { truth, found: one.figure }).collect(),

@@ -175,6 +175,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["recorders[].runs", "", "runs", ""],
     ["recorders[].speed_step_kmh", "km/h", "step of the speeds", "they have none"],
     ["recorders[].location_step_m", "m", "step of the locations", "they have none"],
+    ["recorders[].effort_step_n_per_kg", "N/kg", "step of the efforts", "they have none"],
     ["recorders[].scale.*", "1", "measured over true speed: `value` and `sd`", "nothing was compared"],
     ["recorders[].offset_kmh.*", "km/h", "true less read speed: `value` and `sd`", "nothing was compared"],
     [

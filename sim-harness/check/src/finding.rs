@@ -64,6 +64,8 @@ pub enum Kind {
     AboveBrake,
     /// The measured effort has nothing to do with the train's acceleration.
     EffortApart,
+    /// The measured effort has steps as large as the resistance.
+    EffortSteps,
     /// The measured effort is older than the speed.
     EffortLate,
     /// The measured effort of a train that stands is not 0.
@@ -154,6 +156,7 @@ impl Kind {
             Self::AboveTraction => "measured efforts are above the described tractive effort",
             Self::AboveBrake => "measured efforts are beyond the described brake",
             Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
+            Self::EffortSteps => "measured efforts have steps too large for a resistance:",
             Self::EffortLate => "measured efforts are older than the speed (below zero: the speed is)",
             Self::EffortOffset => "the effort of a train that stands is not 0 but",
             Self::EffortZeros => "the effort is 0 while the train brakes or holds its speed",
@@ -183,6 +186,7 @@ impl Kind {
             }
             Self::EffortZeros => Some("leave the field empty where no effort is recorded"),
             Self::EffortApart => Some("look at the column: which train's, which sign, which clock"),
+            Self::EffortSteps => Some("record the effort with more digits"),
             Self::OtherChainage | Self::TurnedChainage => {
                 Some("bring the runs onto one chainage: `rundown import --chainage align`")
             }

@@ -120,6 +120,8 @@ pub struct RecorderCheck {
     pub speed_step_kmh: Option<f64>,
     /// Step of the locations, m.
     pub location_step_m: Option<f64>,
+    /// Step of the efforts, N/kg.
+    pub effort_step_n_per_kg: Option<f64>,
     /// Measured over true speed; with the offset known where that is decided.
     pub scale: Option<Figure>,
     /// That scale is a wheel's: it matters, and nothing else explains it.
@@ -228,9 +230,11 @@ impl Check {
             Done::Refused => false,
             Done::Said => {
                 use Kind::{
-                    AboveBrake, AboveSpeedLimit, AboveTraction, CoarseClock, EffortApart, EffortLate, MissingReadings,
+                    AboveBrake, AboveSpeedLimit, AboveTraction, CoarseClock, EffortApart, EffortLate, EffortSteps,
                 };
-                use Kind::{OtherChainage, Reset, SharedRows, Skew, SpeedOffset, TurnedChainage, WheelChange};
+                use Kind::{
+                    MissingReadings, OtherChainage, Reset, SharedRows, Skew, SpeedOffset, TurnedChainage, WheelChange,
+                };
                 matches!(
                     finding.kind,
                     AboveBrake
@@ -239,6 +243,7 @@ impl Check {
                         | CoarseClock
                         | EffortApart
                         | EffortLate
+                        | EffortSteps
                         | MissingReadings
                         | OtherChainage
                         | Reset
@@ -402,7 +407,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let of_unit = |unit| {
         let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
         recorder.exceeds(recordings, &runs, known);
-        recorder.effort_apart(recordings, &runs);
+        recorder.unfit_efforts(recordings, &runs);
         recorder.effort_zero(recordings, &runs);
         recorder.effort_age(recordings, &runs, known);
         recorder

@@ -1,4 +1,4 @@
-//! The step of a reading: whole km/h, tenths, whole metres.
+//! The step of a reading: whole km/h, tenths, whole metres; of an effort any, for kN and per cent become N/kg by the mass.
 
 use rundown_files::sample::Sample;
 
@@ -33,9 +33,43 @@ pub fn of_location_m<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<f64> 
     step(rows.filter_map(|row| row.location_m).collect(), &LOCATION_STEPS_M)
 }
 
-/// Standard deviation of what rounding takes from one reading, m/s.
+/// Efforts nearer to each other are one, N/kg: tables are printed with so many digits.
+const PRINTED_N_PER_KG: f64 = 1e-4;
+/// Share of a step by which an effort may miss a multiple of it.
+const MISSED: f64 = 0.05;
+/// An effort with fewer levels may be that of a controller with notches.
+const LEAST_LEVELS: usize = 10;
+
+/// The step of the efforts, N/kg; none where it is below ten times the digits of a table.
+pub fn of_effort_n_per_kg<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<f64> {
+    let mut values: Vec<f64> = rows.filter_map(|row| row.effort_n_per_kg).filter(|effort| *effort != 0.0).collect();
+    values.sort_by(f64::total_cmp);
+    let mut levels = values.clone();
+    levels.dedup_by(|next, kept| *next - *kept < PRINTED_N_PER_KG);
+    let gaps = levels.windows(2).map(|pair| pair[1] - pair[0]);
+    // The smallest gap is a step, but for its digits; the multiples of the far levels say it better, one by one from zero on.
+    let mut step = gaps.min_by(f64::total_cmp).filter(|_| levels.len() >= LEAST_LEVELS)?;
+    levels.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let [mut with, mut square] = [0.0; 2];
+    for level in levels {
+        let times = (level / step).round();
+        with += times * level;
+        square += times * times;
+        step = if square > 0.0 { with / square } else { step };
+    }
+    let off = |value: f64| (value / step - (value / step).round()).abs();
+    let fit = values.iter().filter(|value| off(**value) < MISSED).count();
+    (step > 10.0 * PRINTED_N_PER_KG && fit as f64 >= MOST * values.len() as f64).then_some(step)
+}
+
+/// Standard deviation of what rounding to a step takes from one reading.
+pub fn rounding(step: f64) -> f64 {
+    step / 12.0_f64.sqrt()
+}
+
+/// Standard deviation of what rounding takes from one speed, m/s.
 pub fn rounding_mps(step_kmh: f64) -> f64 {
-    step_kmh / 3.6 / 12.0_f64.sqrt()
+    rounding(step_kmh / 3.6)
 }
 
 /// What the rounding of speeds that are held leaves in their mean, standard deviation, m/s. A speed that passes a step is above and below it alike; one that is held is off by
@@ -81,6 +115,26 @@ mod tests {
         assert!((one - 1.0 / 3.6 / 12.0_f64.sqrt()).abs() < 1e-3);
         let two = of([vec![90.0; 150], vec![100.0; 150]].concat());
         assert!((two - one / 2.0_f64.sqrt()).abs() < 2e-3, "{two}");
+    }
+
+    #[test]
+    fn the_step_of_an_effort_is_found_whatever_it_is_and_notches_have_none() {
+        let sample = |effort: f64| Sample { effort_n_per_kg: Some(effort), ..Sample::default() };
+        let efforts = |step: f64, printed: f64| {
+            let of = move |i: u32| 1.1 * (f64::from(i) * 0.618).sin();
+            let stepped = move |effort: f64| if step > 0.0 { (effort / step).round() * step } else { effort };
+            let rows: Vec<Sample> = (0..400).map(|i| sample((stepped(of(i)) / printed).round() * printed)).collect();
+            of_effort_n_per_kg(rows.iter())
+        };
+        for step in [0.004_937, 0.012_5, 0.051_3] {
+            for printed in [1e-9, 1e-4] {
+                let found = efforts(step, printed).unwrap_or_default();
+                assert!((found / step - 1.0).abs() < 0.01, "{step} {printed}: {found}");
+            }
+        }
+        assert_eq!([efforts(0.0, 1e-9), efforts(0.0, 1e-4), efforts(5e-4, 1e-4)], [None; 3]);
+        let notches: Vec<Sample> = (0..400).map(|i| sample(0.08 * f64::from(i % 7))).collect();
+        assert_eq!(of_effort_n_per_kg(notches.iter()), None);
     }
 
     #[test]

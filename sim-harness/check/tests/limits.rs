@@ -102,6 +102,23 @@ fn an_effort_column_that_is_not_the_trains_is_said() {
 }
 
 #[test]
+fn efforts_in_large_steps_are_left_out_of_a_replay_and_small_ones_are_not() {
+    for seed in 0..5 {
+        for (step, is_too_large) in [(0.005, false), (0.011, false), (0.0213, true), (0.05, true)] {
+            let mut recordings = runs(56_000 + seed);
+            let rows = recordings.iter_mut().flat_map(|run| &mut run.rows);
+            rows.for_each(|row| row.effort_n_per_kg = row.effort_n_per_kg.map(|effort| (effort / step).round() * step));
+            let mut replayed = recordings.clone();
+            let found = checked(&mut recordings, &[]);
+            assert_eq!(kinds(&found).contains(&Kind::EffortSteps), is_too_large, "{step} {seed}: {:?}", kinds(&found));
+            check_beside(&mut replayed, &Known { moves_locations: true, ..Known::default() });
+            let efforts = replayed.iter().flat_map(|run| &run.rows).filter(|row| row.effort_n_per_kg.is_some());
+            assert_eq!(efforts.count() == 0, is_too_large, "{step} {seed}");
+        }
+    }
+}
+
+#[test]
 fn the_trains_own_effort_column_is_not_accused() {
     for seed in 0..20 {
         // Late by 3 s, 30 % too high, brakes not in it: still the train's.

@@ -11,6 +11,7 @@ use crate::noise::calibrate::{Calibrated, Own};
 use crate::traction::exceeded::{Reading, calculated, traction};
 use crate::traction::powering::{SteadyPower, powering, sampled_powering};
 use core::f64::consts::SQRT_2;
+use rundown_check::steps;
 
 /// Runs with their intervals, and the model that they are looked at with.
 #[derive(Clone, Copy)]
@@ -175,13 +176,16 @@ impl Looked<'_> {
                 let given = calculated(line.train, intervals, &effort, sd, traction_config);
                 return (powering(line.train, intervals, &effort, sd, traction_config), given);
             }
+            let rounding_n_per_kg = steps::rounding(run.recorded.effort_step_n_per_kg);
             let sampled = self.effort == EffortReading::Momentary || usual_step_s(run) < config.fast_s;
             let powering = if sampled {
                 sampled_powering(line.train, index, run, traction_config)
             } else {
                 powering(line.train, intervals, &self.efforts(run, intervals), sd, traction_config)
             };
-            (powering, traction(line.train, run, self.effort))
+            let most = line.train.max_effort_n_per_kg(0.1);
+            let rounded = |power: SteadyPower| power.doubted(rounding_n_per_kg * power.effort_over_limit / most);
+            (powering.into_iter().map(rounded).collect(), traction(line.train, run, self.effort))
         };
         self.each().enumerate().map(of_run).unzip()
     }

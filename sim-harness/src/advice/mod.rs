@@ -47,7 +47,8 @@ impl Advice {
             return Vec::new();
         }
         let without_speed = "no speed_kmh in any row, without which nothing is known of the train";
-        let without_effort = "no effort_n_per_kg, without which the measured mode learns nothing";
+        let without_effort = "no effort_n_per_kg that can be used, without which the measured mode learns nothing; \
+                              --mode gated learns from coasts";
         let mut notes: Vec<String> = self.without_speed.note(without_speed).into_iter().collect();
         if config.mode == Mode::Measured {
             notes.extend(self.without_effort.note(without_effort));

@@ -110,6 +110,7 @@ fn figures(recorder: &RecorderCheck) -> Markup {
         ("how surely lost seconds beside a wheel are seen", recorder.lost_second_sd_s, 2, "s"),
         ("step of the speeds", recorder.speed_step_kmh, 3, "km/h"),
         ("step of the locations", recorder.location_step_m, 3, "m"),
+        ("step of the efforts", recorder.effort_step_n_per_kg, 4, "N/kg"),
     ];
     let rows = html! {
         @for (name, value, decimals, unit) in with_interval { tr {

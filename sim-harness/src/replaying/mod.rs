@@ -25,10 +25,10 @@ use rundown::{
     model::track::TrackError,
     model::train::Train,
 };
-use rundown_check::Known;
 use rundown_check::gradients::{Coasts, Doubt};
 use rundown_check::limits::Described;
 use rundown_check::same::Seen;
+use rundown_check::{Check, Known};
 use rundown_files::folder::{self, Provenance};
 use rundown_files::off_track::{BEYOND_M, OffTrack};
 use rundown_files::parquet::ParquetError;
@@ -233,7 +233,7 @@ impl Opened {
         while let Some(chunk) = self.next_chunk(usize::MAX)? {
             read.extend(chunk);
         }
-        let mut recordings = self.diagnosed(read, &mut summary);
+        let mut recordings = self.diagnosed(read, &mut summary)?;
         source::tell_apart(&mut recordings);
         let mut off = self.off_track();
         recordings.iter().for_each(|recording| off.add(&recording.rows));
@@ -285,7 +285,11 @@ impl Opened {
     }
 
     /// The recordings that can be used; why others cannot, and what is to be said, goes into `summary`.
-    fn diagnosed(&mut self, read: Vec<Result<Recording, Failed>>, summary: &mut Summary) -> Vec<Recording> {
+    fn diagnosed(
+        &mut self,
+        read: Vec<Result<Recording, Failed>>,
+        summary: &mut Summary,
+    ) -> Result<Vec<Recording>, ReplayError> {
         let mut recordings = Vec::new();
         for result in read {
             match result {
@@ -294,7 +298,7 @@ impl Opened {
             }
         }
         if self.request.as_recorded {
-            return recordings;
+            return Ok(recordings);
         }
         // A wheel of some runs counts, too: it must not be put right twice.
         let mut effects = self.train.effect.iter().chain(&self.track.effect);
@@ -311,7 +315,22 @@ impl Opened {
         summary
             .notes
             .extend(found.perturbed_note().map(|note| format!("{note}; they were learned from as the others")));
-        used
+        if summary.runs == 0 {
+            self.doubt_efforts(&found)?;
+        }
+        Ok(used)
+    }
+
+    /// Efforts in steps are doubted by a whole one: what rounding takes of one stays while a speed is held, and half a step as white noise would be sure too soon.
+    fn doubt_efforts(&mut self, found: &Check) -> Result<(), ReplayError> {
+        let steps = found.recorders.iter().filter_map(|recorder| recorder.effort_step_n_per_kg);
+        let noise = &mut self.config.effort_reading.noise_n_per_kg;
+        let step = steps.fold(*noise, f64::max);
+        if step > *noise {
+            *noise = step;
+            self.reconfigured()?;
+        }
+        Ok(())
     }
 
     /// Where the described gradients look wrong, the estimator doubts them by as much as they are off: what is learned in spite of them has an interval that says so.
@@ -327,6 +346,11 @@ impl Opened {
         let sd = track_doubt.gradient_sd_permille;
         summary.notes.push(format!("{doubt}; until they are put right they are taken to be off by {sd:.1} permille"));
         summary.gradient_doubt = Some(doubt);
+        self.reconfigured()
+    }
+
+    /// The estimator takes what the configuration has now.
+    fn reconfigured(&mut self) -> Result<(), ReplayError> {
         let (track, effects) = (self.estimator.track().clone(), self.estimator.effects().clone());
         self.estimator = Estimator::try_new(self.config, self.core_train, track)?.with_effects(effects);
         Ok(())

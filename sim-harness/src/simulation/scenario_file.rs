@@ -162,6 +162,7 @@ tables! {
         brake_gain: f64 = 1.0, 0.0 to 10.0;
         electric_brake_only: bool = false;
         noise_n_per_kg: f64 = 0.0, 0.0 to 1.0;
+        step_n_per_kg: f64 = 0.0, 0.0 to 1.0;
         lag_s: f64 = 0.0, 0.0 to 600.0;
     }
     TemperatureTable in "temperature." {
@@ -220,6 +221,7 @@ impl SensorTable {
             effort_momentary: effort.momentary,
             effort_gain_sd: effort.gain_sd,
             effort_noise_n_per_kg: effort.noise_n_per_kg,
+            effort_step_n_per_kg: effort.step_n_per_kg,
             effort_lag_s: effort.lag_s,
             ..Sensors::default()
         };
@@ -232,6 +234,7 @@ impl SensorTable {
             effort_momentary: own.effort_momentary,
             effort_gain_sd: own.effort_gain_sd,
             effort_noise_n_per_kg: own.effort_noise_n_per_kg,
+            effort_step_n_per_kg: own.effort_step_n_per_kg,
             effort_lag_s: own.effort_lag_s,
             ..recorder.sensors()
         };

@@ -98,6 +98,8 @@ pub struct Sensors {
     pub effort_noise_n_per_kg: f64,
     /// The same as a share of the effort.
     pub effort_noise_share: f64,
+    /// The step to which the effort is rounded, N/kg; 0 for none.
+    pub effort_step_n_per_kg: f64,
     /// Age of the effort when it is stamped, s.
     pub effort_lag_s: f64,
     /// Shown less true location, along the line, m.
@@ -132,6 +134,7 @@ impl Default for Sensors {
             effort_gain_sd: 0.0,
             effort_noise_n_per_kg: 0.0,
             effort_noise_share: 0.0,
+            effort_step_n_per_kg: 0.0,
             effort_lag_s: 0.0,
             location_offset_m: 0.0,
         }
@@ -267,6 +270,9 @@ impl Sensors {
                 mean(|s| s.reported_n_per_kg, old)
             };
             let effort_unit = if row == 0 { 0.0 } else { unit.sample(effort_rng) };
+            let read_n_per_kg =
+                self.gain(reported_n_per_kg) * reported_n_per_kg * (1.0 + self.effort_noise_share * effort_unit)
+                    + self.effort_noise_n_per_kg * effort_unit;
             last_row = row;
             lost = lost.saturating_sub(1);
             let stood = std::mem::replace(&mut stands, speed_mps == 0.0);
@@ -278,15 +284,17 @@ impl Sensors {
                 time_s,
                 location_m: (heard && drop_location >= self.dropout_probability).then_some(location_m),
                 speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
-                effort_n_per_kg: self.gain(reported_n_per_kg)
-                    * reported_n_per_kg
-                    * (1.0 + self.effort_noise_share * effort_unit)
-                    + self.effort_noise_n_per_kg * effort_unit,
+                effort_n_per_kg: self.shown_n_per_kg(read_n_per_kg),
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
             truth.push(TruthSample { time_s, mean_effort_n_per_kg, ..*at });
         }
         (samples, truth)
+    }
+
+    fn shown_n_per_kg(&self, effort_n_per_kg: f64) -> f64 {
+        let step = self.effort_step_n_per_kg;
+        if step > 0.0 { (effort_n_per_kg / step).round() * step } else { effort_n_per_kg }
     }
 
     /// Shown over true effort.

@@ -179,8 +179,13 @@ fn run(recording: &Recording, recorded: Recorded) -> Run {
 
 /// What a log says of its recorder without a diagnosis: how it rounds.
 fn as_read(recording: &Recording) -> Recorded {
-    let step_kmh = steps::of_speed_kmh(recording.rows.iter());
-    Recorded { unit: recording.unit.clone(), speed_step_mps: step_kmh.unwrap_or(0.0) / 3.6, ..Recorded::default() }
+    let rows = || recording.rows.iter();
+    Recorded {
+        unit: recording.unit.clone(),
+        speed_step_mps: steps::of_speed_kmh(rows()).unwrap_or(0.0) / 3.6,
+        effort_step_n_per_kg: steps::of_effort_n_per_kg(rows()).unwrap_or(0.0),
+        ..Recorded::default()
+    }
 }
 
 /// What the diagnosis says of one run.
@@ -195,6 +200,7 @@ pub fn recorded(check: &Check, run: &RunCheck) -> Recorded {
         scale,
         own_scale: run.scale,
         speed_step_mps: recorder.speed_step_kmh.unwrap_or(0.0) / 3.6,
+        effort_step_n_per_kg: recorder.effort_step_n_per_kg.unwrap_or(0.0),
         // The diagnosis asks how old the speed is, the effect how old the location.
         usual_lag_s: recorder.skew_s.map(|skew| Figure { value: -skew.value, sd: skew.sd }),
         location_lag_s: -skew_s(recorder, run),

@@ -41,6 +41,8 @@ pub struct Recorded {
     pub own_scale: Option<Figure>,
     /// The step of the speed readings, m/s; 0 if there is none.
     pub speed_step_mps: f64,
+    /// The step of the efforts, N/kg; 0 if there is none.
+    pub effort_step_n_per_kg: f64,
     /// Age of the location less that of the speed, s: of the recorder.
     pub usual_lag_s: Option<Figure>,
     /// The same of this run, as far as it is known; the locations of the samples are as they were read.

@@ -51,6 +51,11 @@ impl SteadyPower {
         }
     }
 
+    /// With a further doubt of the ratio, a standard deviation.
+    pub fn doubted(self, sd: f64) -> Self {
+        Self { sd: self.sd.hypot(sd), ..self }
+    }
+
     /// Enough of the limit, and away from the corner of effort and power, near which a driver who demands less effort than power is limited by neither share.
     /// `begins`: the largest effort over the limit where it begins, for an interval that begins at the corner is a mean of both shares.
     fn says_something(&self, begins: f64, config: &TractionConfig) -> bool {
