@@ -20,11 +20,11 @@ use crate::model::state::{LOCATION, SIZE, SPEED, resistance_sd};
 use crate::tick::effort_reading::MeanEffort;
 use crate::tick::estimate::{Cause, Estimate, Validity};
 use crate::tick::kinematics::Kinematics;
-use crate::tick::learning::{Counts, Tick};
+use crate::tick::learning::{self, Counts, LearningConfig, Tick};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Judged;
 use crate::tick::regime::{Evidence, Recogniser, Regime};
-use crate::tick::short_hops;
+use crate::tick::short_hops::{self, ShortHopConfig};
 
 /// Without a speed for longer than this the regime is unknown, s.
 const LOST_S: Real = 60.0;
@@ -319,7 +319,7 @@ fn learn_measured(
     match (&mut run.waits, effort) {
         (Some((tick, _)), Some(effort)) if run.learner.in_segment() => {
             tick.effort = effort;
-            return run.learner.step(&config.learning, &config.sensor, line, acting, tick, &usual(config));
+            return run.learner.step(&config.learning, &config.sensor, line, acting, tick, &usual(config, 0.0));
         }
         (Some((tick, moving)), Some(_)) if tick.location_m.is_some() => run.learner.begin(tick.time_s, moving, true),
         (Some(_), Some(_)) => {}
@@ -329,9 +329,9 @@ fn learn_measured(
 }
 
 /// What of a segment counts, but on short hops: it was believed when it began.
-fn usual(config: &Config) -> Counts {
-    let learning = &config.learning;
-    Counts { believed: false, end_cut_s: learning.end_cut_s, min_segment_s: learning.min_segment_s }
+fn usual(config: &Config, min_change_share: Real) -> Counts {
+    let LearningConfig { end_cut_s, min_segment_s, .. } = config.learning;
+    Counts { believed: false, end_cut_s, min_segment_s, min_change_share }
 }
 
 /// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or not; else it begins after an
@@ -367,9 +367,10 @@ fn learn_coasting(
     } else if run.learner.in_segment() {
         let counts = if are_short {
             let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
-            Counts { believed, end_cut_s: short.end_cut_s, min_segment_s: short.min_segment_s }
+            let ShortHopConfig { end_cut_s, min_segment_s, .. } = *short;
+            Counts { believed, end_cut_s, min_segment_s, min_change_share: short_hops::MIN_CHANGE_SHARE }
         } else {
-            usual(config)
+            usual(config, learning::MIN_CHANGE_SHARE)
         };
         let tick = tick(config, run, line, judged);
         let stepped = run.learner.step(learning, &config.sensor, line, acting, &tick, &counts)?;

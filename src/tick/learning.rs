@@ -105,7 +105,13 @@ pub struct Counts {
     pub end_cut_s: Real,
     /// Shortest one, s.
     pub min_segment_s: Real,
+    /// Least change of the speed since its beginning, as a share of it; 0 where the effort is measured. Where a falling gradient balances the resistance a
+    /// speed that is held, by a notch or a light brake, looks like a coast, and the believed resistance chooses which of them do.
+    pub min_change_share: Real,
 }
+
+/// The same of coasts: a driver keeps a speed within a few km/h, and a train that coasts for a minute loses more.
+pub const MIN_CHANGE_SHARE: Real = 0.08;
 
 /// Standard deviation of the speed with which a segment begins, m/s: so wide that the reading counts for nothing. It was chosen, for a segment begins where the readings
 /// look like coasting; one that is too low does so more often, and believed it made r 0.2 % too small at 140 km/h and 0.9 % too large at 20 km/h.
@@ -130,6 +136,7 @@ in_place! {
     #[derive(Clone, Debug)]
     struct Segment {
         begin_s: Real = (0.0);
+        begin_mps: Real = (0.0);
         /// Probability that all of it was coasted, if the train coasts now.
         unbroken: Real = (0.0);
         /// Whether it is believed by now.
@@ -255,6 +262,7 @@ impl Learner {
         belief.covariance.fixed_view_mut::<4, 4>(R0, R0).copy_from(&self.constants.covariance);
         let segment = self.segment.insert(Segment::ZEROED);
         segment.begin_s = time_s;
+        segment.begin_mps = moving.mean[SPEED];
         segment.unbroken = 1.0;
         segment.believed = believed;
         segment.settled_s = time_s;
@@ -334,7 +342,8 @@ impl Learner {
                 break;
             }
             segment.waiting.pop_front();
-            if reached.time_s - segment.begin_s >= counts.min_segment_s {
+            let is_long = reached.time_s - segment.begin_s >= counts.min_segment_s;
+            if is_long && segment.changed() >= counts.min_change_share * segment.begin_mps {
                 self.constants = reached.constants;
                 self.learned_s += reached.time_s - segment.settled_s;
                 segment.settled_s = reached.time_s;
@@ -363,6 +372,11 @@ fn davis_of(constants: &Gaussian<4>) -> Gaussian<3> {
 }
 
 impl Segment {
+    /// By how much the speed has changed since the beginning, m/s.
+    fn changed(&self) -> Real {
+        (self.belief.mean[SPEED] - self.begin_mps).abs()
+    }
+
     /// r0, r1, r2 and the gain as reached so far.
     fn constants(&self) -> Gaussian<4> {
         Gaussian {

@@ -46,7 +46,7 @@ settings! {
         /// Standard deviation of a vehicle's whole resistance from its description, share.
         vehicle_scale_sd: Real = 0.15, 0.0 to 2.0;
         /// Standard deviation of each coefficient beyond that, share.
-        vehicle_shape_sd: Real = 0.10, 1e-3 to 2.0;
+        vehicle_shape_sd: Real = 0.15, 1e-3 to 2.0;
         /// Run-to-run standard deviation of the wind along the line at scale 1, m/s.
         wind_sd_mps: Real = 2.0, 0.0 to 20.0;
         /// Run-to-run standard deviation of the quadratic term by load at scale 1, share.

@@ -31,6 +31,9 @@ settings! {
     }
 }
 
+/// [`MIN_CHANGE_SHARE`](crate::tick::learning::MIN_CHANGE_SHARE) of their coasts, which are shorter.
+pub const MIN_CHANGE_SHARE: Real = 0.02;
+
 in_place! {
     /// The hops of a run.
     #[derive(Clone, Copy, Debug, PartialEq)]
