@@ -166,15 +166,17 @@ fn locations_off_the_track_are_the_first_that_is_said() {
 
 #[test]
 fn the_step_of_an_effort_column_is_its_noise_or_it_is_left_out() {
-    for (step, noise) in [(0.0, 5e-4), (0.006, 0.006), (0.03, 0.03)] {
+    let mut sd_r0 = Vec::new();
+    for step in [0.0, 0.006, 0.03] {
         let effort = format!("[effort]\ncolumn = true\nstep_n_per_kg = {step}\n");
         let folder = Folder::simulated(&format!("name = \"set\"\nruns = 2\nseed = 5\n{effort}"));
         let described = ["--train", "set/train.toml", "--track", "set/track.toml", "--out", "out", "set/runs"];
         let said = folder.rundown(&[&["replay", "--mode", "measured"], &described[..]].concat());
         let json = folder.json("out/replay.json");
-        let taken = json["config"]["effort_reading"]["noise_n_per_kg"].as_f64().unwrap();
-        assert!((taken / noise - 1.0).abs() < 1e-3, "{step}: {taken}");
+        sd_r0.push(json["runs"][1]["vehicle"]["sd_r0"].as_f64().unwrap());
         let said_so = ["steps too large", "--mode gated", "nothing was learned"].map(|text| said.err.contains(text));
         assert_eq!(said_so, [step > 0.0125; 3], "{step}: {}", said.err);
+        assert_eq!(said.err.contains("should they be cut off, not rounded"), step == 0.006, "{step}: {}", said.err);
     }
+    assert!(sd_r0[1] > 1.1 * sd_r0[0] && sd_r0[2] > sd_r0[1], "{sd_r0:?}");
 }

@@ -218,6 +218,11 @@ impl Check {
         (count > 0).then(|| format!("perturbed runs: {count} of {all}: {}{rest}", named.join("; ")))
     }
 
+    /// A recorder has a finding of this kind.
+    pub fn has(&self, kind: Kind) -> bool {
+        self.recorders.iter().any(|recorder| recorder.has(kind))
+    }
+
     /// The recorder of a unit.
     pub fn recorder(&self, unit: &str) -> Option<&RecorderCheck> {
         self.recorders.iter().find(|recorder| recorder.unit == unit)

@@ -377,7 +377,7 @@ impl RecorderCheck {
         run.unit == self.unit && run.refusal().is_none()
     }
 
-    fn has(&self, kind: Kind) -> bool {
+    pub(crate) fn has(&self, kind: Kind) -> bool {
         self.findings.iter().any(|finding| finding.kind == kind)
     }
 

@@ -2,6 +2,7 @@
 //!
 //! In: the estimator, the runs as replayed. Out: notes, one line each.
 
+pub(crate) mod coasts;
 pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
@@ -25,6 +26,8 @@ pub struct Advice {
     with_effort: NamedRuns,
     /// By unit.
     vehicles: BTreeMap<String, vehicle::After>,
+    /// What coasts teach of each beside its efforts.
+    pub coasts: BTreeMap<String, vehicle::After>,
 }
 
 impl Advice {
@@ -76,6 +79,7 @@ impl Advice {
             };
             notes.push(format!("nothing was learned about the resistance: it takes {what}{slopes}"));
         }
+        notes.extend(coasts::notes(&self.vehicles, &self.coasts));
         notes.extend(vehicle::notes(estimator, &self.vehicles, look_wrong));
         notes
     }

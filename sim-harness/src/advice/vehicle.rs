@@ -37,9 +37,9 @@ const CONVERSIONS: [(&str, [f64; 3]); 6] = [
 
 /// A vehicle after a run.
 #[derive(Debug)]
-pub(super) struct After {
-    davis: Gaussian<3>,
-    learned: Learned,
+pub struct After {
+    pub(super) davis: Gaussian<3>,
+    pub(super) learned: Learned,
     trust: Trust,
 }
 

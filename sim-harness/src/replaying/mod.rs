@@ -11,12 +11,13 @@ mod stream;
 pub use source::Runs;
 pub use stream::{CHUNK, StreamError};
 
+use crate::advice::{Advice, coasts, vehicle::After};
 use crate::learned_train::Results;
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
 use crate::report::page::HISTORY_KMH;
 use crate::report::{Report, RunView, Vehicle, figures, write_report};
-use crate::{advice::Advice, output::tables::Tables, output::write_tables};
+use crate::{output::tables::Tables, output::write_tables};
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::{bounds::ConfigError, sensor::Rounding};
 use rundown::{
@@ -25,6 +26,7 @@ use rundown::{
     model::track::TrackError,
     model::train::Train,
 };
+use rundown_check::finding::Kind;
 use rundown_check::gradients::{Coasts, Doubt};
 use rundown_check::limits::Described;
 use rundown_check::same::Seen;
@@ -40,13 +42,16 @@ use rundown_files::{WriteError, config_file, effect_file};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, train_file::TrainFile};
 use serde_json::Value;
 use source::Source;
+use std::collections::{BTreeMap, HashMap};
+use std::fmt;
 use std::path::{Path, PathBuf};
-use std::{collections::HashMap, fmt};
 use thiserror::Error;
 
 /// What is expected of a [`Tick::Period`].
 pub const PERIOD: &str = "expected a number of seconds above 0, at most 600";
 
+/// Speed at which the doubt of the efforts is said, km/h.
+const DOUBTED_KMH: f64 = 60.0;
 /// After a longer pause the estimator restarts.
 pub fn is_period(seconds: f64) -> bool {
     seconds > 0.0 && seconds <= 600.0
@@ -248,6 +253,7 @@ impl Opened {
             replay_apart_by(&model, &recordings, tick, done)
         };
         let mut advice = Advice::default();
+        advice.coasts = self.taught_by_coasts(&recordings, &own);
         advice.add(&runs);
         let Summary { failed, mut notes, gradient_doubt, .. } = summary;
         notes.extend(advice.notes(&self.estimator, gradient_doubt.is_some()));
@@ -268,6 +274,12 @@ impl Opened {
             tables,
             run_pages,
         })
+    }
+
+    /// What the coasts of each unit teach, where its efforts do; of runs in which the same effects act as in all.
+    fn taught_by_coasts(&self, recordings: &[Recording], own: &HashMap<String, Estimator>) -> BTreeMap<String, After> {
+        let is_measured = self.config.mode == Mode::Measured && self.request.carried && own.is_empty();
+        if is_measured { coasts::taught(&self.estimator, recordings, self.request.tick) } else { BTreeMap::new() }
     }
 
     /// What is to be said before any log is read.
@@ -316,21 +328,31 @@ impl Opened {
             .notes
             .extend(found.perturbed_note().map(|note| format!("{note}; they were learned from as the others")));
         if summary.runs == 0 {
-            self.doubt_efforts(&found)?;
+            summary.notes.extend(self.doubt_efforts(&found)?);
         }
         Ok(used)
     }
 
     /// Efforts in steps are doubted by a whole one: what rounding takes of one stays while a speed is held, and half a step as white noise would be sure too soon.
-    fn doubt_efforts(&mut self, found: &Check) -> Result<(), ReplayError> {
+    /// Nothing says whether they are cut off: a note.
+    fn doubt_efforts(&mut self, found: &Check) -> Result<Option<String>, ReplayError> {
         let steps = found.recorders.iter().filter_map(|recorder| recorder.effort_step_n_per_kg);
         let noise = &mut self.config.effort_reading.noise_n_per_kg;
-        let step = steps.fold(*noise, f64::max);
-        if step > *noise {
-            *noise = step;
-            self.reconfigured()?;
+        let step = steps.fold(0.0, f64::max);
+        if step <= *noise {
+            return Ok(None);
         }
-        Ok(())
+        *noise = step;
+        self.reconfigured()?;
+        let half = 0.5 * step;
+        let percent = 100.0 * half / self.core_train.davis().resistance_n_per_kg(DOUBTED_KMH / 3.6);
+        let is_learned_from = self.config.mode == Mode::Measured && !found.has(Kind::EffortSteps);
+        Ok(is_learned_from.then(|| {
+            format!(
+                "efforts have steps of {step:.4} N/kg and are doubted by as much; should they be cut off, not rounded, r comes \
+                 out about {half:.4} N/kg wrong, {percent:.0} % at {DOUBTED_KMH} km/h"
+            )
+        }))
     }
 
     /// Where the described gradients look wrong, the estimator doubts them by as much as they are off: what is learned in spite of them has an interval that says so.

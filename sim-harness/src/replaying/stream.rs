@@ -70,6 +70,9 @@ impl Opened {
                     self.doubt_gradients(&recordings, &mut summary)?;
                 }
                 let own = self.own_estimators(&recordings).map_err(ReplayError::from)?;
+                if summary.runs == 0 {
+                    advice.coasts = self.taught_by_coasts(&recordings, &own);
+                }
                 let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
                 let runs = if self.request.carried {
                     replay_units_by(&model, &recordings, self.request.tick, &mut vehicles, &done)

@@ -1,0 +1,99 @@
+//! Do the efforts of the measured mode teach what the coasts of the same runs do?
+//!
+//! In: the first runs of each unit, replayed once more in the gated mode; the vehicles after all runs. Out: a note for each unit whose efforts say something else.
+//!
+//! Nothing else looks at an effort column as a whole: a lever that goes on and off between momentary readings, efforts that are cut off or frozen, and a brake
+//! that is not in the column each explain the speeds with another resistance, and consistently so. A coast needs no column.
+
+use super::vehicle::{After, named};
+use nalgebra::Vector3;
+use rundown::estimator::Estimator;
+use rundown::estimator::config::{Config, Mode};
+use rundown::filter::gaussian::Gaussian;
+use rundown_check::agreement::HALF_95;
+use rundown_files::recording::Recording;
+use rundown_files::replay::{Tick, replay_units_by};
+use rundown_wire::Learned;
+use std::collections::{BTreeMap, HashMap};
+
+/// So many runs of a unit are replayed twice: what they teach is sure to a few per cent.
+const RUNS: usize = 20;
+/// Speeds at which both are compared, km/h.
+const COMPARED_KMH: [f64; 4] = [40.0, 60.0, 90.0, 120.0];
+/// So many standard deviations of both apart is no chance ...
+const SURE: f64 = 3.0;
+/// ... and so large a share of the resistance is worth a word.
+const LEAST_SHARE: f64 = 0.04;
+
+/// What the coasts of each unit teach.
+pub fn taught(estimator: &Estimator, recordings: &[Recording], tick: Tick) -> BTreeMap<String, After> {
+    let config = Config { mode: Mode::Gated, ..*estimator.config() };
+    let Ok(gated) = Estimator::try_new(config, *estimator.train(), estimator.track().clone()) else {
+        return BTreeMap::new();
+    };
+    let gated = gated.with_effects(estimator.effects().clone());
+    let mut of_unit: HashMap<&str, usize> = HashMap::new();
+    let mut first: Vec<&Recording> = Vec::new();
+    for recording in recordings {
+        let count = of_unit.entry(&recording.unit).or_default();
+        *count += 1;
+        if *count <= RUNS {
+            first.push(recording);
+        }
+    }
+    let runs = replay_units_by(&|_| &gated, &first, tick, &mut HashMap::new(), || ());
+    runs.iter().map(|run| (run.unit.clone(), After::of(run))).collect()
+}
+
+/// The units whose efforts teach another resistance.
+pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, After>) -> Vec<String> {
+    let of_unit = |(unit, coasts): (&String, &After)| {
+        let efforts = vehicles.get(unit).filter(|after| after.learned == Learned::Learned)?;
+        let Apart { kmh, efforts, coasts } = apart(&efforts.davis, &coasts.davis)?;
+        let said = |[r, sd]: [f64; 2]| format!("{r:.4} ± {:.4} N/kg", HALF_95 * sd);
+        Some(format!(
+            "{}: its efforts teach r({kmh:.0} km/h) = {}, the coasts of its first runs {}: one of both is wrong. Efforts that \
+             are cut off or frozen, or read between the strokes of a lever, and brakes that drag look so; --mode gated learns \
+             from coasts alone",
+            named(unit),
+            said(efforts),
+            said(coasts)
+        ))
+    };
+    coasts.iter().filter(|(_, coasts)| coasts.learned == Learned::Learned).filter_map(of_unit).collect()
+}
+
+/// Resistances at a speed with their standard deviations, N/kg.
+struct Apart {
+    kmh: f64,
+    efforts: [f64; 2],
+    coasts: [f64; 2],
+}
+
+/// Where both differ most, if that is no chance.
+fn apart(efforts: &Gaussian<3>, coasts: &Gaussian<3>) -> Option<Apart> {
+    let at = |davis: &Gaussian<3>, kmh: f64| {
+        let powers = Vector3::new(1.0, kmh / 3.6, (kmh / 3.6).powi(2));
+        [powers.dot(&davis.mean), powers.dot(&(davis.covariance * powers)).max(0.0).sqrt()]
+    };
+    let of = |kmh| Apart { kmh, efforts: at(efforts, kmh), coasts: at(coasts, kmh) };
+    let away = |apart: &Apart| (apart.efforts[0] - apart.coasts[0]).abs() / apart.efforts[1].hypot(apart.coasts[1]);
+    let most = COMPARED_KMH.into_iter().map(of).max_by(|a, b| away(a).total_cmp(&away(b)))?;
+    let share = (most.efforts[0] / most.coasts[0] - 1.0).abs();
+    (away(&most) > SURE && share > LEAST_SHARE).then_some(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn resistances_are_apart_beyond_chance_and_by_a_share_that_counts() {
+        let davis =
+            |scale: f64, sd: f64| Gaussian::independent([0.01 * scale, 1e-4 * scale, 3e-5 * scale], [sd, 1e-9, 1e-9]);
+        let found = |scale, sd| apart(&davis(1.0, sd), &davis(scale, sd)).map(|apart| apart.kmh);
+        assert_eq!(found(1.3, 2e-4), Some(120.0));
+        assert_eq!(found(1.3, 1e-2), None);
+        assert_eq!(found(1.02, 1e-6), None);
+    }
+}
