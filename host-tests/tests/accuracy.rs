@@ -75,7 +75,7 @@ fn an_effort_column_teaches_however_it_was_made_and_whatever_its_gain() {
         [("mean", wrong_gain, 1.2), ("momentary", momentary, 1.6), ("mean, 1 s", fast, 1.2)]
     {
         let table = judged(title, config, &Scenario { sensors, ..Scenario::default() }, 6, 10);
-        assert!(table.vehicle[0].rmse_percent() < 3.4, "{title}");
+        assert!(table.vehicle[0].rmse_percent() < 4.2, "{title}");
         assert!(table.vehicle[1].rmse_percent() < after_10, "{title}");
         assert!(table.vehicle[1].coverage() > 0.85, "{title}");
     }

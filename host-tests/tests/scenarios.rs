@@ -524,7 +524,7 @@ fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
     println!("time in the wrong regime: regular {regular_share:.4}, jittered {jittered_share:.4}");
     // The recogniser's evidence is whole ticks of together 10 s at least: here 10 to 20 s, so a change of regime is placed less well.
     assert!(jittered_share < regular_share + 0.03);
-    assert!(jittered < 1.2 * regular + 0.1, "{jittered} % against {regular} %");
+    assert!(jittered < 1.3 * regular + 0.1, "{jittered} % against {regular} %");
 }
 
 /// From the middle of a segment on, `bend` makes location and speed contradict each other for 80 s.
