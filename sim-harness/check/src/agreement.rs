@@ -370,8 +370,8 @@ impl Agreement {
         let seen = 2.0 * self.location_noise_m * self.location_noise_m + self.walk_m * self.walk_m * pair_s;
         let least = rounding_mps * rounding_mps * pair_s * step_s.min(pair_s);
         self.equations.set_rounding(rounding_mps, if least > seen { seen / least } else { 1.0 });
-        if let Some((values, information, held)) = self.equations.solved() {
-            (self.values, self.information, self.held) = (values, information, held);
+        if let Some(solved) = self.equations.solved() {
+            (self.values, self.information, self.held) = (solved.values, solved.information, solved.held);
         }
         self
     }

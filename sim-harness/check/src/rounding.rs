@@ -74,6 +74,13 @@ fn held(compared: &Compared, range: Range<usize>) -> Vec<(f64, Vec<f64>)> {
     times.chunk_by(|a, b| a.speed_mps == b.speed_mps).filter(is_long).map(of).collect()
 }
 
+/// 1/s - 1, o/s and τ of a run with their information, and what the rounding of each speed does to the first two, standard deviation.
+pub(crate) struct Solved {
+    pub(crate) values: Vector3<f64>,
+    pub(crate) information: Matrix3<f64>,
+    pub(crate) held: Vec<(u64, Vector2<f64>)>,
+}
+
 impl Equations {
     /// `kept`: what correlation of the noise leaves of the information.
     pub(crate) fn of(compared: &Compared, kept: f64) -> Self {
@@ -102,29 +109,24 @@ impl Equations {
         }
     }
 
-    /// 1/s - 1, o/s and τ with their information, and what the rounding of each speed does to the first two, standard deviation. None: nothing is known of them.
-    pub(crate) fn solved(&self) -> Option<(Vector3<f64>, Matrix3<f64>, Vec<(u64, Vector2<f64>)>)> {
+    /// None: the run says nothing of them.
+    pub(crate) fn solved(&self) -> Option<Solved> {
         let levels = self.speeds.len();
-        let xx = self.matrix.fixed_view::<3, 3>(0, 0).into_owned();
+        let asked = self.matrix.fixed_view::<3, 3>(0, 0).into_owned();
         if levels == 0 {
-            let values = xx.cholesky()?.solve(&self.score.fixed_rows::<3>(0).into_owned());
-            return Some((values, xx, Vec::new()));
+            let values = asked.cholesky()?.solve(&self.score.fixed_rows::<3>(0).into_owned());
+            return Some(Solved { values, information: asked, held: Vec::new() });
         }
         let mut own = self.matrix.view((3, 3), (levels, levels)).into_owned();
         (0..levels).for_each(|i| own[(i, i)] += self.rounding_mps.powi(-2));
         let by_level = own.cholesky()?.solve(&self.matrix.view((3, 0), (levels, 3)));
-        let information = xx - self.matrix.view((0, 3), (3, levels)) * &by_level;
-        let information = Matrix3::from_fn(|i, j| 0.5 * (information[(i, j)] + information[(j, i)]));
-        let score = self.score.rows(0, 3) - by_level.transpose() * self.score.rows(3, levels);
+        let information = asked - self.matrix.view((0, 3), (3, levels)) * &by_level;
+        let information = 0.5 * (information + information.transpose());
+        let score = self.score.fixed_rows::<3>(0) - by_level.transpose() * self.score.rows(3, levels);
         let covariance = information.try_inverse()?;
         let effect = |i: usize| covariance * by_level.row(i).transpose() / self.rounding_mps;
-        let effects = self
-            .speeds
-            .iter()
-            .enumerate()
-            .map(|(i, speed)| (speed.to_bits(), Vector2::new(effect(i)[0], effect(i)[1])));
-        let effects = effects.collect();
-        Some((covariance * score, information, effects))
+        let held = self.speeds.iter().enumerate().map(|(i, speed)| (speed.to_bits(), effect(i).xy())).collect();
+        Some(Solved { values: covariance * score, information, held })
     }
 
     /// The same once the speeds are divided by so much.
