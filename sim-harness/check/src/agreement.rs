@@ -11,6 +11,7 @@
 //! fitted by maximum likelihood, so that an odometer in whole metres and a satellite receiver are each believed as far as they deserve. One slow run cannot tell
 //! scale and offset apart: the covariance says so, and [`pooled`] weighs with it.
 
+use crate::rounding::{self, Equations, HeldTime};
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 use rundown_files::units::median;
 
@@ -62,7 +63,7 @@ impl Figure {
 }
 
 /// What one run says.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Agreement {
     /// 1/s - 1, o/s in m/s, τ in s.
     pub values: Vector3<f64>,
@@ -76,6 +77,9 @@ pub struct Agreement {
     pub correlation: f64,
     /// Differences that were compared.
     pub pairs: usize,
+    /// The rounding of each held speed, by its reading, and what it does to 1/s - 1 and o/s, standard deviation.
+    pub(crate) held: Vec<(u64, Vector2<f64>)>,
+    pub(crate) equations: Equations,
 }
 
 /// Fewer differences say nothing.
@@ -101,6 +105,8 @@ pub(crate) struct Differences {
     pub(crate) end_s: Vec<f64>,
     /// The difference before shares a row with this one.
     linked: Vec<bool>,
+    /// Speeds that are held in the differences.
+    pub(crate) held: Vec<HeldTime>,
 }
 
 impl Differences {
@@ -119,6 +125,8 @@ impl Differences {
     }
 
     fn take(&mut self, part: &[Row]) {
+        let shares = rounding::held_shares(part);
+        let mut held: Vec<HeldTime> = Vec::new();
         let mut from = None;
         let mut by_speed = 0.0;
         let mut linked = false;
@@ -127,11 +135,15 @@ impl Differences {
                 (from, linked) = (None, false);
                 continue;
             }
-            let Some(begin) = from else {
-                (from, by_speed) = (Some(*row), 0.0);
+            let Some((begin, more_m)) = from.zip(i.checked_sub(1).and_then(|_| distance(part, i))) else {
+                (from, by_speed, linked) = (Some(*row), 0.0, false);
+                held.clear();
                 continue;
             };
-            by_speed += distance(part, i);
+            by_speed += more_m;
+            let half_s = 0.5 * (row.time_s - part[i - 1].time_s);
+            let of = |j: usize| HeldTime { at: self.y.len(), speed_mps: part[j].speed_mps, held_s: half_s * shares[j] };
+            held.extend([i - 1, i].map(of).iter().filter(|one| one.held_s > 0.0));
             let dt = row.time_s - begin.time_s;
             if dt >= PAIR_S {
                 self.y.push(row.location_m - begin.location_m - by_speed);
@@ -140,22 +152,30 @@ impl Differences {
                 self.dv.push(row.speed_mps - begin.speed_mps);
                 self.end_s.push(row.time_s);
                 self.linked.push(linked);
+                self.held.append(&mut held);
                 (from, by_speed, linked) = (Some(*row), 0.0, true);
             }
         }
     }
 }
 
-/// Distance by speed from row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say.
-fn distance(rows: &[Row], i: usize) -> f64 {
+/// Rows farther apart are bent between: a bend of 1 m/s² makes a third of a metre in 2 s, 8 m in 10 s.
+const STRAIGHT_S: f64 = 2.0;
+
+/// Distance by speed from row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say. None beside a start or a stop: the train moved for a
+/// part of the time only, and the change of speed there is no acceleration.
+fn distance(rows: &[Row], i: usize) -> Option<f64> {
     let (a, b) = (rows[i - 1], rows[i]);
     let dt = b.time_s - a.time_s;
     let straight = 0.5 * dt * (a.speed_mps + b.speed_mps);
     let slope = |a: &Row, b: &Row| (b.speed_mps - a.speed_mps) / (b.time_s - a.time_s);
     let around = i.checked_sub(2).and_then(|before| Some((&rows[before], rows.get(i + 1)?)));
     match around {
-        Some((before, after)) if dt > 2.0 => straight - dt * dt / 12.0 * (slope(&b, after) - slope(before, &a)) / 2.0,
-        _ => straight,
+        Some((before, after)) if dt > STRAIGHT_S => {
+            let moves = before.speed_mps.min(after.speed_mps) >= SLOWEST_MPS;
+            moves.then(|| straight - dt * dt / 12.0 * (slope(&b, after) - slope(before, &a)) / 2.0)
+        }
+        _ => Some(straight),
     }
 }
 
@@ -209,7 +229,7 @@ fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
     };
     let (mut beta, mut residuals) = solve(&y)?;
     for _ in 0..3 {
-        let most = OUTLIER * spread(&residuals);
+        let most = OUTLIER * mean_spread(&residuals);
         for (value, left) in y.iter_mut().zip(&residuals) {
             *value -= left - left.max(-most).min(most);
         }
@@ -235,6 +255,12 @@ pub(crate) fn best_fit(differences: &Differences) -> Option<Fit> {
 pub(crate) fn spread(values: &[f64]) -> f64 {
     let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
     if sizes.is_empty() { 0.0 } else { 1.4826 * median(&sizes) }
+}
+
+/// Standard deviation from the mean of the sizes: the median is zero where an odometer counts whole metres at one speed. Outliers are drawn in step by step.
+fn mean_spread(values: &[f64]) -> f64 {
+    let sizes: f64 = values.iter().map(|value| value.abs()).sum();
+    1.2533 * sizes / values.len().max(1) as f64
 }
 
 /// A run as further causes see it: its differences, and what scale, offset and skew leave of them.
@@ -277,6 +303,18 @@ impl Compared {
         Some((figure, 0.5 * score * score.max(0.0) / (left * fit.variance)))
     }
 
+    /// A cause that adds so many metres to each difference, whitened as they are.
+    pub(crate) fn whitened(&self, metres: &[f64]) -> Vec<f64> {
+        whitened(&self.differences, self.fit.ratio, metres, &mut Vec::new())
+    }
+
+    /// What scale, offset and skew take up of a cause that adds so many metres to each difference, and its whitened column.
+    pub(crate) fn taken_up(&self, metres: &[f64]) -> (Vector3<f64>, Vec<f64>) {
+        let column = self.whitened(metres);
+        let cross = Vector3::from_fn(|i, _| self.fit.columns[i].iter().zip(&column).map(|(a, b)| a * b).sum());
+        (self.inverse * cross, column)
+    }
+
     /// What scale, offset and skew leave of each difference, m.
     pub(crate) fn left_m(&self) -> Vec<f64> {
         let Differences { y, by_speed, dt, dv, .. } = &self.differences;
@@ -316,6 +354,8 @@ impl Compared {
             walk_m: (fit.ratio * fit.variance).sqrt(),
             correlation: self.correlation(),
             pairs: self.differences.y.len(),
+            held: Vec::new(),
+            equations: Equations::of(self, self.independent()),
         }
     }
 }
@@ -324,15 +364,15 @@ impl Agreement {
     /// The same with what the rounding of the speeds does, which may not show in the residuals: each reading is off by as much as a part of the step, and where a speed is
     /// held, all of them by the same.
     ///
-    /// `rounding_mps`: of a reading, standard deviation; `held_mps`: what is left of it in the mean; `step_s`: time between readings.
-    pub fn with_rounding(mut self, rounding_mps: f64, held_mps: f64, step_s: f64) -> Self {
+    /// `rounding_mps`: of a reading, standard deviation; `step_s`: time between readings.
+    pub fn with_rounding(mut self, rounding_mps: f64, step_s: f64) -> Self {
         let pair_s = PAIR_S.max(step_s);
         let seen = 2.0 * self.location_noise_m * self.location_noise_m + self.walk_m * self.walk_m * pair_s;
         let least = rounding_mps * rounding_mps * pair_s * step_s.min(pair_s);
-        self.information *= if least > seen { seen / least } else { 1.0 };
-        let column = self.information.column(1).into_owned();
-        let own = held_mps * held_mps;
-        self.information -= column * column.transpose() * (own / (1.0 + own * column[1]));
+        self.equations.set_rounding(rounding_mps, if least > seen { seen / least } else { 1.0 });
+        if let Some(solved) = self.equations.solved() {
+            (self.values, self.information, self.held) = (solved.values, solved.information, solved.held);
+        }
         self
     }
 
@@ -340,6 +380,7 @@ impl Agreement {
     pub(crate) fn rescaled(mut self, ratio: f64) -> Self {
         self.values[0] = (1.0 + self.values[0]) * ratio - 1.0;
         self.values[1] *= ratio;
+        self.equations.rescale(ratio);
         self
     }
 
@@ -396,18 +437,18 @@ const FEW_RUNS: f64 = 3.0;
 
 /// Pools runs, each weighed by what it can tell apart.
 pub fn pooled(runs: &[Agreement]) -> Option<Pooled> {
-    let of_run: Vec<(Matrix2<f64>, Vector2<f64>)> =
-        runs.iter().map(|run| (run.without_skew(), run.values.xy())).collect();
-    let information: Matrix2<f64> = of_run.iter().map(|(information, _)| information).sum();
-    let covariance = information.cholesky()?.inverse();
-    let values = covariance * of_run.iter().map(|(information, values)| information * values).sum::<Vector2<f64>>();
+    let (values, covariance) = rounding::joint(&runs.iter().map(|run| &run.equations).collect::<Vec<_>>())?;
+    let mut all = Matrix2::zeros();
     let mut scatter = Matrix2::zeros();
-    for (information, own) in &of_run {
-        let score = information * (own - values);
+    for run in runs {
+        let information = run.without_skew();
+        let score = information * (run.values.xy() - values);
         scatter += score * score.transpose();
+        all += information;
     }
     let n = runs.len() as f64;
-    let by_scatter = covariance * scatter * covariance * (n / (n - 1.0).max(1.0));
+    let own = all.cholesky()?.inverse();
+    let by_scatter = own * scatter * own * (n / (n - 1.0).max(1.0));
     let few = 1.0 + FEW_RUNS / (n * n);
     Some(Pooled { values, covariance: larger(covariance, by_scatter) * few, runs: runs.len() })
 }

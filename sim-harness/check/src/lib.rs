@@ -14,6 +14,7 @@
 //! | is a run unlike the others of its recorder? | [`mod@own`] |
 //! | does the wheel change? | `wheel_change` |
 //! | does the speed read zero below a threshold? | [`dead_zone`] |
+//! | what does the rounding of held speeds do? | `rounding` |
 //! | does the speed repeat old values? | [`held`] |
 //! | is the effort older than the speed? | `effort_age` |
 //! | is its zero one? | `effort_zero` |
@@ -68,6 +69,7 @@ pub mod places;
 mod profile;
 pub mod readings;
 mod recorder;
+mod rounding;
 pub mod same;
 pub mod steps;
 mod wheel_change;
@@ -449,7 +451,7 @@ fn is_usable(findings: &[Finding]) -> bool {
 }
 
 /// What speed and location of a run say.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct OfSpeed {
     agreement: Agreement,
     change: Option<wheel_change::Change>,
@@ -479,7 +481,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     clock::gaps(rows, &mut findings);
     let step_s = clock::usual_step_s(rows);
     let of_speed = if is_usable(&findings) { OfSpeed::of(rows, step_s) } else { None };
-    let location_noise_m = of_speed.map(|found| found.agreement.location_noise_m);
+    let location_noise_m = of_speed.as_ref().map(|found| found.agreement.location_noise_m);
     (RunCheck { location_noise_m, ..RunCheck::of(recording, step_s, findings) }, of_speed)
 }
 

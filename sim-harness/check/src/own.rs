@@ -11,6 +11,7 @@ use crate::finding::{Done, Finding, Kind};
 use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE, places, put_right};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::sample::Sample;
+use std::slice;
 
 /// A run is accused of a skew that its recorder does not have only beyond this, s ...
 const LEAST_OWN_SKEW_S: f64 = 1.0;
@@ -60,7 +61,7 @@ pub(crate) fn judged(
     (values, covariance): &(Vector2<f64>, Matrix2<f64>),
 ) {
     run.skew_s = Some(agreement.skew_s(*values, covariance));
-    run.scale = pooled(&[*agreement]).map(|one| times(one.scale_at(values[1]), ratio));
+    run.scale = pooled(slice::from_ref(agreement)).map(|one| times(one.scale_at(values[1]), ratio));
 }
 
 fn times(scale: Figure, ratio: f64) -> Figure {
@@ -115,7 +116,7 @@ fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
     if recorder.compared < 2 || has(Kind::SpeedOffset) {
         return None;
     }
-    let alone = pooled(&[*agreement])?;
+    let alone = pooled(slice::from_ref(agreement))?;
     let offset_kmh = alone.offset_kmh();
     let half_kmh = 0.5 * recorder.speed_step_kmh.unwrap_or(0.0);
     let is_odd = |plausible_kmh: f64| {

@@ -3,6 +3,7 @@
 use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
 use crate::finding::{Done, Finding, Kind};
 use crate::own::Grown;
+use crate::wheel_change::OfRun;
 use crate::{Correction, Known, LEAST_SCALE, OfSpeed, RecorderCheck, RunCheck, SURE};
 use crate::{
     dead_zone, effort, effort_age, effort_zero, held, limits, lost_seconds, own, put_right, steps, wheel_change,
@@ -73,7 +74,7 @@ pub(crate) fn of(
     let location_step_m = steps::of_location_m(rows());
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
     let mut judged = |i: &usize| {
-        let mut of_speed = of_speeds[*i]?;
+        let mut of_speed = of_speeds[*i].clone()?;
         if sought.moved {
             of_speed = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s)?;
         }
@@ -81,7 +82,7 @@ pub(crate) fn of(
     };
     let (mut agreements, mut grown): (Vec<Option<Agreement>>, Vec<Grown>) =
         of_unit.iter().map(|i| judged(i).map_or((None, Grown::NOT), |(one, grown)| (Some(one), grown))).unzip();
-    let compared: Vec<Agreement> = agreements.iter().flatten().copied().collect();
+    let compared: Vec<Agreement> = agreements.iter().flatten().cloned().collect();
     let mut recorder = RecorderCheck {
         unit,
         compared: compared.len(),
@@ -108,10 +109,10 @@ pub(crate) fn of(
     };
     if let Some((after, ratio)) = recorder.changes(&agreements, &of_unit, recordings, known, &all) {
         for at in after {
-            agreements[at] = agreements[at].map(|agreement| agreement.rescaled(ratio));
+            agreements[at] = agreements[at].take().map(|agreement| agreement.rescaled(ratio));
             grown[at].all = ratio;
         }
-        all = pooled(&agreements.iter().flatten().copied().collect::<Vec<_>>()).unwrap_or(all);
+        all = pooled(&agreements.iter().flatten().cloned().collect::<Vec<_>>()).unwrap_or(all);
     }
     let values = recorder.decide(&all, known);
     let of_runs = || of_unit.iter().copied().zip(agreements.iter().zip(&grown));
@@ -136,16 +137,16 @@ fn of_one(
     step_kmh: f64,
     known: &Known,
 ) -> Option<(Agreement, Grown)> {
-    let held_mps = steps::held_mps(rows, step_kmh);
+    let rounding_mps = steps::rounding_mps(step_kmh);
     let mut grown = Grown::NOT;
-    if let Some(change) = of_speed.change.and_then(|change| change.sure(rows, step_kmh)) {
+    if let Some(change) = of_speed.change.and_then(|change| change.sure(rounding_mps)) {
         run.changes(&change, rows, put_right(!known.scale));
         grown.after = Some((change.time_s, change.ratio.value));
         let mut undone = rows.to_vec();
         grown.undo(&mut undone);
         of_speed = OfSpeed::of(&undone, run.step_s)?;
     }
-    Some((of_speed.agreement.with_rounding(steps::rounding_mps(step_kmh), held_mps, run.step_s), grown))
+    Some((of_speed.agreement.with_rounding(rounding_mps, run.step_s), grown))
 }
 
 impl RecorderCheck {
@@ -183,9 +184,9 @@ impl RecorderCheck {
             Shown::Truncated => 0.5 * step_kmh / 3.6,
             Shown::Exact | Shown::NotKnown => all.values[1],
         };
-        let scale = |at: &usize| Some(pooled(&[agreements[*at]?])?.scale_at(offset_mps));
-        let scales: Vec<Figure> = order.iter().filter_map(scale).collect();
-        let found = wheel_change::between(&scales)?;
+        let of_run = |at: &usize| OfRun::at(agreements[*at].as_ref()?, offset_mps);
+        let of_runs: Vec<OfRun> = order.iter().filter_map(of_run).collect();
+        let found = wheel_change::between(&of_runs)?;
         let after = order.split_off(found.from);
         self.found(Kind::WheelChange, found.ratio(), "", put_right(!known.scale));
         let [first, since] = found.sides.map(|side| side.with_interval(4));

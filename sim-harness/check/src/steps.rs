@@ -72,30 +72,6 @@ pub fn rounding_mps(step_kmh: f64) -> f64 {
     rounding(step_kmh / 3.6)
 }
 
-/// What the rounding of speeds that are held leaves in their mean, standard deviation, m/s. A speed that passes a step is above and below it alike; one that is held is off by
-/// the same all the time, and again where it is held again.
-pub fn held_mps(rows: &[Sample], step_kmh: f64) -> f64 {
-    let moving: Vec<(f64, f64)> =
-        rows.iter().filter_map(|row| Some((row.time_s, row.speed_mps.filter(|mps| *mps > 0.0)?))).collect();
-    let stretches: Vec<&[(f64, f64)]> = moving.chunk_by(|a, b| a.1 == b.1).collect();
-    let mut held: Vec<(f64, f64)> = Vec::new();
-    for (i, stretch) in stretches.iter().enumerate() {
-        let speed = stretch[0].1;
-        let beside = |j: Option<usize>| j.and_then(|j| stretches.get(j)).map_or(0.0, |other| other[0].1 - speed);
-        let passes = beside(i.checked_sub(1)) * beside(Some(i + 1)) < 0.0;
-        let lasts_s = stretch[stretch.len() - 1].0 - stretch[0].0;
-        if !passes && lasts_s > 0.0 {
-            match held.iter_mut().find(|(level, _)| *level == speed) {
-                Some((_, sum_s)) => *sum_s += lasts_s,
-                None => held.push((speed, lasts_s)),
-            }
-        }
-    }
-    let all_s = moving.windows(2).map(|pair| (pair[1].0 - pair[0].0).clamp(0.0, 60.0)).sum::<f64>();
-    let held_s = held.iter().map(|(_, seconds)| seconds * seconds).sum::<f64>().sqrt();
-    if all_s > 0.0 { rounding_mps(step_kmh) * (held_s / all_s).min(1.0) } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,18 +79,6 @@ mod tests {
     fn rows(step_kmh: f64, readings: u32) -> Vec<Sample> {
         let row = |i| Sample { speed_mps: Some(step_kmh * f64::from(i) / 3.6), ..Sample::default() };
         (1..=readings).map(row).collect()
-    }
-
-    #[test]
-    fn a_held_speed_is_off_by_its_rounding_and_one_that_passes_is_not() {
-        let row = |(i, kmh): (usize, f64)| Sample { time_s: i as f64, speed_mps: Some(kmh / 3.6), ..Sample::default() };
-        let of = |speeds: Vec<f64>| held_mps(&speeds.into_iter().enumerate().map(row).collect::<Vec<_>>(), 1.0);
-        let rises: Vec<f64> = (0..300).map(|i| f64::from(i / 3 + 1)).collect();
-        assert!(of(rises) < 0.01);
-        let one = of(vec![90.0; 300]);
-        assert!((one - 1.0 / 3.6 / 12.0_f64.sqrt()).abs() < 1e-3);
-        let two = of([vec![90.0; 150], vec![100.0; 150]].concat());
-        assert!((two - one / 2.0_f64.sqrt()).abs() < 2e-3, "{two}");
     }
 
     #[test]

@@ -7,10 +7,11 @@
 //! Within a run the place is the one that explains most, with scale, offset and skew beside it. Between runs it is where the scales before and after are the furthest
 //! apart for how surely they are known. Both are said; what comes after is brought to the scale from before, and then the runs are judged as those of one wheel.
 
-use crate::agreement::{Compared, Figure, spread};
-use crate::{LEAST_SCALE, SURE, steps};
+use crate::agreement::{Agreement, Compared, Figure, pooled, spread};
+use crate::{LEAST_SCALE, SURE, rounding};
 use rundown_files::sample::Sample;
 use rundown_files::units::median;
+use std::collections::BTreeMap;
 
 /// Places that are tried in a run.
 const PLACES: f64 = 48.0;
@@ -34,6 +35,8 @@ pub(crate) struct Change {
     pub(crate) time_s: f64,
     /// Scale after over scale before.
     pub(crate) ratio: Figure,
+    /// What errors of 1 m/s in its held speeds do to that.
+    held: f64,
 }
 
 /// The change that this run shows; the rounding of its speeds is not in its doubt yet.
@@ -49,7 +52,8 @@ pub(crate) fn within(compared: &Compared) -> Option<Change> {
     // With the change taken off, 1/s is that from before.
     let before = 1.0 + calm.fit.beta[0];
     let ratio = Figure { value: before / (before + grows.value), sd: grows.sd };
-    Some(Change { time_s: compared.differences.end_s[at], ratio })
+    let held = rounding::beside(&calm, &after, at);
+    Some(Change { time_s: compared.differences.end_s[at], ratio, held })
 }
 
 fn scaled(values: &[f64], by: f64) -> Vec<f64> {
@@ -89,14 +93,9 @@ impl Compared {
 }
 
 impl Change {
-    /// Where it is beyond doubt, with what the rounding of held speeds does on either side of it; its doubt is the wider one.
-    pub(crate) fn sure(mut self, rows: &[Sample], step_kmh: f64) -> Option<Self> {
-        let at = rows.partition_point(|row| row.time_s <= self.time_s);
-        for side in [&rows[..at], &rows[at..]] {
-            let moving: Vec<f64> = side.iter().filter_map(|row| row.speed_mps.filter(|mps| *mps > 0.0)).collect();
-            let mean_mps = moving.iter().sum::<f64>() / moving.len().max(1) as f64;
-            self.ratio.sd = self.ratio.sd.hypot(steps::held_mps(side, step_kmh) / mean_mps.max(1.0));
-        }
+    /// Where it is beyond doubt, with what the rounding of held speeds does on either side of it. `rounding_mps`: of a reading, standard deviation.
+    pub(crate) fn sure(mut self, rounding_mps: f64) -> Option<Self> {
+        self.ratio.sd = self.ratio.sd.hypot(self.held * rounding_mps);
         let is_sure = (self.ratio.value - 1.0).abs() > LEAST_SCALE && self.ratio.away_from(1.0) > WITHIN_SURE;
         is_sure.then_some(self)
     }
@@ -125,58 +124,98 @@ impl Between {
     }
 }
 
+/// The scale of a run, and by how much the rounding of each held speed makes it differ, by the reading.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct OfRun {
+    pub(crate) scale: Figure,
+    pub(crate) held: Vec<(u64, f64)>,
+}
+
+impl OfRun {
+    /// With the offset of the recorder, m/s. None: the run does not say.
+    pub(crate) fn at(agreement: &Agreement, offset_mps: f64) -> Option<Self> {
+        let one = pooled(std::slice::from_ref(agreement))?;
+        let beside = one.covariance[(0, 1)] / one.covariance[(1, 1)];
+        let held = agreement.held.iter().map(|(speed, effect)| (*speed, effect[0] - beside * effect[1])).collect();
+        Some(Self { scale: one.scale_at(offset_mps), held })
+    }
+}
+
 /// Scales of runs in the order in which they were made: from which on they are others; none where they scatter around one.
-pub(crate) fn between(scales: &[Figure]) -> Option<Between> {
-    let places = LEAST_RUNS..(scales.len() + 1).saturating_sub(LEAST_RUNS);
+pub(crate) fn between(runs: &[OfRun]) -> Option<Between> {
+    let places = LEAST_RUNS..(runs.len() + 1).saturating_sub(LEAST_RUNS);
     let apart = |found: &Between| found.ratio().away_from(1.0);
-    let split = |from: usize| Between { from, sides: sides(scales, from) };
+    let split = |from: usize| Between { from, sides: sides(runs, from) };
     let best = places.map(split).max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
     let [before, after] = best.sides.map(|side| side.value);
-    let is_astray = |(i, scale): (usize, &Figure)| {
+    let is_astray = |(i, OfRun { scale, .. }): (usize, &OfRun)| {
         let (own, other) = if i < best.from { (before, after) } else { (after, before) };
         scale.sd < 0.25 * (after - before).abs() && (scale.value - own).abs() > (scale.value - other).abs()
     };
-    let astray = scales.iter().enumerate().filter(|one| is_astray(*one)).count();
-    let fewer = best.from.min(scales.len() - best.from) as f64;
+    let astray = runs.iter().enumerate().filter(|one| is_astray(*one)).count();
+    let fewer = best.from.min(runs.len() - best.from) as f64;
     let is_sure = (best.ratio().value - 1.0).abs() > LEAST_SCALE && apart(&best) > SURE;
     (is_sure && astray as f64 <= MOST_ASTRAY * fewer).then_some(best)
 }
 
 /// Mean scales of both sides, each run weighed by its doubt and by how much runs of one side differ.
-fn sides(scales: &[Figure], from: usize) -> [Figure; 2] {
-    let parts = [&scales[..from], &scales[from..]];
-    let mean = |part: &[Figure], own: f64| {
-        let weights = part.iter().map(|scale| (scale.sd.powi(2) + own).recip());
-        let all: f64 = weights.clone().sum();
-        let value = weights.zip(part).map(|(weight, scale)| weight * scale.value).sum::<f64>() / all;
-        Figure { value, sd: all.sqrt().recip() }
-    };
+fn sides(runs: &[OfRun], from: usize) -> [Figure; 2] {
+    let parts = [&runs[..from], &runs[from..]];
     let off = parts.iter().flat_map(|part| {
         let middle = mean(part, 0.0).value;
-        part.iter().map(move |scale| scale.value - middle)
+        part.iter().map(move |run| run.scale.value - middle)
     });
-    let known: Vec<f64> = scales.iter().map(|scale| scale.sd.powi(2)).collect();
+    let known: Vec<f64> = runs.iter().map(|run| run.scale.sd.powi(2)).collect();
     let own = (spread(&off.collect::<Vec<f64>>()).powi(2) - median(&known)).max(0.0);
     parts.map(|part| mean(part, own))
+}
+
+/// Mean scale of runs that differ by `own`, a variance. A speed that is held in all of them has the same rounding in all of them.
+fn mean(part: &[OfRun], own: f64) -> Figure {
+    let weight = |run: &OfRun| (run.scale.sd.powi(2) + own).recip();
+    let all: f64 = part.iter().map(weight).sum();
+    let value = part.iter().map(|run| weight(run) * run.scale.value).sum::<f64>() / all;
+    let mut levels: BTreeMap<u64, f64> = BTreeMap::new();
+    let mut alone = 0.0;
+    for run in part {
+        for (level, effect) in &run.held {
+            let effect = weight(run) / all * effect;
+            *levels.entry(*level).or_default() += effect;
+            alone += effect * effect;
+        }
+    }
+    let shared = levels.values().map(|effect| effect * effect).sum::<f64>() - alone;
+    Figure { value, sd: (all.recip() + shared.max(0.0)).sqrt() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn figures(values: &[f64]) -> Vec<Figure> {
+    fn runs(values: &[f64]) -> Vec<OfRun> {
         let noise = [0.2, -0.4, 0.1, 0.5, -0.3, -0.1];
         let figure = |(i, value): (usize, &f64)| Figure { value: value + 1e-3 * noise[i % 6], sd: 5e-4 };
-        values.iter().enumerate().map(figure).collect()
+        values.iter().enumerate().map(figure).map(|scale| OfRun { scale, held: Vec::new() }).collect()
     }
 
     #[test]
     fn a_change_from_one_run_on_is_found_and_a_single_other_run_is_none() {
-        let turned = figures(&[vec![1.0; 7], vec![0.99; 5]].concat());
+        let turned = runs(&[vec![1.0; 7], vec![0.99; 5]].concat());
         let found = between(&turned).unwrap();
         assert!(found.from == 7 && (found.ratio().value - 0.99).abs() < 1e-3, "{found:?}");
-        let mut one = figures(&[1.0; 12]);
-        one[10].value = 1.02;
-        assert_eq!((between(&figures(&[1.0; 12])), between(&one)), (None, None));
+        let mut one = runs(&[1.0; 12]);
+        one[10].scale.value = 1.02;
+        assert_eq!((between(&runs(&[1.0; 12])), between(&one)), (None, None));
+    }
+
+    /// 80.4 km/h read 80 in the runs before, and 79.6 after.
+    #[test]
+    fn what_the_rounding_of_one_held_speed_makes_of_all_runs_is_no_change() {
+        let mut held = runs(&[vec![0.996; 12], vec![1.004; 12]].concat());
+        assert!(between(&held).is_some());
+        for run in &mut held {
+            (run.scale.sd, run.held) = (3.6e-3, vec![(80, 3.6e-3)]);
+        }
+        assert_eq!(between(&held), None);
     }
 }

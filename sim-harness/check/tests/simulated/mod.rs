@@ -37,6 +37,39 @@ impl Trace {
         trace
     }
 
+    /// A train that holds each of its speeds exactly, for tens of km.
+    fn hold(random: &mut ChaCha8Rng, held_kmh: &[f64]) -> Self {
+        let mut trace = Self { location_m: vec![0.0], speed_mps: vec![0.0] };
+        let wait_s = random.random_range(15.0..35.0);
+        trace.until(|_, s| s >= wait_s, |_, _| 0.0);
+        for kmh in held_kmh {
+            let held_mps = kmh / 3.6;
+            let hold_s = random.random_range(400.0..1200.0);
+            let rises = trace.speed() < held_mps;
+            let acceleration = if rises { 0.15 } else { -0.2 };
+            trace.until(|v, _| (v < held_mps) != rises, |_, _| acceleration);
+            trace.until(|_, s| s >= hold_s, |v, _| (held_mps - v).clamp(-0.2, 0.2));
+        }
+        trace.until(|v, _| v <= 0.0, |_, _| -0.3);
+        trace
+    }
+
+    /// Stops every few km: starts at full power, a held speed, a short coast, a brake.
+    fn hop(random: &mut ChaCha8Rng, hops: usize) -> Self {
+        let mut trace = Self { location_m: vec![0.0], speed_mps: vec![0.0] };
+        for _ in 0..hops {
+            let top_mps = random.random_range(31.0..34.0);
+            let (hold_s, coast_s) = (random.random_range(60.0..150.0), random.random_range(20.0..60.0));
+            let brake = random.random_range(0.5..0.8);
+            trace.until(|v, _| v >= top_mps, |v, _| 0.8_f64.min(12.0 / v.max(1.0)) - 0.01);
+            trace.until(|_, s| s >= hold_s, |v, _| (top_mps - v).clamp(-0.2, 0.2));
+            trace.until(|_, s| s >= coast_s, |v, _| -0.01 - 4e-5 * v * v);
+            trace.until(|v, _| v <= 0.0, |_, _| -brake);
+            trace.until(|_, s| s >= 40.0, |_, _| 0.0);
+        }
+        trace
+    }
+
     fn until(&mut self, over: impl Fn(f64, f64) -> bool, acceleration: impl Fn(f64, f64) -> f64) {
         let mut s = 0.0;
         while !over(self.speed(), s) && s < 3000.0 {
@@ -144,13 +177,26 @@ impl Recorder {
     }
 
     pub fn runs(&self, seed: u64, runs: usize, stops: usize) -> Vec<Recording> {
+        self.of(seed, runs, |random| Trace::drive(random, stops))
+    }
+
+    /// Runs that hold speeds exactly, tens of km each. `held_kmh`: those of a run.
+    pub fn holding(&self, seed: u64, runs: usize, held_kmh: impl Fn(&mut ChaCha8Rng) -> Vec<f64>) -> Vec<Recording> {
+        self.of(seed, runs, |random| {
+            let held_kmh = held_kmh(random);
+            Trace::hold(random, &held_kmh)
+        })
+    }
+
+    /// Runs of short hops.
+    pub fn hopping(&self, seed: u64, runs: usize, hops: usize) -> Vec<Recording> {
+        self.of(seed, runs, |random| Trace::hop(random, hops))
+    }
+
+    fn of(&self, seed: u64, runs: usize, drive: impl Fn(&mut ChaCha8Rng) -> Trace) -> Vec<Recording> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        (0..runs)
-            .map(|i| {
-                let trace = Trace::drive(&mut random, stops);
-                recording(&format!("run{i:02}"), self.rows(&trace, &mut random))
-            })
-            .collect()
+        let one = |i| recording(&format!("run{i:02}"), self.rows(&drive(&mut random), &mut random));
+        (0..runs).map(one).collect()
     }
 
     pub fn check(&self, seed: u64, runs: usize, stops: usize) -> (Check, Vec<Recording>) {
