@@ -131,7 +131,7 @@ settings! {
         most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.
         sure: f64 = 3.0, /// What is so many of its own standard deviations off is reported. Judgement.
         least_gain: f64 = 0.01, /// A gain nearer to 1 is not reported: a sensor is off by about so much. Judgement.
-        least_delay_s: f64 = 0.7, /// A shorter delay stays a column of the fit, s. Judgement.
+        least_delay_s: f64 = 0.7, /// A shorter delay is put right and not told, s. Judgement: what a mean over a second before is late by.
         least_offset_m: f64 = 10.0, /// A smaller offset is left as it is, m. Judgement: receivers.
         gain_sd: f64 = 0.002, /// Standard deviation of a gain at least: efforts between two readings, as a share. Judgement.
         delay_step_s: f64 = 0.5, /// Delays are tried so far apart, and are certain to a half of that, s. Judgement: the time it takes.
