@@ -131,7 +131,7 @@ settings! {
         most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.
         sure: f64 = 3.0, /// What is so many of its own standard deviations off is reported. Judgement.
         least_gain: f64 = 0.01, /// A gain nearer to 1 is not reported: a sensor is off by about so much. Judgement.
-        least_delay_s: f64 = 0.7, /// A shorter delay stays a column of the fit, s. Judgement.
+        least_delay_s: f64 = 0.7, /// A shorter delay is put right and not told, s. Judgement: what a mean over a second before is late by.
         least_offset_m: f64 = 10.0, /// A smaller offset is left as it is, m. Judgement: receivers.
         gain_sd: f64 = 0.002, /// Standard deviation of a gain at least: efforts between two readings, as a share. Judgement.
         delay_step_s: f64 = 0.5, /// Delays are tried so far apart, and are certain to a half of that, s. Judgement: the time it takes.
@@ -317,6 +317,9 @@ settings! {
         left_share: f64 = 0.5, /// A section of which less is left is none. Judgement.
         before_m: f64 = 50.0, /// The readings that exceed a limit show where it begins: just before, m. Judgement.
         beyond_m: f64 = 500.0, /// Or as far on as a train goes between two readings, m. Derived: 10 s at 180 km/h.
+        own_decisions: f64 = 5.0, /// What the demands of all runs weigh beside those of one, in decisions of its driver. Judgement.
+        moves_at_first: f64 = 0.1, /// Probability that the handle is moved from one interval to the next, to begin with. Judgement.
+        beside_kmh: f64 = 3.0, /// So near to the speed below which adhesion is less an interval may be partly above, km/h. Derived: 10 s at 0.08 m/s².
         slippery_gain: f64 = 0.5, /// Gain of log-likelihood below which a run says nothing of bad days. Judgement.
         least_factor_sd: f64 = 0.005, /// Standard deviation of a factor of adhesion, at least. Judgement: half of what the sensor differs by.
         low_kmh: f64 = 75.0, /// What may as well act above this speed is no matter of starting, km/h. Judgement.

@@ -1,6 +1,7 @@
 //! Wheels that slip at low speed on some days.
 
-use crate::candidates::kit::*;
+use crate::candidates::{POSITION, kit::*};
+use crate::named::beside;
 
 pub struct This;
 
@@ -23,9 +24,15 @@ impl Candidate for This {
     fn limit(&self, found: &FoundLimit, naming: &Naming<'_>) -> Option<(Named, Odds)> {
         let certainty = &naming.context.config.certainty;
         let mut named = found.named(found.effect.clone(), certainty);
-        let beside = certainty.below_kmh;
-        named.intervals.extend(found.below_kmh.map(|(low, high)| ("below_kmh", low - beside, high + beside)));
+        let around_kmh = certainty.below_kmh;
+        named.intervals.extend(found.below_kmh.map(|(low, high)| ("below_kmh", low - around_kmh, high + around_kmh)));
         named.runs = found.runs.iter().map(|i| naming.runs[*i].clone()).collect();
+        // A share that drivers like anyway may be theirs here, too.
+        if found.demanded > (-certainty.near).exp() {
+            named.or_else("drivers who start with a part of it", found.demanded, POSITION);
+        } else {
+            named.confidence = beside(named.confidence, found.demanded);
+        }
         Some((named, Vec::new()))
     }
 

@@ -105,6 +105,8 @@ const OTHER_DIRECTION: &str = "runs in the other direction";
 const OTHER_SPEED: &str = "runs at another speed";
 /// What shows the effort.
 pub const EFFORT: &str = "an effort column";
+/// What tells capability from habit.
+pub const POSITION: &str = "the position of the controller";
 
 /// What would separate two effects that the data at hand do not. Never what the data have already.
 pub fn separates(a: EffectKind, b: EffectKind, have: Have) -> &'static str {

@@ -1,9 +1,6 @@
 //! Less effort and power everywhere.
 
-use crate::candidates::kit::*;
-
-/// What tells capability from habit.
-const POSITION: &str = "the position of the controller";
+use crate::candidates::{POSITION, kit::*};
 
 pub struct This;
 
@@ -64,6 +61,7 @@ mod tests {
                 value: 490.0,
                 edges_m: None,
                 below_kmh: None,
+                demanded: 0.0,
             };
             This.limit(&found, &naming).unwrap().0
         })

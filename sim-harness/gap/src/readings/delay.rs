@@ -23,17 +23,24 @@ use rundown_files::sample::Sample;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Delay {
     pub reading: EffortReading,
-    /// Age of the effort at its time stamp, s; put right in the runs if it [matters](Self::matters).
+    /// Age of the effort at its time stamp, s; put right in the runs if it is more than chance, told if it [matters](Self::matters).
     pub delay_s: Option<Figure>,
     /// Gain of log-likelihood over none.
     pub gain: f64,
 }
 
 impl Delay {
-    /// It is beyond doubt, and more than a column of the fit takes up.
+    /// It is beyond doubt, and large enough to be told.
     pub fn matters(&self, config: &NuisanceConfig, enough: f64) -> Option<Figure> {
         let sure = |delay: &Figure| delay.value.abs() > config.least_delay_s && delay.away_from(0.0) > config.sure;
         self.delay_s.filter(|delay| sure(delay) && self.gain > enough)
+    }
+
+    /// How much later efforts are to be read, s, if that is more than chance. Half a second that no one need be told is 0.02 N/kg where the power limits a train that
+    /// gains speed: a mean over the second before is that old.
+    pub fn put_right_s(&self, enough: f64) -> Option<f64> {
+        let late_s = self.delay_s.map(|delay| delay.value);
+        late_s.filter(|late_s| *late_s != 0.0 && self.gain > enough)
     }
 }
 

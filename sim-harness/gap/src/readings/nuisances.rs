@@ -55,9 +55,8 @@ pub fn righted(context: &Context<'_>, runs: &[Run]) -> (Vec<Run>, Readings) {
     }
     let in_time = |with_brakes: bool| {
         let effort = delay(context, runs, with_brakes);
-        let late_s = effort.matters(&config.nuisance, config.search.enough).map(|delay| delay.value);
         let moved = |late_s: f64| delay::put_right(context, runs, effort.reading, late_s);
-        (late_s.map_or_else(|| runs.to_vec(), moved), effort)
+        (effort.put_right_s(config.search.enough).map_or_else(|| runs.to_vec(), moved), effort)
     };
     let (mut runs, mut effort) = in_time(true);
     let brakes = brakes(context, &runs, effort.reading);
@@ -175,5 +174,73 @@ impl Nuisance {
             (_, true) => "; put right, and no effect of the train.",
             _ => "; put right.",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::data::runs::Recorded;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+    use rundown::model::direction::Direction;
+    use rundown_files::sample::Sample;
+
+    const STEPS: usize = 10;
+
+    /// Runs that start with all of the power, coast and brake by turns, read every second; the effort column is the mean since the reading before.
+    fn runs(context: &Context<'_>) -> Vec<Run> {
+        let line = context.believed.line(Direction::Up);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let one = |index: usize| {
+            let (mut speed_mps, mut location_m, mut until, mut powers) = (3.0_f64, 2_000.0, 0, false);
+            let (mut samples, mut mean, mut effort) = (Vec::new(), 0.0, 0.0_f64);
+            for second in 0..900_u32 {
+                if second >= until {
+                    (until, powers) = (second + rng.random_range(25..70), !powers);
+                }
+                let mut noise = |sd: f64| -> f64 { sd * rng.sample::<f64, _>(StandardNormal) };
+                samples.push(Sample {
+                    time_s: f64::from(second),
+                    location_m: Some(location_m),
+                    speed_mps: Some((36.0 * speed_mps + noise(2.0)).round() / 36.0),
+                    effort_n_per_kg: Some(mean + noise(0.004)),
+                    ..Sample::default()
+                });
+                mean = 0.0;
+                for _ in 0..STEPS {
+                    let wanted = match (powers, speed_mps > 8.0) {
+                        (true, _) => line.train.max_effort_n_per_kg(speed_mps),
+                        (false, true) => -0.3,
+                        (false, false) => 0.0,
+                    };
+                    // Handles and brakes take some seconds.
+                    effort = wanted.clamp(effort - 0.02, effort + 0.02);
+                    mean += effort / STEPS as f64;
+                    speed_mps += (effort - line.train.davis().resistance_n_per_kg(speed_mps)) / STEPS as f64;
+                    location_m += speed_mps / STEPS as f64;
+                }
+            }
+            Run { name: index.to_string(), direction: Direction::Up, day: None, samples, recorded: Recorded::default() }
+        };
+        (0..12).map(one).collect()
+    }
+
+    #[test]
+    fn a_mean_since_the_second_before_leaves_no_resistance_where_trains_power() {
+        on_a_level_line(12, |context| {
+            let (righted, readings) = righted(context, &runs(context));
+            assert!(nuisances(&readings, None, context.config).iter().all(|one| !one.told), "{readings:?}");
+            let effort = readings.effort.reading;
+            let cut = cut::all(context, &righted, effort);
+            let looked = Looked { context, runs: &righted, cut: &cut, effort, measured: true, model: (&[], &[]) };
+            let rows = looked.rows(None, 0.0);
+            let powering = rows.iter().filter(|row| row.effort_n_per_kg > 0.2);
+            let left: Vec<f64> = powering.map(|row| row.residual_n_per_kg).collect();
+            let mean = left.iter().sum::<f64>() / left.len() as f64;
+            assert!(left.len() > 100 && mean.abs() < 5e-4, "{mean}, {}: {readings:?}", left.len());
+        });
     }
 }

@@ -143,6 +143,7 @@ mod tests {
             factor_sd: 0.01,
             edges_m: None,
             below_kmh: None,
+            demanded: 0.0,
         };
         allowed(found, traction, &TractionConfig::default())?.effect.section_m()
     }

@@ -117,6 +117,7 @@ mod tests {
             value: 40.0,
             edges_m: None,
             below_kmh: None,
+            demanded: 0.0,
         };
         halves(&limit, &powering, &runs, &TractionConfig::default())
     }

@@ -16,13 +16,13 @@ pub fn limits(
     config: &TractionConfig,
     penalty: &PenaltyConfig,
 ) -> Vec<FoundLimit> {
-    let runs: Vec<Shares<'_>> =
-        powering.iter().filter(|powering| powering.len() >= 2).map(|powering| Shares::new(powering, config)).collect();
+    let powering: Vec<&Vec<SteadyPower>> = powering.iter().filter(|powering| powering.len() >= 2).collect();
+    let runs: Vec<Shares<'_>> = powering.iter().map(|powering| Shares::new(powering, config)).collect();
     if runs.len() < config.least_runs {
         return Vec::new();
     }
     let section = section(&runs, config, penalty).and_then(|found| allowed(found, traction, config));
-    let found = [scale(&runs, config, penalty), section, adhesion(&runs, config, penalty)];
+    let found = [scale(&runs, config, penalty), section, adhesion(&powering, config, penalty)];
     let mut found: Vec<FoundLimit> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| b.value.total_cmp(&a.value));
     found

@@ -20,6 +20,8 @@ pub struct FoundLimit {
     pub edges_m: Option<[(f64, f64); 2]>,
     /// 95 % limits of the speed below which it acts, km/h.
     pub below_kmh: Option<(f64, f64)>,
+    /// How often drivers demand about as much where it cannot act, as a share of what they demand; 0 where that is not asked.
+    pub demanded: f64,
 }
 
 impl FoundLimit {

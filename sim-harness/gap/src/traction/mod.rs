@@ -14,11 +14,12 @@
 //! | `power_limit_section` | the factor, for power, inside a section |
 //! | `low_adhesion` | the factor times the largest effort below a speed, in some runs |
 //!
-//! Compared by marginal likelihood, the shares integrated out.
+//! Compared by marginal likelihood, the shares integrated out. The rival of `low_adhesion` is a driver who moves the handle within a phase, too ([`habit`]).
 
 pub mod adhesion;
 pub mod edges;
 pub mod exceeded;
+pub mod habit;
 pub mod halves;
 pub mod hypotheses;
 pub mod limit;

@@ -64,7 +64,7 @@ impl SteadyPower {
 }
 
 /// A ratio below this is no powering.
-fn least_ratio(config: &TractionConfig) -> f64 {
+pub fn least_ratio(config: &TractionConfig) -> f64 {
     config.least_share - 0.1
 }
 

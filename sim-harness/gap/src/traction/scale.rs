@@ -59,6 +59,7 @@ pub fn scale(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyConf
             value: gain - penalty,
             edges_m: None,
             below_kmh: None,
+            demanded: 0.0,
         })
     };
     let found = [one(&capped, penalty.coefficient), one(&scaled, penalty.coefficient + penalty.caution)];

@@ -159,6 +159,7 @@ pub fn section(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyCo
         factor_sd: factor_sd(most, |by| gain_of(from, to, factor + by)),
         edges_m: Some(edges.limits_m),
         below_kmh: None,
+        demanded: 0.0,
     })
 }
 

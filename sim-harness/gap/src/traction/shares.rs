@@ -1,6 +1,7 @@
 //! How likely the powering phases of a run are under a limit, whatever shares its driver demanded.
 
 use crate::config::TractionConfig;
+use crate::traction::habit::Habit;
 use crate::traction::powering::{SteadyPower, by_number};
 
 /// Shares that drivers demand: finer than what is known of a share.
@@ -45,11 +46,23 @@ impl Demand {
     }
 }
 
+/// What a part is given under a limit.
+#[derive(Clone, Copy, Debug)]
+pub struct Given {
+    /// Shares up to this are given as they are demanded.
+    pub unlimited: f64,
+    /// Log density of the ratio at the limit.
+    pub log_density: f64,
+}
+
 /// The powering phases of a run with their log densities at all shares: a limit changes those above it only.
 #[derive(Clone, Debug)]
 pub struct Shares<'a> {
     pub powering: &'a [SteadyPower],
+    /// Log density of each ratio at each share.
     tables: Vec<[f64; SHARES]>,
+    /// The same as densities.
+    pub densities: Vec<[f64; SHARES]>,
     config: &'a TractionConfig,
     of_run: [Demand; 2],
     of_phases: Vec<Demand>,
@@ -69,15 +82,21 @@ impl<'a> Shares<'a> {
             .flat_map(|number| [false, true].map(|power| demand(Some(number), power)))
             .filter(|demand| !demand.parts.is_empty())
             .collect();
-        let mut all = Self { powering, of_run, of_phases, unlimited: 0.0, tables, config };
+        let densities = tables.iter().map(|table| table.map(f64::exp)).collect();
+        let mut all = Self { powering, of_run, of_phases, unlimited: 0.0, tables, densities, config };
         all.unlimited = all.mean(&|demand: &Demand| demand.unlimited);
         all
     }
 
-    /// The same share all through a run, or another in each powering phase: both are as likely.
-    fn mean(&self, of: &dyn Fn(&Demand) -> f64) -> f64 {
+    /// The same share all through a run, or another in each powering phase.
+    fn either(&self, of: &dyn Fn(&Demand) -> f64) -> [f64; 2] {
         let sum = |demand: &[Demand]| demand.iter().map(of).sum::<f64>();
-        over_shares(&[sum(&self.of_run), sum(&self.of_phases)])
+        [sum(&self.of_run), sum(&self.of_phases)]
+    }
+
+    /// Both are as likely.
+    fn mean(&self, of: &dyn Fn(&Demand) -> f64) -> f64 {
+        over_shares(&self.either(of))
     }
 
     /// The parts of each powering phase in which the power limits.
@@ -88,33 +107,48 @@ impl<'a> Shares<'a> {
 
     /// What a limit adds to the log-likelihood.
     pub fn gain(&self, limit: impl Fn(&SteadyPower) -> f64) -> f64 {
-        let given: Vec<Option<(f64, f64)>> = self
-            .powering
-            .iter()
-            .map(|power| {
-                let limit = limit(power);
-                (limit < 1.0).then(|| (limit, density(power, limit, self.config.stray)))
-            })
-            .collect();
-        if given.iter().all(Option::is_none) {
-            return 0.0;
-        }
+        self.given(limit).map_or(0.0, |given| over_shares(&self.limited(&given)) - self.unlimited)
+    }
+
+    /// The same where the driver may as well move the handle within a phase, as is the habit. A share that is hardly above the limit is not known to be limited: the
+    /// sensor, or the shares of effort and power of one place of the handle, differ by as much.
+    pub fn gain_beside(&self, habit: &Habit, limit: impl Fn(&SteadyPower) -> f64) -> f64 {
+        let Some(mut given) = self.given(limit) else { return 0.0 };
+        given.iter_mut().flatten().for_each(|given| given.unlimited += self.config.least_scale);
+        let with = |[run, phases]: [f64; 2], given: &[Option<Given>]| {
+            over_shares(&[run, phases, habit.likelihood(self, given)])
+        };
+        let unlimited = self.either(&|demand: &Demand| demand.unlimited);
+        with(self.limited(&given), &given) - with(unlimited, &vec![None; given.len()])
+    }
+
+    /// What each part is given under a limit; `None` where it limits nothing.
+    fn given(&self, limit: impl Fn(&SteadyPower) -> f64) -> Option<Vec<Option<Given>>> {
+        let of = |power: &SteadyPower| {
+            let limit = limit(power);
+            (limit < 1.0).then(|| Given { unlimited: limit, log_density: density(power, limit, self.config.stray) })
+        };
+        let given: Vec<Option<Given>> = self.powering.iter().map(of).collect();
+        given.iter().any(Option::is_some).then_some(given)
+    }
+
+    /// Log-likelihood under a limit.
+    fn limited(&self, given: &[Option<Given>]) -> [f64; 2] {
         let at = shares(self.config.least_share, 1.0);
-        let limited = |demand: &Demand| {
+        self.either(&|demand: &Demand| {
             let acting = || demand.parts.iter().filter_map(|i| Some((*i, given[*i]?)));
             if acting().next().is_none() {
                 return demand.unlimited;
             }
             let mut at_share = demand.at_share;
-            for (i, (limit, density)) in acting() {
-                let above = at.partition_point(|share| *share <= limit);
+            for (i, Given { unlimited, log_density }) in acting() {
+                let above = at.partition_point(|share| *share <= unlimited);
                 for (sum, without) in at_share[above..].iter_mut().zip(&self.tables[i][above..]) {
-                    *sum += density - without;
+                    *sum += log_density - without;
                 }
             }
             over_shares(&at_share)
-        };
-        self.mean(&limited) - self.unlimited
+        })
     }
 
     /// The same if drivers demand another largest share, and the train gives it.

@@ -1,0 +1,104 @@
+//! How drivers move the handle: the rival of a limit at low speed.
+//!
+//! A driver leaves the handle where it is, or moves it to a level that this driver, or others of the set, like. How often, and to which levels, is read where a limit
+//! at low speed does not act: above that speed, and in the other runs. A level that is common there is no evidence of a limit below.
+//!
+//! ```text
+//! α_k  <-  ((1 - m) α_k + m p_k Σ α) density_i(k)        k: share demanded, p: levels, m: probability that the handle was moved before part i
+//! ```
+//!
+//! (Forward algorithm of a hidden Markov model; Rabiner 1989.)
+
+use crate::config::TractionConfig;
+use crate::traction::powering::SteadyPower;
+use crate::traction::shares::{Given, SHARES, Shares, shares};
+
+/// Another phase, or the power that limits instead of the effort: the same share or another, as likely.
+const ANEW: f64 = 0.5;
+
+/// How often a driver moves the handle from one part of a phase to the next, and to which shares.
+#[derive(Clone, Debug)]
+pub struct Habit {
+    moves: f64,
+    levels: [f64; SHARES],
+    at: [f64; SHARES],
+}
+
+/// Demands of a run that are no limit's.
+struct Demanded {
+    decisions: f64,
+    levels: [f64; SHARES],
+    /// Neighbours in a phase, and how many of them are of different levels.
+    pairs: f64,
+    moved: f64,
+}
+
+impl Demanded {
+    fn of(run: &Shares<'_>, free: impl Fn(&SteadyPower) -> f64, config: &TractionConfig) -> Self {
+        let mut all = Self { decisions: 0.0, levels: [0.0; SHARES], pairs: 0.0, moved: 0.0 };
+        for (power, densities) in run.powering.iter().zip(&run.densities) {
+            let weight = free(power) * power.weight;
+            if weight > 0.0 {
+                all.decisions += weight;
+                let sum: f64 = densities.iter().sum();
+                all.levels.iter_mut().zip(densities).for_each(|(level, d)| *level += weight * d / sum);
+            }
+        }
+        for pair in run.powering.windows(2).filter(|pair| follows(&pair[0], &pair[1])) {
+            let weight = free(&pair[0]).min(free(&pair[1]));
+            let known = config.near + config.near_sd * pair[0].sd.hypot(pair[1].sd);
+            all.pairs += weight;
+            all.moved += if (pair[0].ratio - pair[1].ratio).abs() > known { weight } else { 0.0 };
+        }
+        all
+    }
+}
+
+/// In one phase, under one share.
+fn follows(before: &SteadyPower, after: &SteadyPower) -> bool {
+    before.number == after.number && before.by_power == after.by_power
+}
+
+/// The habit of each run, from its parts and those of all runs that are free of a limit: `free` says of a part how surely it is, 0 to 1.
+pub fn habits(runs: &[Shares<'_>], free: impl Fn(usize, &SteadyPower) -> f64, config: &TractionConfig) -> Vec<Habit> {
+    let each: Vec<Demanded> =
+        runs.iter().enumerate().map(|(i, run)| Demanded::of(run, |power| free(i, power), config)).collect();
+    let [pairs, moved] = each.iter().fold([0.0; 2], |[pairs, moved], run| [pairs + run.pairs, moved + run.moved]);
+    let own = config.own_decisions;
+    let moves = (moved + own * config.moves_at_first) / (pairs + own);
+    // Each run counts once, and one that may be at any level.
+    let mut levels = [1.0 / SHARES as f64; SHARES];
+    let telling: Vec<&Demanded> = each.iter().filter(|run| run.decisions > 0.0).collect();
+    for run in &telling {
+        levels.iter_mut().zip(&run.levels).for_each(|(sum, level)| *sum += level / run.decisions);
+    }
+    levels.iter_mut().for_each(|level| *level /= telling.len() as f64 + 1.0);
+    let of_run = |run: &Demanded| Habit {
+        moves: (run.moved + own * moves) / (run.pairs + own),
+        levels: core::array::from_fn(|k| (run.levels[k] + own * levels[k]) / (run.decisions + own)),
+        at: shares(config.least_share, 1.0),
+    };
+    each.iter().map(of_run).collect()
+}
+
+impl Habit {
+    /// Log-likelihood of the powering of a run with what a limit gives its parts.
+    pub fn likelihood(&self, run: &Shares<'_>, given: &[Option<Given>]) -> f64 {
+        let mut chance = self.levels;
+        let mut total = 0.0;
+        for (i, densities) in run.densities.iter().enumerate() {
+            if let Some(before) = i.checked_sub(1) {
+                let moves = if follows(&run.powering[before], &run.powering[i]) { self.moves } else { ANEW };
+                chance.iter_mut().zip(&self.levels).for_each(|(c, level)| *c = (1.0 - moves) * *c + moves * level);
+            }
+            let above = given[i].map_or(SHARES, |given| self.at.partition_point(|share| *share <= given.unlimited));
+            let limited = given[i].map_or(0.0, |given| given.log_density.exp());
+            chance[..above].iter_mut().zip(densities).for_each(|(c, density)| *c *= density);
+            chance[above..].iter_mut().for_each(|c| *c *= limited);
+            let sum: f64 = chance.iter().sum();
+            chance.iter_mut().for_each(|c| *c /= sum);
+            total += sum.ln();
+        }
+        total
+    }
+}
