@@ -134,6 +134,18 @@ impl Equations {
         self.score = &self.score * ratio + self.matrix.column(0) * (ratio - 1.0);
     }
 
+    /// What is left of them when errors of the held speeds that are of this run alone are eliminated. None: there is nothing to solve.
+    fn without_own(&self) -> Option<Self> {
+        let levels = self.speeds.len();
+        let held = self.matrix.columns(3, levels);
+        let mut own = self.matrix.view((3, 3), (levels, levels)).into_owned();
+        (0..levels).for_each(|i| own[(i, i)] += self.rounding_mps.powi(-2));
+        let root = own.cholesky()?;
+        let matrix = &self.matrix - held * root.solve(&held.transpose());
+        let score = &self.score - held * root.solve(&self.score.rows(3, levels));
+        Some(Self { matrix, score, ..self.clone() })
+    }
+
     /// What is left of them when the skew, which is another one in each run, is eliminated.
     fn without_skew(&self) -> (DMatrix<f64>, DVector<f64>) {
         let skew = self.matrix.column(2).into_owned();
@@ -143,7 +155,8 @@ impl Equations {
     }
 }
 
-/// 1/s - 1 and o/s of all runs and their covariance, with one error of each held speed: a driver or a cruise control holds it in all of them.
+/// 1/s - 1 and o/s of all runs and their covariance. Each held speed has one error in all of them, for a cruise control holds the same in each, and one of its own in
+/// each, for a driver does not: either may be as large as the rounding.
 pub(crate) fn joint(runs: &[&Equations]) -> Option<(Vector2<f64>, nalgebra::Matrix2<f64>)> {
     let speeds = runs.iter().flat_map(|run| &run.speeds).map(|speed| speed.to_bits());
     let mut places: BTreeMap<u64, usize> = speeds.map(|speed| (speed, 0)).collect();
@@ -151,7 +164,8 @@ pub(crate) fn joint(runs: &[&Equations]) -> Option<(Vector2<f64>, nalgebra::Matr
     let size = 2 + places.len();
     let (mut matrix, mut score) = (DMatrix::zeros(size, size), DVector::zeros(size));
     for run in runs {
-        let (own, own_score) = run.without_skew();
+        let alone = if runs.len() > 1 { run.without_own() } else { None };
+        let (own, own_score) = alone.as_ref().unwrap_or(run).without_skew();
         let place =
             |i: usize| if i < 2 { Some(i) } else { places.get(&run.speeds.get(i.wrapping_sub(3))?.to_bits()).copied() };
         let at: Vec<(usize, usize)> = (0..own_score.len()).filter_map(|i| Some((i, place(i)?))).collect();
