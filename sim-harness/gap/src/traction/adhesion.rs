@@ -56,7 +56,7 @@ impl Adhesion<'_> {
             let gain = run.gain_beside(habit, limit);
             if gain > 0.0 && run.powering.iter().any(exceeds) { 0.0 } else { gain }
         };
-        self.runs.iter().zip(&habits(self.runs, free, config)).map(gain).collect()
+        self.runs.iter().zip(&habits(self.runs, below_kmh, free, config)).map(gain).collect()
     }
 
     /// Log-likelihood of all runs.
@@ -171,7 +171,7 @@ mod tests {
         Still(f64),
         /// Every 10 to 50 s at another of these shares.
         Moved(&'static [f64]),
-        /// In half of the starts at 30 to 45 % up to 8 to 20 km/h, then at one share.
+        /// In half of the starts at 30 to 45 % up to 14 km/h, then at one share.
         Hesitant(f64),
     }
 
@@ -182,7 +182,7 @@ mod tests {
         for _ in 0..4 {
             let (mut speed_mps, mut effort, mut share, mut moved_s) = (0.0_f64, 0.0_f64, 0.0, time_s);
             let slope = rng.random_range(0.0..0.03);
-            let hesitates = rng.random_bool(0.5).then(|| (rng.random_range(0.3..0.45), rng.random_range(8.0..20.0)));
+            let hesitates = rng.random_bool(0.5).then(|| (rng.random_range(0.3..0.45), 14.0));
             while speed_mps < 25.0 {
                 if time_s >= moved_s {
                     moved_s = time_s + rng.random_range(10.0..50.0);
