@@ -234,7 +234,7 @@ mod tests {
 
     /// A quarter of the drivers holds the handle at 70 % every now and then, also while starting.
     fn restless(run: usize) -> Handle {
-        if run % 4 == 0 { Handle::Moved(&[0.98, 0.7]) } else { Handle::Still(0.98) }
+        if run.is_multiple_of(4) { Handle::Moved(&[0.98, 0.7]) } else { Handle::Still(0.98) }
     }
 
     #[test]
@@ -260,7 +260,7 @@ mod tests {
         let (mut rng, train) = (ChaCha8Rng::seed_from_u64(1), Train::try_new(TrainDescription::CASE_STUDY).unwrap());
         let powering = |index: usize| -> Vec<SteadyPower> {
             let still = 0.93 + 0.005 * (7 * index % 11) as f64;
-            let handle = if index % 4 == 0 { Handle::Moved(&[0.98, 0.98, 0.7]) } else { Handle::Still(still) };
+            let handle = if index.is_multiple_of(4) { Handle::Moved(&[0.98, 0.98, 0.7]) } else { Handle::Still(still) };
             let run = run(&mut rng, &train, handle, None);
             let read = sampled_powering(&train, index, &run, &config).into_iter();
             read.map(|p| if p.by_power { SteadyPower { ratio: 1.015 * p.ratio, ..p } } else { p }).collect()
