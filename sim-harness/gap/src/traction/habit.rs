@@ -19,7 +19,9 @@ const ANEW: f64 = 0.5;
 /// How often a driver moves the handle from one part of a phase to the next, and to which shares.
 #[derive(Clone, Debug)]
 pub struct Habit {
-    moves: f64,
+    /// While starting, below this speed, and above it: who starts gently always moves it.
+    moves: [f64; 2],
+    below_kmh: f64,
     levels: [f64; SHARES],
     at: [f64; SHARES],
 }
@@ -28,14 +30,14 @@ pub struct Habit {
 struct Demanded {
     decisions: f64,
     levels: [f64; SHARES],
-    /// Neighbours in a phase, and how many of them are of different levels.
-    pairs: f64,
-    moved: f64,
+    /// Neighbours in a phase, below the speed and above it, and how many of them are of different levels.
+    pairs: [f64; 2],
+    moved: [f64; 2],
 }
 
 impl Demanded {
-    fn of(run: &Shares<'_>, free: impl Fn(&SteadyPower) -> f64, config: &TractionConfig) -> Self {
-        let mut all = Self { decisions: 0.0, levels: [0.0; SHARES], pairs: 0.0, moved: 0.0 };
+    fn of(run: &Shares<'_>, below_kmh: f64, free: impl Fn(&SteadyPower) -> f64, config: &TractionConfig) -> Self {
+        let mut all = Self { decisions: 0.0, levels: [0.0; SHARES], pairs: [0.0; 2], moved: [0.0; 2] };
         for (power, densities) in run.powering.iter().zip(&run.densities) {
             let weight = free(power) * power.weight;
             if weight > 0.0 {
@@ -47,11 +49,17 @@ impl Demanded {
         for pair in run.powering.windows(2).filter(|pair| follows(&pair[0], &pair[1])) {
             let weight = free(&pair[0]).min(free(&pair[1]));
             let known = config.near + config.near_sd * pair[0].sd.hypot(pair[1].sd);
-            all.pairs += weight;
-            all.moved += if (pair[0].ratio - pair[1].ratio).abs() > known { weight } else { 0.0 };
+            let which = which(&pair[0], below_kmh);
+            all.pairs[which] += weight;
+            all.moved[which] += if (pair[0].ratio - pair[1].ratio).abs() > known { weight } else { 0.0 };
         }
         all
     }
+}
+
+/// 0 below a speed, 1 above it.
+fn which(power: &SteadyPower, below_kmh: f64) -> usize {
+    usize::from(3.6 * power.speed_mps >= below_kmh)
 }
 
 /// In one phase, under one share.
@@ -60,12 +68,21 @@ fn follows(before: &SteadyPower, after: &SteadyPower) -> bool {
 }
 
 /// The habit of each run, from its parts and those of all runs that are free of a limit: `free` says of a part how surely it is, 0 to 1.
-pub fn habits(runs: &[Shares<'_>], free: impl Fn(usize, &SteadyPower) -> f64, config: &TractionConfig) -> Vec<Habit> {
-    let each: Vec<Demanded> =
-        runs.iter().enumerate().map(|(i, run)| Demanded::of(run, |power| free(i, power), config)).collect();
-    let [pairs, moved] = each.iter().fold([0.0; 2], |[pairs, moved], run| [pairs + run.pairs, moved + run.moved]);
+pub fn habits(
+    runs: &[Shares<'_>],
+    below_kmh: f64,
+    free: impl Fn(usize, &SteadyPower) -> f64,
+    config: &TractionConfig,
+) -> Vec<Habit> {
+    let of = |(i, run)| Demanded::of(run, below_kmh, |power| free(i, power), config);
+    let each: Vec<Demanded> = runs.iter().enumerate().map(of).collect();
     let own = config.own_decisions;
-    let moves = (moved + own * config.moves_at_first) / (pairs + own);
+    let rate = |runs: &[Demanded], which: usize, before: f64| {
+        let sum = |of: &dyn Fn(&Demanded) -> f64| runs.iter().map(of).sum::<f64>();
+        (sum(&|run| run.moved[which]) + own * before) / (sum(&|run| run.pairs[which]) + own)
+    };
+    let above = rate(&each, 1, config.moves_at_first);
+    let moves = [rate(&each, 0, above), above];
     // Each run counts once, and one that may be at any level.
     let mut levels = [1.0 / SHARES as f64; SHARES];
     let telling: Vec<&Demanded> = each.iter().filter(|run| run.decisions > 0.0).collect();
@@ -74,7 +91,8 @@ pub fn habits(runs: &[Shares<'_>], free: impl Fn(usize, &SteadyPower) -> f64, co
     }
     levels.iter_mut().for_each(|level| *level /= telling.len() as f64 + 1.0);
     let of_run = |run: &Demanded| Habit {
-        moves: (run.moved + own * moves) / (run.pairs + own),
+        moves: [0, 1].map(|which| rate(core::slice::from_ref(run), which, moves[which])),
+        below_kmh,
         levels: core::array::from_fn(|k| (run.levels[k] + own * levels[k]) / (run.decisions + own)),
         at: shares(config.least_share, 1.0),
     };
@@ -88,7 +106,11 @@ impl Habit {
         let mut total = 0.0;
         for (i, densities) in run.densities.iter().enumerate() {
             if let Some(before) = i.checked_sub(1) {
-                let moves = if follows(&run.powering[before], &run.powering[i]) { self.moves } else { ANEW };
+                let before = &run.powering[before];
+                let moves = match follows(before, &run.powering[i]) {
+                    true => self.moves[which(before, self.below_kmh)],
+                    false => ANEW,
+                };
                 chance.iter_mut().zip(&self.levels).for_each(|(c, level)| *c = (1.0 - moves) * *c + moves * level);
             }
             let above = given[i].map_or(SHARES, |given| self.at.partition_point(|share| *share <= given.unlimited));
