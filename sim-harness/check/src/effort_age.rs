@@ -11,7 +11,8 @@
 //! Gain and resistance are fitted for each age; the one with the least squares is the age of the run. A row may hold the mean since the row before or the effort at the
 //! moment: both readings are tried, and what they do not decide is doubt. Gradients are noise here: they change slowly beside an effort.
 
-use crate::agreement::{Figure, spread};
+use crate::agreement::Figure;
+use crate::compared::spread;
 use nalgebra::{Matrix4, Vector4};
 use rundown_files::sample::Sample;
 use rundown_files::units::median;

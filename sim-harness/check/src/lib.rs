@@ -54,6 +54,7 @@
 pub mod agreement;
 pub mod chainage;
 pub mod clock;
+pub mod compared;
 pub mod dead_zone;
 pub mod effort;
 mod effort_age;
@@ -74,7 +75,8 @@ pub mod same;
 pub mod steps;
 mod wheel_change;
 
-use agreement::{Agreement, Compared, Differences, Figure, Row};
+use agreement::{Agreement, Figure};
+use compared::{Compared, Differences, Row};
 use finding::{Done, Finding, Kind};
 use perturbed::Perturbation;
 use rundown_files::recording::Recording;

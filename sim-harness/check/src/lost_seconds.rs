@@ -7,7 +7,8 @@
 //! A wheel, truncation and an old speed are in the model beside it, so that a ramp is no staircase. The steps lie at `phase + k period` of the recorder's clock: the
 //! period is one of the recorder, the phase one of each run. Single steps may drown in the noise of the location; some dozens at even intervals do not.
 
-use crate::agreement::{Compared, Differences, Figure, PAIR_S, spread};
+use crate::agreement::Figure;
+use crate::compared::{Compared, Differences, PAIR_S, spread};
 use crate::finding::{Done, Finding, Kind};
 use crate::{RunCheck, differences, places};
 use rundown_files::recording::Recording;

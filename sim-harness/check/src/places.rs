@@ -1,6 +1,7 @@
 //! Locations and speeds that a sensor made wrong: wraps, resets, spikes, sensors that stand still, two directions.
 
-use crate::agreement::{Figure, spread};
+use crate::agreement::Figure;
+use crate::compared::spread;
 use crate::finding::{Done, Finding, Kind};
 use crate::steps;
 use rundown_files::sample::Sample;

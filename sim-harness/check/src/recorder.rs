@@ -1,6 +1,7 @@
 //! What all runs of one recorder say together: how the speed is shown, its scale, its age; what it leaves out and holds; what the runs exceed.
 
-use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
+use crate::agreement::{Agreement, Figure, Pooled, pooled};
+use crate::compared::spread;
 use crate::finding::{Done, Finding, Kind};
 use crate::own::Grown;
 use crate::wheel_change::OfRun;

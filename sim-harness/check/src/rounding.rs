@@ -10,7 +10,7 @@
 //!
 //! Where much of a run is at one speed, scale and offset are left to the rest of it, and to other speeds.
 
-use crate::agreement::{Compared, PAIR_S, Row};
+use crate::compared::{Compared, HeldTime, PAIR_S};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -25,36 +25,6 @@ pub(crate) struct Equations {
     score: DVector<f64>,
     /// Of a reading, standard deviation, m/s; 0 where it is not known.
     rounding_mps: f64,
-}
-
-/// For how long a difference holds a speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct HeldTime {
-    /// Number of the difference.
-    pub(crate) at: usize,
-    /// Reading, m/s.
-    pub(crate) speed_mps: f64,
-    /// Time, s.
-    pub(crate) held_s: f64,
-}
-
-/// Which share of its time each row is one of a held speed: none where the speed passes as fast as it passes one of its neighbours.
-pub(crate) fn held_shares(rows: &[Row]) -> Vec<f64> {
-    let stretches: Vec<&[Row]> = rows.chunk_by(|a, b| a.speed_mps == b.speed_mps).collect();
-    let begin_s = |i: usize| stretches.get(i).map(|stretch| stretch[0].time_s);
-    let lasts_s = |i: usize| begin_s(i + 1).map_or(f64::INFINITY, |next_s| next_s - stretches[i][0].time_s);
-    let mut shares = Vec::with_capacity(rows.len());
-    for (i, stretch) in stretches.iter().enumerate() {
-        let beside = i.checked_sub(1).zip(stretches.get(i + 1));
-        let passing_s = beside.map_or(0.0, |(before, after)| {
-            let steps = [stretches[before], after].map(|other| other[0].speed_mps - stretch[0].speed_mps);
-            let passes = steps[0] * steps[1] < 0.0;
-            if passes { lasts_s(before).min(lasts_s(i + 1)) } else { 0.0 }
-        });
-        let share = if stretch.len() > 1 { (1.0 - passing_s / lasts_s(i)).max(0.0) } else { 0.0 };
-        shares.extend(std::iter::repeat_n(share, stretch.len()));
-    }
-    shares
 }
 
 /// A speed that is held for a shorter time is off by no more than noise, s: its readings are taken to be off independently from difference to difference.
@@ -193,25 +163,4 @@ pub(crate) fn beside(compared: &Compared, metres: &[f64], place: usize) -> f64 {
     let sides = [0..place + 1, place + 1..column.len()];
     let held = sides.into_iter().flat_map(|side| held(compared, side));
     held.map(|(_, seconds)| (dot(&compared.taken_up(&seconds).1) / square).powi(2)).sum::<f64>().sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn shares(kmh: &[f64]) -> Vec<f64> {
-        let row = |(i, kmh): (usize, &f64)| Row { time_s: i as f64, location_m: 0.0, speed_mps: kmh / 3.6 };
-        held_shares(&kmh.iter().enumerate().map(row).collect::<Vec<Row>>())
-    }
-
-    #[test]
-    fn a_speed_that_is_held_counts_and_one_that_passes_does_not() {
-        let rises: Vec<f64> = (0..300).map(|i| f64::from(i / 3 + 1)).collect();
-        assert!(shares(&rises)[3..297].iter().all(|share| *share == 0.0));
-        // Held before it goes on to rise, and before it falls.
-        for after in [91.0, 89.0] {
-            let held = shares(&[vec![88.0, 88.0, 89.0, 89.0], vec![90.0; 100], vec![after; 2], vec![80.0; 2]].concat());
-            assert!(held[4..104].iter().all(|share| *share > 0.97), "{held:?}");
-        }
-    }
 }

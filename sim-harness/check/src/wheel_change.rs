@@ -7,7 +7,8 @@
 //! Within a run the place is the one that explains most, with scale, offset and skew beside it. Between runs it is where the scales before and after are the furthest
 //! apart for how surely they are known. Both are said; what comes after is brought to the scale from before, and then the runs are judged as those of one wheel.
 
-use crate::agreement::{Agreement, Compared, Figure, pooled, spread};
+use crate::agreement::{Agreement, Figure, pooled};
+use crate::compared::{Compared, spread};
 use crate::{LEAST_SCALE, SURE, rounding};
 use rundown_files::sample::Sample;
 use rundown_files::units::median;

@@ -11,7 +11,7 @@
 
 use crate::config::TractionConfig;
 use crate::traction::powering::SteadyPower;
-use crate::traction::shares::{Given, SHARES, Shares, shares};
+use crate::traction::shares::{Given, SHARES, Shares, over_shares, shares};
 
 /// Another phase, or the power that limits instead of the effort: the same share or another, as likely.
 const ANEW: f64 = 0.5;
@@ -122,5 +122,19 @@ impl Habit {
             total += sum.ln();
         }
         total
+    }
+}
+
+impl Shares<'_> {
+    /// The same where the driver may as well move the handle within a phase, as is the habit. A share that is hardly above the limit is not known to be limited: the
+    /// sensor, or the shares of effort and power of one place of the handle, differ by as much.
+    pub fn gain_beside(&self, habit: &Habit, limit: impl Fn(&SteadyPower) -> f64) -> f64 {
+        let Some(mut given) = self.given(limit) else { return 0.0 };
+        given.iter_mut().flatten().for_each(|given| given.unlimited += self.config.least_scale);
+        let with = |[run, phases]: [f64; 2], given: &[Option<Given>]| {
+            over_shares(&[run, phases, habit.likelihood(self, given)])
+        };
+        let unlimited = self.unlimited();
+        with(self.limited(&given), &given) - with(unlimited, &vec![None; given.len()])
     }
 }

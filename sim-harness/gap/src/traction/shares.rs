@@ -1,7 +1,6 @@
 //! How likely the powering phases of a run are under a limit, whatever shares its driver demanded.
 
 use crate::config::TractionConfig;
-use crate::traction::habit::Habit;
 use crate::traction::powering::{SteadyPower, by_number};
 
 /// Shares that drivers demand: finer than what is known of a share.
@@ -63,7 +62,7 @@ pub struct Shares<'a> {
     tables: Vec<[f64; SHARES]>,
     /// The same as densities.
     pub densities: Vec<[f64; SHARES]>,
-    config: &'a TractionConfig,
+    pub(super) config: &'a TractionConfig,
     of_run: [Demand; 2],
     of_phases: Vec<Demand>,
     unlimited: f64,
@@ -110,20 +109,13 @@ impl<'a> Shares<'a> {
         self.given(limit).map_or(0.0, |given| over_shares(&self.limited(&given)) - self.unlimited)
     }
 
-    /// The same where the driver may as well move the handle within a phase, as is the habit. A share that is hardly above the limit is not known to be limited: the
-    /// sensor, or the shares of effort and power of one place of the handle, differ by as much.
-    pub fn gain_beside(&self, habit: &Habit, limit: impl Fn(&SteadyPower) -> f64) -> f64 {
-        let Some(mut given) = self.given(limit) else { return 0.0 };
-        given.iter_mut().flatten().for_each(|given| given.unlimited += self.config.least_scale);
-        let with = |[run, phases]: [f64; 2], given: &[Option<Given>]| {
-            over_shares(&[run, phases, habit.likelihood(self, given)])
-        };
-        let unlimited = self.either(&|demand: &Demand| demand.unlimited);
-        with(self.limited(&given), &given) - with(unlimited, &vec![None; given.len()])
+    /// What each part is given under a limit; `None` where it limits nothing.
+    /// Without a limit: the same share all through a run, and another in each phase.
+    pub(super) fn unlimited(&self) -> [f64; 2] {
+        self.either(&|demand: &Demand| demand.unlimited)
     }
 
-    /// What each part is given under a limit; `None` where it limits nothing.
-    fn given(&self, limit: impl Fn(&SteadyPower) -> f64) -> Option<Vec<Option<Given>>> {
+    pub(super) fn given(&self, limit: impl Fn(&SteadyPower) -> f64) -> Option<Vec<Option<Given>>> {
         let of = |power: &SteadyPower| {
             let limit = limit(power);
             (limit < 1.0).then(|| Given { unlimited: limit, log_density: density(power, limit, self.config.stray) })
@@ -133,7 +125,7 @@ impl<'a> Shares<'a> {
     }
 
     /// Log-likelihood under a limit.
-    fn limited(&self, given: &[Option<Given>]) -> [f64; 2] {
+    pub(super) fn limited(&self, given: &[Option<Given>]) -> [f64; 2] {
         let at = shares(self.config.least_share, 1.0);
         self.either(&|demand: &Demand| {
             let acting = || demand.parts.iter().filter_map(|i| Some((*i, given[*i]?)));

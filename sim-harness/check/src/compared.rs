@@ -1,0 +1,315 @@
+//! Distance by location less distance by speed, and what scale, offset and skew explain of it.
+//!
+//! In: rows of a run. Out: differences between rows some seconds apart, and their fit with the noise that is most likely.
+
+use nalgebra::{Matrix3, Vector3};
+use rundown_files::units::median;
+
+/// A row with everything that is compared: time, s, location in the direction of travel, m, speed reading, m/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Time, s.
+    pub time_s: f64,
+    /// Location, growing in the direction of travel, m.
+    pub location_m: f64,
+    /// Speed reading, m/s.
+    pub speed_mps: f64,
+}
+
+/// For how long a difference holds a speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct HeldTime {
+    /// Number of the difference.
+    pub(crate) at: usize,
+    /// Reading, m/s.
+    pub(crate) speed_mps: f64,
+    /// Time, s.
+    pub(crate) held_s: f64,
+}
+
+/// Which share of its time each row is one of a held speed: none where the speed passes as fast as it passes one of its neighbours.
+pub(crate) fn held_shares(rows: &[Row]) -> Vec<f64> {
+    let stretches: Vec<&[Row]> = rows.chunk_by(|a, b| a.speed_mps == b.speed_mps).collect();
+    let begin_s = |i: usize| stretches.get(i).map(|stretch| stretch[0].time_s);
+    let lasts_s = |i: usize| begin_s(i + 1).map_or(f64::INFINITY, |next_s| next_s - stretches[i][0].time_s);
+    let mut shares = Vec::with_capacity(rows.len());
+    for (i, stretch) in stretches.iter().enumerate() {
+        let beside = i.checked_sub(1).zip(stretches.get(i + 1));
+        let passing_s = beside.map_or(0.0, |(before, after)| {
+            let steps = [stretches[before], after].map(|other| other[0].speed_mps - stretch[0].speed_mps);
+            let passes = steps[0] * steps[1] < 0.0;
+            if passes { lasts_s(before).min(lasts_s(i + 1)) } else { 0.0 }
+        });
+        let share = if stretch.len() > 1 { (1.0 - passing_s / lasts_s(i)).max(0.0) } else { 0.0 };
+        shares.extend(std::iter::repeat_n(share, stretch.len()));
+    }
+    shares
+}
+
+/// Fewer differences say nothing.
+const LEAST_PAIRS: usize = 20;
+/// Time between two rows that are compared, s: what rounding leaves is correlated over seconds.
+pub(crate) const PAIR_S: f64 = 5.0;
+/// Slower readings are left out: a standing train has no rounding, a creeping one reads zero, m/s.
+const SLOWEST_MPS: f64 = 1.5;
+/// Innovations beyond so many standard deviations are drawn in to it.
+const OUTLIER: f64 = 4.0;
+
+/// Differences between picked rows, and the regressors.
+#[derive(Clone, Default)]
+pub(crate) struct Differences {
+    /// Distance by location less that by speed, m.
+    pub(crate) y: Vec<f64>,
+    /// Distance by speed, m.
+    pub(crate) by_speed: Vec<f64>,
+    /// Time between the two rows, s.
+    pub(crate) dt: Vec<f64>,
+    dv: Vec<f64>,
+    /// Time of the later row, s.
+    pub(crate) end_s: Vec<f64>,
+    /// The difference before shares a row with this one.
+    linked: Vec<bool>,
+    /// Speeds that are held in the differences.
+    pub(crate) held: Vec<HeldTime>,
+}
+
+impl Differences {
+    /// `parts`: rows without a gap or a shift of the location between them.
+    pub(crate) fn of(parts: &[&[Row]]) -> Self {
+        let mut all = Self::default();
+        for part in parts {
+            all.take(part);
+        }
+        all
+    }
+
+    /// Fewer say nothing.
+    pub(crate) fn are_enough(&self) -> bool {
+        self.y.len() >= LEAST_PAIRS
+    }
+
+    fn take(&mut self, part: &[Row]) {
+        let shares = held_shares(part);
+        let mut held: Vec<HeldTime> = Vec::new();
+        let mut from = None;
+        let mut by_speed = 0.0;
+        let mut linked = false;
+        for (i, row) in part.iter().enumerate() {
+            if row.speed_mps < SLOWEST_MPS {
+                (from, linked) = (None, false);
+                continue;
+            }
+            let Some((begin, more_m)) = from.zip(i.checked_sub(1).and_then(|_| distance(part, i))) else {
+                (from, by_speed, linked) = (Some(*row), 0.0, false);
+                held.clear();
+                continue;
+            };
+            by_speed += more_m;
+            let half_s = 0.5 * (row.time_s - part[i - 1].time_s);
+            let of = |j: usize| HeldTime { at: self.y.len(), speed_mps: part[j].speed_mps, held_s: half_s * shares[j] };
+            held.extend([i - 1, i].map(of).iter().filter(|one| one.held_s > 0.0));
+            let dt = row.time_s - begin.time_s;
+            if dt >= PAIR_S {
+                self.y.push(row.location_m - begin.location_m - by_speed);
+                self.by_speed.push(by_speed);
+                self.dt.push(dt);
+                self.dv.push(row.speed_mps - begin.speed_mps);
+                self.end_s.push(row.time_s);
+                self.linked.push(linked);
+                self.held.append(&mut held);
+                (from, by_speed, linked) = (Some(*row), 0.0, true);
+            }
+        }
+    }
+}
+
+/// Rows farther apart are bent between: a bend of 1 m/s² makes a third of a metre in 2 s, 8 m in 10 s.
+const STRAIGHT_S: f64 = 2.0;
+
+/// Distance by speed from row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say. None beside a start or a stop: the train moved for a
+/// part of the time only, and the change of speed there is no acceleration.
+fn distance(rows: &[Row], i: usize) -> Option<f64> {
+    let (a, b) = (rows[i - 1], rows[i]);
+    let dt = b.time_s - a.time_s;
+    let straight = 0.5 * dt * (a.speed_mps + b.speed_mps);
+    let slope = |a: &Row, b: &Row| (b.speed_mps - a.speed_mps) / (b.time_s - a.time_s);
+    let around = i.checked_sub(2).and_then(|before| Some((&rows[before], rows.get(i + 1)?)));
+    match around {
+        Some((before, after)) if dt > STRAIGHT_S => {
+            let moves = before.speed_mps.min(after.speed_mps) >= SLOWEST_MPS;
+            moves.then(|| straight - dt * dt / 12.0 * (slope(&b, after) - slope(before, &a)) / 2.0)
+        }
+        _ => Some(straight),
+    }
+}
+
+/// Whitened residuals and regressors of one ratio of the two noises.
+pub(crate) struct Fit {
+    pub(crate) beta: Vector3<f64>,
+    /// Variance of the walk, m² a second, over that of the location's white noise, m².
+    pub(crate) ratio: f64,
+    pub(crate) information: Matrix3<f64>,
+    /// Variance of the location's white noise, m².
+    pub(crate) variance: f64,
+    pub(crate) log_likelihood: f64,
+    /// Whitened distance by speed, time, and change of speed.
+    pub(crate) columns: [Vec<f64>; 3],
+    pub(crate) residuals: Vec<f64>,
+}
+
+/// The filter that makes the differences' noise white: location noise of 1 m², walk of `ratio` m² a second.
+pub(crate) fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &mut Vec<f64>) -> Vec<f64> {
+    let mut white = Vec::with_capacity(column.len());
+    variances.clear();
+    let (mut before, mut variance_before) = (0.0, 1.0);
+    for (i, value) in column.iter().enumerate() {
+        let diagonal = 2.0 + ratio * differences.dt[i];
+        let gain = if differences.linked[i] { -1.0 / variance_before } else { 0.0 };
+        let variance = diagonal + if differences.linked[i] { gain } else { 0.0 };
+        let innovation = value - gain * before;
+        white.push(innovation / variance.sqrt());
+        variances.push(variance);
+        (before, variance_before) = (innovation, variance);
+    }
+    white
+}
+
+fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
+    let mut variances = Vec::new();
+    let columns = [&differences.by_speed, &differences.dt, &differences.dv]
+        .map(|column| whitened(differences, ratio, column, &mut variances));
+    let mut y = whitened(differences, ratio, &differences.y, &mut variances);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let normal = Matrix3::from_fn(|i, j| dot(&columns[i], &columns[j]));
+    // A run at one speed has no skew; what it cannot say stays at zero instead of failing.
+    let normal = normal + Matrix3::from_diagonal(&(normal.diagonal() * 1e-9).add_scalar(1e-12));
+    let solve = |y: &[f64]| {
+        let score = Vector3::from_fn(|i, _| dot(&columns[i], y));
+        let beta = normal.cholesky()?.solve(&score);
+        let residuals: Vec<f64> = (0..y.len())
+            .map(|i| y[i] - columns[0][i] * beta[0] - columns[1][i] * beta[1] - columns[2][i] * beta[2])
+            .collect();
+        Some((beta, residuals))
+    };
+    let (mut beta, mut residuals) = solve(&y)?;
+    for _ in 0..3 {
+        let most = OUTLIER * mean_spread(&residuals);
+        for (value, left) in y.iter_mut().zip(&residuals) {
+            *value -= left - left.max(-most).min(most);
+        }
+        (beta, residuals) = solve(&y)?;
+    }
+    let n = y.len() as f64;
+    let variance = (dot(&residuals, &residuals) / (n - 3.0)).max(1e-8);
+    let log_likelihood = -0.5 * (n * variance.ln() + variances.iter().map(|v| v.ln()).sum::<f64>());
+    Some(Fit { beta, ratio, information: normal / variance, variance, log_likelihood, columns, residuals })
+}
+
+/// The fit with the most likely ratio of the two noises. None: too few differences.
+pub(crate) fn best_fit(differences: &Differences) -> Option<Fit> {
+    if !differences.are_enough() {
+        return None;
+    }
+    let ratios = (-16..=8).map(|exponent| f64::from(exponent).exp2());
+    let fits = ratios.filter_map(|ratio| fit(differences, ratio));
+    fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
+}
+
+/// Standard deviation from the median of the sizes.
+pub(crate) fn spread(values: &[f64]) -> f64 {
+    let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+    if sizes.is_empty() { 0.0 } else { 1.4826 * median(&sizes) }
+}
+
+/// Standard deviation from the mean of the sizes: the median is zero where an odometer counts whole metres at one speed. Outliers are drawn in step by step.
+fn mean_spread(values: &[f64]) -> f64 {
+    let sizes: f64 = values.iter().map(|value| value.abs()).sum();
+    1.2533 * sizes / values.len().max(1) as f64
+}
+
+/// A run as further causes see it: its differences, and what scale, offset and skew leave of them.
+pub(crate) struct Compared {
+    pub(crate) differences: Differences,
+    pub(crate) fit: Fit,
+    pub(crate) inverse: Matrix3<f64>,
+}
+
+impl Compared {
+    /// None: too little of the run moves with both readings.
+    pub(crate) fn fitted(differences: Differences) -> Option<Self> {
+        let fit = best_fit(&differences)?;
+        Self::of(differences, fit)
+    }
+
+    /// With the noise of another fit.
+    pub(crate) fn in_noise_of(&self, other: &Self) -> Option<Self> {
+        Self::of(self.differences.clone(), fit(&self.differences, other.fit.ratio)?)
+    }
+
+    fn of(differences: Differences, fit: Fit) -> Option<Self> {
+        let inverse = (fit.information * fit.variance).try_inverse()?;
+        Some(Self { differences, fit, inverse })
+    }
+
+    /// A cause that adds so many metres to each difference, whitened as they are.
+    pub(crate) fn whitened(&self, metres: &[f64]) -> Vec<f64> {
+        whitened(&self.differences, self.fit.ratio, metres, &mut Vec::new())
+    }
+
+    /// What scale, offset and skew take up of a cause that adds so many metres to each difference, and its whitened column.
+    pub(crate) fn taken_up(&self, metres: &[f64]) -> (Vector3<f64>, Vec<f64>) {
+        let column = self.whitened(metres);
+        let cross = Vector3::from_fn(|i, _| self.fit.columns[i].iter().zip(&column).map(|(a, b)| a * b).sum());
+        (self.inverse * cross, column)
+    }
+
+    /// What scale, offset and skew leave of each difference, m.
+    pub(crate) fn left_m(&self) -> Vec<f64> {
+        let Differences { y, by_speed, dt, dv, .. } = &self.differences;
+        let beta = self.fit.beta;
+        (0..y.len()).map(|i| y[i] - beta[0] * by_speed[i] - beta[1] * dt[i] - beta[2] * dv[i]).collect()
+    }
+
+    /// The same once so many metres are taken off each difference, its noise fitted again.
+    pub(crate) fn without(&self, metres: &[f64]) -> Option<Self> {
+        let mut differences = self.differences.clone();
+        for (value, metres) in differences.y.iter_mut().zip(metres) {
+            *value -= metres;
+        }
+        Self::fitted(differences)
+    }
+
+    /// Correlation of neighbouring innovations.
+    pub(crate) fn correlation(&self) -> f64 {
+        let products = self.fit.residuals.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+        let squares = self.fit.residuals.iter().map(|residual| residual * residual).sum::<f64>();
+        products / squares.max(1e-12)
+    }
+
+    /// Noise that is correlated beyond the model says less: what is left of the information.
+    pub(crate) fn independent(&self) -> f64 {
+        let kept = self.correlation().clamp(0.0, 0.95);
+        (1.0 - kept) / (1.0 + kept)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shares(kmh: &[f64]) -> Vec<f64> {
+        let row = |(i, kmh): (usize, &f64)| Row { time_s: i as f64, location_m: 0.0, speed_mps: kmh / 3.6 };
+        held_shares(&kmh.iter().enumerate().map(row).collect::<Vec<Row>>())
+    }
+
+    #[test]
+    fn a_speed_that_is_held_counts_and_one_that_passes_does_not() {
+        let rises: Vec<f64> = (0..300).map(|i| f64::from(i / 3 + 1)).collect();
+        assert!(shares(&rises)[3..297].iter().all(|share| *share == 0.0));
+        // Held before it goes on to rise, and before it falls.
+        for after in [91.0, 89.0] {
+            let held = shares(&[vec![88.0, 88.0, 89.0, 89.0], vec![90.0; 100], vec![after; 2], vec![80.0; 2]].concat());
+            assert!(held[4..104].iter().all(|share| *share > 0.97), "{held:?}");
+        }
+    }
+}
