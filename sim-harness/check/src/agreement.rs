@@ -11,7 +11,7 @@
 //! fitted by maximum likelihood, so that an odometer in whole metres and a satellite receiver are each believed as far as they deserve. One slow run cannot tell
 //! scale and offset apart: the covariance says so, and [`pooled`] weighs with it.
 
-use crate::compared::{Compared, PAIR_S, whitened};
+use crate::compared::{Compared, PAIR_S};
 use crate::rounding::{self, Equations};
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 
@@ -76,7 +76,7 @@ impl Compared {
     /// none; the noise as without it. None where the others explain it.
     pub(crate) fn beside(&self, metres: &[f64]) -> Option<(Figure, f64)> {
         let fit = &self.fit;
-        let column = whitened(&self.differences, fit.ratio, metres, &mut Vec::new());
+        let column = self.whitened(metres);
         let dot = |a: &[f64]| a.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>();
         let cross = Vector3::from_fn(|i, _| dot(&fit.columns[i]));
         let left = dot(&column) - cross.dot(&(self.inverse * cross));

@@ -158,7 +158,7 @@ pub(crate) struct Fit {
 }
 
 /// The filter that makes the differences' noise white: location noise of 1 m², walk of `ratio` m² a second.
-pub(crate) fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &mut Vec<f64>) -> Vec<f64> {
+fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &mut Vec<f64>) -> Vec<f64> {
     let mut white = Vec::with_capacity(column.len());
     variances.clear();
     let (mut before, mut variance_before) = (0.0, 1.0);

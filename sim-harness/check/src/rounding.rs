@@ -11,7 +11,7 @@
 //! Where much of a run is at one speed, scale and offset are left to the rest of it, and to other speeds.
 
 use crate::compared::{Compared, HeldTime, PAIR_S};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector2, Vector3};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -79,6 +79,14 @@ impl Equations {
         }
     }
 
+    /// What is known of the errors of the held speeds, their size included.
+    fn own_errors(&self) -> Option<Cholesky<f64, Dyn>> {
+        let levels = self.speeds.len();
+        let mut own = self.matrix.view((3, 3), (levels, levels)).into_owned();
+        (0..levels).for_each(|i| own[(i, i)] += self.rounding_mps.powi(-2));
+        own.cholesky()
+    }
+
     /// None: the run says nothing of them.
     pub(crate) fn solved(&self) -> Option<Solved> {
         let levels = self.speeds.len();
@@ -87,9 +95,7 @@ impl Equations {
             let values = asked.cholesky()?.solve(&self.score.fixed_rows::<3>(0).into_owned());
             return Some(Solved { values, information: asked, held: Vec::new() });
         }
-        let mut own = self.matrix.view((3, 3), (levels, levels)).into_owned();
-        (0..levels).for_each(|i| own[(i, i)] += self.rounding_mps.powi(-2));
-        let by_level = own.cholesky()?.solve(&self.matrix.view((3, 0), (levels, 3)));
+        let by_level = self.own_errors()?.solve(&self.matrix.view((3, 0), (levels, 3)));
         let information = asked - self.matrix.view((0, 3), (3, levels)) * &by_level;
         let information = 0.5 * (information + information.transpose());
         let score = self.score.fixed_rows::<3>(0) - by_level.transpose() * self.score.rows(3, levels);
@@ -108,9 +114,7 @@ impl Equations {
     fn without_own(&self) -> Option<Self> {
         let levels = self.speeds.len();
         let held = self.matrix.columns(3, levels);
-        let mut own = self.matrix.view((3, 3), (levels, levels)).into_owned();
-        (0..levels).for_each(|i| own[(i, i)] += self.rounding_mps.powi(-2));
-        let root = own.cholesky()?;
+        let root = self.own_errors()?;
         let matrix = &self.matrix - held * root.solve(&held.transpose());
         let score = &self.score - held * root.solve(&self.score.rows(3, levels));
         Some(Self { matrix, score, ..self.clone() })

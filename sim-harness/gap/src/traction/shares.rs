@@ -109,12 +109,12 @@ impl<'a> Shares<'a> {
         self.given(limit).map_or(0.0, |given| over_shares(&self.limited(&given)) - self.unlimited)
     }
 
-    /// What each part is given under a limit; `None` where it limits nothing.
     /// Without a limit: the same share all through a run, and another in each phase.
     pub(super) fn unlimited(&self) -> [f64; 2] {
         self.either(&|demand: &Demand| demand.unlimited)
     }
 
+    /// What each part is given under a limit; `None` where it limits nothing.
     pub(super) fn given(&self, limit: impl Fn(&SteadyPower) -> f64) -> Option<Vec<Option<Given>>> {
         let of = |power: &SteadyPower| {
             let limit = limit(power);
