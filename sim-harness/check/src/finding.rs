@@ -46,6 +46,8 @@ pub enum Kind {
     WheelChange,
     /// The speed is older than the location.
     Skew,
+    /// The locations grow too fast or too slowly beside the described stops: an odometer with a wheel that is not as believed.
+    LocationScale,
     /// A column holds another unit.
     OtherUnit,
     /// Readings that are no numbers, or beyond the range of their column.
@@ -66,6 +68,8 @@ pub enum Kind {
     EffortApart,
     /// The measured effort has steps as large as the resistance.
     EffortSteps,
+    /// The train answers otherwise to the measured effort of this run than in the other runs.
+    EffortUnlike,
     /// The measured effort is older than the speed.
     EffortLate,
     /// The measured effort of a train that stands is not 0.
@@ -140,6 +144,7 @@ impl Kind {
             Self::SteppedSpeed => "speeds have a step; rounded or truncated is not known",
             Self::SpeedOffset => "the speed is off by the same everywhere: true less read",
             Self::SpeedScale => "the speed is off by a factor: read over true",
+            Self::LocationScale => "the locations are off by a factor beside the described stops: read over described",
             Self::WheelChange => "the speed's scale changes: after over before",
             Self::Skew => "the speed is older than the location",
             Self::OtherUnit => "a column holds another unit: location over speed is off by a factor",
@@ -157,6 +162,9 @@ impl Kind {
             Self::AboveBrake => "measured efforts are beyond the described brake",
             Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
             Self::EffortSteps => "measured efforts have steps too large for a resistance:",
+            Self::EffortUnlike => {
+                "efforts are unlike those of the other runs: acceleration for the effort, over theirs"
+            }
             Self::EffortLate => "measured efforts are older than the speed (below zero: the speed is)",
             Self::EffortOffset => "the effort of a train that stands is not 0 but",
             Self::EffortZeros => "the effort is 0 while the train brakes or holds its speed",
@@ -174,7 +182,9 @@ impl Kind {
             Self::OtherUnit => Some(
                 "convert the column to the unit of its name; `rundown import` does with a --mapping that it prints",
             ),
-            Self::SpeedScale => Some("compare the wheel diameter of the recorder, or the length of the track"),
+            Self::SpeedScale | Self::LocationScale => {
+                Some("compare the wheel diameter of the recorder, or the length of the track")
+            }
             Self::WheelChange => Some("look when the wheels were turned, or their diameter was entered"),
             Self::CoarseClock => Some("write the times as fine as the rows"),
             Self::SharedRows => Some("cut what is there twice: it teaches twice"),
@@ -186,6 +196,7 @@ impl Kind {
             }
             Self::EffortZeros => Some("leave the field empty where no effort is recorded"),
             Self::EffortApart => Some("look at the column: which train's, which sign, which clock"),
+            Self::EffortUnlike => Some("look at the column: was it halved, cut off, frozen, another train's?"),
             Self::EffortSteps => Some("record the effort with more digits"),
             Self::OtherChainage | Self::TurnedChainage => {
                 Some("bring the runs onto one chainage: `rundown import --chainage align`")

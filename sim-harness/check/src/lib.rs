@@ -17,9 +17,11 @@
 //! | what does the rounding of held speeds do? | `rounding` |
 //! | does the speed repeat old values? | [`held`] |
 //! | is the effort older than the speed? | `effort_age` |
+//! | is the effort of a run unlike that of the others? | `effort_unlike` |
 //! | is its zero one? | `effort_zero` |
 //! | do trains exceed what is described of them? | [`limits`] |
 //! | is a log another one again, whole or in part? | [`same`] |
+//! | do the locations grow as the described stops have it? | `line_scale` |
 //! | do all runs count their locations from the same place? | [`chainage`] |
 //! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
 //! | what was found, and what was done? | [`finding`] |
@@ -58,11 +60,13 @@ pub mod compared;
 pub mod dead_zone;
 pub mod effort;
 mod effort_age;
+mod effort_unlike;
 mod effort_zero;
 pub mod finding;
 pub mod gradients;
 pub mod held;
 pub mod limits;
+mod line_scale;
 pub mod lost_seconds;
 pub mod own;
 pub mod perturbed;
@@ -319,6 +323,25 @@ impl RunCheck {
         self.evidence.insert(Kind::SharedRows, format!("those of {}", shared.with));
     }
 
+    /// Its locations are those of another unit.
+    fn is_in_other_unit(&mut self, factor: f64, stops: usize) {
+        let (kind, figure) = (Kind::OtherUnit, Figure { value: factor, sd: 0.0 });
+        self.findings.push(Finding { kind, figure, unit: "", count: 1, line: 0, done: Done::Refused });
+        self.evidence.insert(kind, format!("{stops} of its stops are described ones once locations are divided by it"));
+    }
+
+    /// The train answers otherwise to its effort than in the other runs.
+    fn answers_otherwise(&mut self, figure: Figure) {
+        let kind = Kind::EffortUnlike;
+        self.findings.push(Finding { kind, figure, unit: "", count: 1, line: 0, done: Done::LeftOut });
+        let evidence = match figure.value {
+            0.0 => "the column stands still".to_owned(),
+            value if value > 0.0 => format!("as of a column that reads {:.2} of the effort", 1.0 / value),
+            _ => "as of a column with the sign turned".to_owned(),
+        };
+        self.evidence.insert(kind, evidence);
+    }
+
     /// Its wheel changes on the way.
     fn changes(&mut self, change: &wheel_change::Change, rows: &[Sample], done: Done) {
         let (at_m, line) = change.place(rows);
@@ -407,6 +430,16 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         runs.push(run);
         agreements.push(agreement);
     }
+    let described_m = if known.scale { &[] } else { known.stops_m.as_slice() };
+    for (run, recording) in runs.iter_mut().zip(recordings.iter()).filter(|(run, _)| run.refusal().is_none()) {
+        if let Some((factor, stops)) = line_scale::other_unit(recording, described_m) {
+            run.is_in_other_unit(factor, stops);
+        }
+    }
+    let (scaled, moved) = line_scale::put_right(recordings, &runs, described_m);
+    for at in (0..runs.len()).filter(|at| moved[*at]) {
+        agreements[at] = OfSpeed::of(&recordings[at].rows, runs[at].step_s);
+    }
     let mut units: Vec<String> = Vec::new();
     for run in &runs {
         if !units.contains(&run.unit) {
@@ -415,8 +448,13 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     }
     let of_unit = |unit| {
         let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
+        for one in scaled.iter().filter(|one| one.unit == recorder.unit) {
+            recorder.findings.push(one.finding());
+            recorder.evidence.insert(Kind::LocationScale, one.evidence());
+        }
         recorder.exceeds(recordings, &runs, known);
         recorder.unfit_efforts(recordings, &runs);
+        recorder.unlike_efforts(recordings, &mut runs);
         recorder.effort_zero(recordings, &runs);
         recorder.effort_age(recordings, &runs, known);
         recorder

@@ -21,6 +21,15 @@ const STUCK_SHARE: f64 = 0.2;
 const MOST_WHEEL: f64 = 0.06;
 /// Rows in a row that say the same.
 const LEAST_STUCK: usize = 4;
+/// A speed that stood still for so long shows it as well by the leap with which it goes on: so many rows, s, and distance that it misses, m.
+const LEAST_LEAPT: usize = 8;
+const LEAST_LEAPT_S: f64 = 10.0;
+const LEAST_LEAPT_M: f64 = 15.0;
+/// A leap is more than any train's acceleration makes between two rows, m/s², and no less than this, m/s.
+const LARGEST_MPS2: f64 = 1.4;
+const LEAST_LEAP_MPS: f64 = 0.6;
+/// The distance that it misses, as a share of that of the whole leap over all of the time: a half where the train changed its speed evenly.
+const LEAPT_SHARE: core::ops::Range<f64> = 0.15..1.1;
 /// Of a receiver that holds its location between fixes this share of the rows that show it say the same as the row before, and so many rows.
 const HELD_SHARE: f64 = 0.2;
 const LEAST_HELD: usize = 10;
@@ -164,9 +173,9 @@ pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 
 /// Locations that stand still while the train does not: left out.
 pub fn stuck_locations(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let far = |_: &Sample| STUCK_SHARE;
-    let least = least_held_m(rows).map_or(STANDS_STILL, |metres| Least { rows: 2, metres });
-    let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, far, least);
+    let (least, least_m) = least_held_m(rows).map_or((LEAST_STUCK, LEAST_STUCK_M), |metres| (2, metres));
+    let tells = |stuck: &StuckRows| stuck.metres > least_m && stuck.metres > STUCK_SHARE * stuck.way_m;
+    let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, tells, least);
     leave_out(rows, &places, Kind::StuckLocation, findings);
 }
 
@@ -189,9 +198,30 @@ pub fn stuck_speeds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         Some(mps) if mps > 0.0 => MOST_WHEEL + step_mps / mps,
         _ => STUCK_SHARE,
     };
+    let tells = |stuck: &StuckRows| {
+        let metres = stuck.metres.abs();
+        metres > LEAST_STUCK_M && metres > far(&rows[stuck.from]) * stuck.way_m || leaps(rows, stuck, step_mps)
+    };
     let speeds =
-        stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, far, STANDS_STILL);
+        stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, tells, LEAST_STUCK);
     leave_out(rows, &speeds, Kind::StuckSpeed, findings);
+}
+
+/// The speed that stood still goes on with a leap that no train makes, and the distance that it misses is that of a train which changed its speed by so much meanwhile.
+fn leaps(rows: &[Sample], StuckRows { from, to, metres, .. }: &StuckRows, step_mps: f64) -> bool {
+    let (held, Some(next)) = (&rows[*from..=*to], rows.get(to + 1)) else { return false };
+    let (Some(stays_mps), Some(next_mps)) = (held[0].speed_mps, next.speed_mps) else { return false };
+    let (long_s, then_s) = (rows[*to].time_s - held[0].time_s, next.time_s - rows[*to].time_s);
+    let leap_mps = next_mps - stays_mps;
+    let leaps = leap_mps.abs() > step_mps + (LARGEST_MPS2 * then_s).max(LEAST_LEAP_MPS);
+    let misses = LEAPT_SHARE.contains(&(metres / (leap_mps * long_s)));
+    // A zero is a stand, or that of a sensor with a threshold.
+    stays_mps > 0.0
+        && held.len() >= LEAST_LEAPT
+        && long_s >= LEAST_LEAPT_S
+        && leaps
+        && misses
+        && metres.abs() > LEAST_LEAPT_M
 }
 
 fn leave_out(rows: &mut [Sample], stretches: &[StuckRows], kind: Kind, findings: &mut Vec<Finding>) {
@@ -215,24 +245,17 @@ struct StuckRows {
     from: usize,
     to: usize,
     metres: f64,
+    /// The distance in these rows, by speed or by location.
+    way_m: f64,
 }
 
-/// What a stretch has at least: rows that say the same, and distance that they miss, m.
-#[derive(Clone, Copy)]
-struct Least {
-    rows: usize,
-    metres: f64,
-}
-
-const STANDS_STILL: Least = Least { rows: LEAST_STUCK, metres: LEAST_STUCK_M };
-
-/// Stretches in which a reading stays the same while `missing` of distance by speed and by location is more than the share `far` of it.
+/// Stretches of so many rows at least in which a reading stays the same, and the `missing` of distance by speed and by location tells.
 fn stretches(
     rows: &[Sample],
     reading: fn(&Sample) -> Option<f64>,
     missing: fn(f64, f64) -> f64,
-    far: impl Fn(&Sample) -> f64,
-    least: Least,
+    tells: impl Fn(&StuckRows) -> bool,
+    least: usize,
 ) -> Vec<StuckRows> {
     let mut found = Vec::new();
     let mut from = 0;
@@ -245,15 +268,13 @@ fn stretches(
         let alike = rows[from..].iter().map(reading).take_while(|read| read.is_none_or(|read| read == stays));
         let read: Vec<usize> = alike.enumerate().filter_map(|(i, read)| read.map(|_| from + i)).collect();
         let (same, to) = (read.len(), read.last().copied().unwrap_or(from));
-        if same >= least.rows {
+        if same >= least {
             let located = (from..=to).filter(|i| rows[*i].location_m.is_some());
             let [first, last] = [located.clone().min().unwrap_or(from), located.max().unwrap_or(from)];
             let by_speed: f64 = rows[first..=last].windows(2).map(|pair| between(&pair[0], &pair[1])).sum();
             let by_location = rows[first].location_m.zip(rows[last].location_m).map_or(0.0, |(a, b)| (b - a).abs());
             let metres = missing(by_speed, by_location);
-            if metres.abs() > least.metres && metres.abs() > far(&rows[from]) * by_speed.max(by_location) {
-                found.push(StuckRows { from, to, metres });
-            }
+            found.extend(Some(StuckRows { from, to, metres, way_m: by_speed.max(by_location) }).filter(&tells));
         }
         from = to + 1;
     }
@@ -344,5 +365,35 @@ mod tests {
             "{findings:?}"
         );
         assert_eq!(rows[59].location_m, Some(location_m(59)));
+    }
+
+    /// A second, and what the train does in it: 30 m/s, then this acceleration from second 100 on.
+    fn driven(acceleration_mps2: f64) -> Vec<Sample> {
+        let (mut mps, mut at_m) = (30.0_f64, 0.0);
+        let row = |second: u32| {
+            let change = if second < 100 { 0.0 } else { acceleration_mps2 };
+            let before_mps = mps;
+            mps = (mps + change).max(0.0);
+            at_m += 0.5 * (before_mps + mps);
+            let read = (36.0 * mps).round() / 36.0;
+            Sample { time_s: f64::from(second), location_m: Some(at_m), speed_mps: Some(read), ..Sample::default() }
+        };
+        (0..400).map(row).collect()
+    }
+
+    #[test]
+    fn a_speed_that_stands_still_in_a_coast_is_seen_by_the_leap_with_which_it_goes_on() {
+        let mut rows = driven(-0.03);
+        let stays = rows[150].speed_mps;
+        rows[150..210].iter_mut().for_each(|row| row.speed_mps = stays);
+        let mut findings = Vec::new();
+        stuck_speeds(&mut rows, &mut findings);
+        assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::StuckSpeed]);
+        assert!(rows[152..210].iter().all(|row| row.speed_mps.is_none()) && rows[215].speed_mps.is_some());
+        // Held, then braked as hard as trains do.
+        for acceleration_mps2 in [-0.03, -1.2] {
+            stuck_speeds(&mut driven(acceleration_mps2), &mut findings);
+            assert_eq!(findings.len(), 1);
+        }
     }
 }

@@ -7,8 +7,8 @@ use crate::own::Grown;
 use crate::wheel_change::OfRun;
 use crate::{Correction, Known, LEAST_SCALE, OfSpeed, RecorderCheck, RunCheck, SURE};
 use crate::{
-    dead_zone, effort, effort_age, effort_zero, held, limits, lost_seconds, own, put_right, steps, wheel_change,
-    with_evidence,
+    dead_zone, effort, effort_age, effort_unlike, effort_zero, held, limits, lost_seconds, own, put_right, steps,
+    wheel_change, with_evidence,
 };
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
@@ -303,6 +303,19 @@ impl RecorderCheck {
         }
         let own = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
         own.flat_map(|(recording, _)| &mut recording.rows).for_each(|row| row.effort_n_per_kg = None);
+    }
+
+    /// Leaves out the efforts of runs in which the train answers otherwise to them than in the others.
+    pub(crate) fn unlike_efforts(&self, recordings: &mut [Recording], runs: &mut [RunCheck]) {
+        let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
+        if self.has(Kind::EffortApart) {
+            return;
+        }
+        let answers: Vec<Option<Figure>> = own.iter().map(|i| effort_unlike::of_run(&recordings[*i].rows)).collect();
+        for (place, figure) in effort_unlike::unlike(&answers) {
+            runs[own[place]].answers_otherwise(figure);
+            recordings[own[place]].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
+        }
     }
 
     /// Takes the zero of the effort from trains that stand, and leaves out zeros that are no effort of 0.

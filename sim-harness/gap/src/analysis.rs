@@ -25,13 +25,15 @@ struct Model {
 }
 
 /// Analyses runs against the believed model, with efforts that are read so. `None` if there is nothing to analyse: no run has enough of location and speed.
-pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Option<Findings> {
+///
+/// `chance`: terms that an earlier analysis selected and that were no more than it. They are left out of the model, and the gain of the effort column is what is left beside the others.
+pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading, chance: &[Term]) -> Option<Findings> {
     let config = given.config;
     let kinematics = Kinematics::of(runs);
     let measured = measured(runs, &config.effort);
     let context = &Context { conditions: Conditions::of(runs), ..*given };
     let cut = cut::all(context, runs, effort);
-    let Model { terms, beta, last } = model(context, runs, &cut, effort, measured)?;
+    let Model { terms, beta, last } = model(context, runs, &cut, effort, measured, chance)?;
     if last.is_none() && kinematics.runs == 0 {
         return None;
     }
@@ -39,7 +41,8 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Opti
     let has_rows = last.is_some();
     let (mut rows, calibrated) = last.unwrap_or_default();
     let searched = (has_rows && measured).then(|| Search::new(context, &rows, &calibrated, measured));
-    let gain = searched.and_then(|search| search.effort_gain(&terms));
+    let gain = searched.as_ref().and_then(|search| search.effort_gain(&terms));
+    let gain_may_be_mass = searched.zip(gain).is_some_and(|(search, gain)| search.may_be_mass(&terms, gain));
     let (righted, recut);
     let (mut runs, mut cut) = (runs, cut.as_slice());
     if let Some(gain) = gain {
@@ -70,6 +73,7 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Opti
         terms: fitted,
         limits: limits(&powering, &traction, &traction_config, &context.penalty()),
         gain,
+        gain_may_be_mass,
         powering,
         differing,
         headwind,
@@ -97,7 +101,7 @@ fn between_runs(context: &Context<'_>, rows: &[Row], measured: bool, fitted: &[F
 pub fn coasts(context: &Context<'_>, runs: &[Run]) -> Option<Vec<Row>> {
     let effort = EffortReading::default();
     let cut = cut::all(context, runs, effort);
-    model(context, runs, &cut, effort, false)?.last.map(|(rows, _)| rows)
+    model(context, runs, &cut, effort, false, &[])?.last.map(|(rows, _)| rows)
 }
 
 /// With an effort column one round; without, the model shows where trains coast, and coasting the model.
@@ -107,6 +111,7 @@ fn model(
     cut: &[Vec<Interval>],
     effort: EffortReading,
     measured: bool,
+    chance: &[Term],
 ) -> Option<Model> {
     let config = context.config;
     let uncertain = &config.coasting.uncertain;
@@ -131,6 +136,7 @@ fn model(
         let search = Search::new(context, &rows, &calibrated, measured);
         // So few rows would fit anything; limits can be evaluated nevertheless.
         found.terms = if rows.len() < config.search.few_rows { Vec::new() } else { search.select() };
+        found.terms.retain(|term| !chance.contains(term));
         let base = search.base(&found.terms)?;
         found.beta = expanded(&found.terms, base.beta.as_slice());
         drop(search);

@@ -33,6 +33,8 @@ pub struct Findings {
     pub measured: bool,
     /// Gain of the effort column less 1, put right in rows and powering phases; none without the column.
     pub gain: Option<Figure>,
+    /// These data cannot tell that gain from another mass.
+    pub gain_may_be_mass: bool,
     /// Intervals in which a train moved.
     pub moving: usize,
     /// Rows that counted.

@@ -3,6 +3,7 @@
 //! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the training runs, evaluated on the others.
 
 use crate::analysis::analyse;
+use crate::candidate::Term;
 use crate::config::{GapConfig, HoldoutConfig};
 use crate::data::believed::{Conditions, Context};
 use crate::data::rows::Row;
@@ -99,11 +100,10 @@ pub fn investigate(
     let (righted, readings) = righted(&Context { conditions: Conditions::of(runs), ..*given }, runs);
     let (runs, effort) = (righted.as_slice(), readings.effort.reading);
     progress("where and what: all runs");
-    let Some(findings) = analyse(given, runs, effort) else {
+    let Some(Settled { findings, mut named, mut candidates }) = settled(given, runs, effort) else {
         return Ok(None);
     };
     let context = &Context { conditions: findings.conditions, ..*given };
-    let (mut named, mut candidates) = all_named(&findings, context, runs);
     let (units, others) = scaled_units(runs, config).into_iter().partition(|one| stands(&one.trial, config));
     for (all, wheels, units) in [(&mut named, wheels, units), (&mut candidates, doubted, others)] {
         let units: Vec<Named> = units;
@@ -111,7 +111,7 @@ pub fn investigate(
     }
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let mut nuisances = nuisances(&readings, findings.gain, config);
-    nuisances::beside(&mut nuisances, &named);
+    nuisances::beside(&mut nuisances, &named, findings.gain_may_be_mass);
     nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let with = effects(&named)?;
     for one in &mut named {
@@ -167,16 +167,36 @@ fn out_of_sample(
         wanted.map(|(_, run)| run.clone()).collect()
     };
     let training = of(false);
-    let Some(found) = analyse(given, &training, effort) else {
+    let Some(Settled { findings, named, .. }) = settled(given, &training, effort) else {
         return Ok((Evaluation::default(), Vec::new()));
     };
-    let context = &Context { conditions: found.conditions, ..*given };
-    let (trained, _) = all_named(&found, context, &training);
-    Ok((evaluate(context, &found, &trained, &of(true))?, trained))
+    let context = &Context { conditions: findings.conditions, ..*given };
+    Ok((evaluate(context, &findings, &named, &of(true))?, named))
 }
 
-/// What was found, by name, and what is but a candidate; nothing of it lies beyond the ends of the line.
-fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<Named>, Vec<Named>) {
+/// An analysis without what is no more than chance.
+struct Settled {
+    findings: Findings,
+    named: Vec<Named>,
+    candidates: Vec<Named>,
+}
+
+/// Analyses. A term that is no more than chance may have taken what the gain of an effort column does in truth: then it is analysed again without the term. `None`: see [`analyse`].
+fn settled(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Option<Settled> {
+    let mut chance: Vec<Term> = Vec::new();
+    loop {
+        let findings = analyse(given, runs, effort, &chance)?;
+        let context = &Context { conditions: findings.conditions, ..*given };
+        let (named, candidates, by_chance) = all_named(&findings, context, runs);
+        chance.extend(by_chance.iter().cloned());
+        if !findings.measured || by_chance.is_empty() {
+            return Some(Settled { findings, named, candidates });
+        }
+    }
+}
+
+/// What was found, by name, what is but a candidate, and the terms that are no more than chance; nothing of it lies beyond the ends of the line.
+fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<Named>, Vec<Named>, Vec<Term>) {
     let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
     let limit = findings.limit(&context.config.search);
     let naming = findings.naming(context, &names);
@@ -193,10 +213,12 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
         let of_term = one.term.and_then(|term| trials.get(term)).cloned().flatten();
         one.tried(of_term.or_else(|| of_readings_and_limits(one, findings, context.config, runs)), context.config);
     }
-    let (named, mut others): (Vec<Named>, Vec<Named>) =
-        all.into_iter().partition(|one| stands(&one.trial, context.config));
-    others.retain(|one| one.trial.as_ref().is_some_and(|trial| trial.is_beyond_chance(context.config)));
-    (named, others)
+    let (named, others): (Vec<Named>, Vec<Named>) = all.into_iter().partition(|one| stands(&one.trial, context.config));
+    let is_beyond = |one: &Named| one.trial.as_ref().is_some_and(|trial| trial.is_beyond_chance(context.config));
+    let (candidates, chance): (Vec<Named>, Vec<Named>) = others.into_iter().partition(is_beyond);
+    let terms = chance.iter().filter_map(|one| Some(findings.terms.get(one.term?)?.term.clone()));
+    let terms = terms.collect();
+    (named, candidates, terms)
 }
 
 fn stands(trial: &Option<Trial>, config: &GapConfig) -> bool {

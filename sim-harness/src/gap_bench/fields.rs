@@ -25,7 +25,12 @@ pub const DRAWN: &[[&str; 4]] = &[
     ["[].score.candidates[]", "", "names that were given as candidates only", ""],
     ["[].score.rivals[]", "", "effects that the data do not separate from those named", ""],
     ["[].score.exact", "", "whether all hidden effects were named, and no other", ""],
-    ["[].score.shared", "", "the same, where a hidden effect may be one of at most two rivals", ""],
+    [
+        "[].score.shared",
+        "",
+        "the same, where a hidden effect may be one of at most two rivals of a name, or of a nuisance that was told",
+        "",
+    ],
     [
         "[].score.coordinate",
         "",

@@ -8,6 +8,7 @@ use rundown_check::agreement::Figure;
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::candidates;
 use rundown_gap::named::Named;
+use rundown_gap::readings::nuisances::Nuisance;
 use rundown_gap::verdict::Verdict;
 use rundown_truth::effects::Effect as Hidden;
 use rundown_truth::train::{DavisTruth, TrainTruth};
@@ -85,9 +86,14 @@ impl Score {
             verdict: found.map(|f| f.verdict.name()),
             refused: outcome.as_ref().err().map(ToString::to_string),
             exact: answer.is_some() && names == key,
-            shared: answer.is_some()
-                && names.len() == key.len()
-                && one_to_one(&key, named, |n| n.effect.name(), is_rival),
+            shared: found.is_some_and(|found| {
+                let named_as_reading = |key: &&'static str| found.nuisances.iter().any(|one| is_reading(key, one));
+                let left: Vec<&'static str> = key.iter().copied().filter(|key| !named_as_reading(key)).collect();
+                let is_of = |key: &[&'static str]| {
+                    names.len() == key.len() && one_to_one(key, named, |n| n.effect.name(), is_rival)
+                };
+                is_of(&key) || is_of(&left)
+            }),
             coordinate: None,
             size_errors: Vec::new(),
             places: Vec::new(),
@@ -174,6 +180,11 @@ fn is_right(key: &[&str], named: &Named) -> bool {
 /// A name of the key stands among the few rivals of a found one.
 fn is_rival(key: &str, named: &&Named) -> bool {
     named.ambiguous_with.len() <= MOST_RIVALS && named.ambiguous_with.iter().any(|kind| kind.name() == key)
+}
+
+/// A nuisance was told, and what the key names with it as what these data cannot tell from it.
+fn is_reading(key: &str, nuisance: &Nuisance) -> bool {
+    nuisance.told && nuisance.ambiguous_with.iter().any(|kind| kind.name() == key)
 }
 
 /// Each name of the key is found, or `fits` a found one that is no other of the key; each found one serves once.

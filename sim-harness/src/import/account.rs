@@ -64,6 +64,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].to_m", "m", "largest location; 0 for a run that is left out", ""],
     ["runs[].placed.offset_m", "m", "what was added to its locations", "absent: it was placed otherwise"],
     ["runs[].placed.inverted", "", "whether its locations were counted backwards", "absent: it was placed otherwise"],
+    ["runs[].placed.scale", "", "by what its distances were multiplied", "absent: it was placed otherwise"],
     ["runs[].placed.how", "", "by what the offset was found", "absent: it was placed otherwise"],
     [
         "runs[].placed.on_the_line",
@@ -80,3 +81,4 @@ pub const FIELDS: &[[&str; 4]] = &[
 pub const ROWS: &str = "rows";
 pub const SHIFTED: &str = "runs shifted onto the chainage";
 pub const INVERTED: &str = "runs inverted";
+pub const SCALED: &str = "runs with distances of another wheel, put right by the stops of the track";

@@ -112,7 +112,12 @@ fn needed(columns: &Columns, source: &SourceFile) -> Result<(), String> {
 fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     let mut notes = Vec::new();
     for (meaning, column) in &columns.of {
-        if column.unit.is_none()
+        if *meaning == Meaning::Effort && headers[column.index].unit.as_deref().is_some_and(|unit| unit.trim() == "%") {
+            notes.push(format!(
+                "column {:?} is not used: per cent are of what there is at each speed; expected N/kg, N or kN",
+                column.header
+            ));
+        } else if column.unit.is_none()
             && *meaning != Meaning::Time
             && let Some(first) = units::of(*meaning).first()
         {
@@ -145,6 +150,10 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     let remedy = columns.remedy(Meaning::Location, headers);
     if !columns.has(Meaning::Location) && !remedy.is_empty() {
         notes.push(format!("no column has a location: it is computed from latitude and longitude{remedy}"));
+    }
+    let unused = columns.unused(headers);
+    if !unused.is_empty() && !notes.iter().any(|note| note.contains(&unused)) {
+        notes.push(format!("not used, for no name of theirs is known: {unused}"));
     }
     let local = !columns.kind.has_unit();
     if local && !columns.has_zone && columns.zone_name.is_none() {

@@ -12,9 +12,9 @@ use rundown_files::track_file::CentreLinePoint;
 /// Where the locations of a run go.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Placing {
-    /// location = offset + sign * own location.
+    /// location = offset + factor * own location. Below 0 the run is inverted; other than 1 in size its wheel is not the one that it counts with.
     Shift {
-        sign: f64,
+        factor: f64,
         offset_m: f64,
         how: String,
     },
@@ -62,7 +62,11 @@ const LEAST_LEAD_BETWEEN_ENDS: f64 = 0.05;
 const ALL_ONE_WAY: usize = 10;
 /// Share of the fixes that must lie on the line.
 const LEAST_ON_LINE: f64 = 0.8;
-const AS_IT_IS: Placing = Placing::Shift { sign: 1.0, offset_m: 0.0, how: String::new() };
+const AS_IT_IS: Placing = Placing::Shift { factor: 1.0, offset_m: 0.0, how: String::new() };
+/// A wheel is off by at most this share of its diameter, worn out or described wrongly.
+const MOST_OFF: f64 = 0.03;
+/// With a wheel of their own four stops or more must agree, for two of them agree always.
+const LEAST_SCALED_STOPS: usize = 4;
 
 /// Places runs, on a line of which something is known already.
 pub fn place(runs: &[Staged], wanted: Option<Method>, given: Given) -> Placed {
@@ -90,7 +94,7 @@ fn by(method: Method, why: String, runs: &[Staged], given: Given) -> Placed {
     let (places, line) = match method {
         Method::AsIs => (as_they_are(runs), Vec::new()),
         Method::Stops => {
-            let ways = [KnownLine::by_stops, KnownLine::by_ends, KnownLine::by_speeds];
+            let ways = [KnownLine::by_scaled_stops, KnownLine::by_stops, KnownLine::by_ends, KnownLine::by_speeds];
             (shifted(runs, &ways, &given.stops_m), Vec::new())
         }
         Method::Align => (shifted(runs, &[KnownLine::by_speeds], &[]), Vec::new()),
@@ -129,7 +133,7 @@ fn within_range(runs: &[Staged], places: &mut [Placing]) {
         } else {
             (run.ends_m.0, "odometers beyond any line and far apart: each run begins at 0")
         };
-        *place = Placing::Shift { sign: 1.0, offset_m: -from_m, how: how.to_owned() };
+        *place = Placing::Shift { factor: 1.0, offset_m: -from_m, how: how.to_owned() };
     }
 }
 
@@ -226,7 +230,7 @@ fn on_line(runs: &[Staged], given: Vec<CentreLinePoint>) -> (Vec<Placing>, Vec<C
     (runs.iter().map(place).collect(), line)
 }
 
-/// Sign and offset of a run on what is known of the line, and why.
+/// Factor and offset of a run on what is known of the line, and why.
 type FindPlace = fn(&KnownLine, &Staged) -> Option<(f64, f64, String)>;
 
 /// What the runs that are placed say of the line.
@@ -237,6 +241,8 @@ struct KnownLine {
     speeds: std::collections::BTreeMap<i64, (f64, u32)>,
     /// Both ends of the first run, m, where most are as long: they go from the one to the other, or back.
     ends_m: Option<(f64, f64)>,
+    /// The stops are those of a track, and so the lengths between them are right.
+    of_track: bool,
     /// How many runs go up, how many down.
     ways: (usize, usize),
     /// Each run was looked at once.
@@ -244,27 +250,26 @@ struct KnownLine {
 }
 
 impl KnownLine {
-    fn add(&mut self, run: &Staged, sign: f64, offset_m: f64) {
-        *(if sign > 0.0 { &mut self.ways.0 } else { &mut self.ways.1 }) += 1;
+    fn add(&mut self, run: &Staged, factor: f64, offset_m: f64) {
+        *(if factor > 0.0 { &mut self.ways.0 } else { &mut self.ways.1 }) += 1;
         for stop in own_stops(run) {
-            let at_m = offset_m + sign * stop;
+            let at_m = offset_m + factor * stop;
             if self.stops.iter().all(|known| (known - at_m).abs() > STOP_M) {
                 self.stops.push(at_m);
             }
         }
-        for (bin, mps) in profile(run, sign) {
+        for (bin, mps) in profile(run, factor) {
             let entry = self.speeds.entry(bin + (offset_m / BIN_M).round() as i64).or_default();
             *entry = (entry.0 + mps, entry.1 + 1);
         }
     }
 
-    /// By the stops: sign, offset and how many agree.
-    fn by_stops(&self, run: &Staged) -> Option<(f64, f64, String)> {
-        let own = own_stops(run);
+    /// By the stops: how many agree, sign and offset, the best first.
+    fn agreeing(&self, own: &[f64]) -> Vec<(usize, f64, f64)> {
         let mut best: Vec<(usize, f64, f64)> = Vec::new();
         for sign in [1.0, -1.0] {
             for known in &self.stops {
-                for stop in &own {
+                for stop in own {
                     let offset_m = known - sign * stop;
                     let off = |stop: &f64| {
                         self.stops
@@ -279,11 +284,65 @@ impl KnownLine {
             }
         }
         best.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)).then(a.2.total_cmp(&b.2)));
+        best
+    }
+
+    fn by_stops(&self, run: &Staged) -> Option<(f64, f64, String)> {
+        let own = own_stops(run);
+        let best = self.agreeing(&own);
         let (count, sign, offset_m) = *best.first()?;
         let other =
             best.iter().find(|other| other.1 != sign || (other.2 - offset_m).abs() > SAME_M).map_or(0, |other| other.0);
         let clear = count >= 3 && count > other && 2 * count >= own.len();
         clear.then(|| (sign, offset_m, format!("{count} of {} stops agree, {other} at the next best place", own.len())))
+    }
+
+    /// By the stops of a track, where the wheel of the run is not the one that it counts with, so that more of its stops agree: by least squares over these.
+    fn by_scaled_stops(&self, run: &Staged) -> Option<(f64, f64, String)> {
+        if !self.of_track {
+            return None;
+        }
+        let own = own_stops(run);
+        let (first, last) = (*own.first()?, *own.last()?);
+        let as_counted = self.agreeing(&own).first().map_or(0, |best| best.0);
+        let pairs = self.stops.iter().flat_map(|from| self.stops.iter().map(move |to| (*from, *to)));
+        let placed = |(from, to): (f64, f64)| {
+            let factor = (to - from) / (last - first);
+            ((factor.abs() - 1.0).abs() < MOST_OFF).then(|| self.refined(&own, factor, from - factor * first))?
+        };
+        let mut found: Vec<(usize, f64, f64)> = pairs.filter_map(placed).collect();
+        found.sort_by(|a, b| b.0.cmp(&a.0).then(a.2.total_cmp(&b.2)));
+        let (count, factor, offset_m) = *found.first()?;
+        let is_other = |other: &&(usize, f64, f64)| other.1 * factor < 0.0 || (other.2 - offset_m).abs() > SAME_M;
+        let other = found.iter().find(is_other).map_or(0, |other| other.0);
+        let clear = count >= LEAST_SCALED_STOPS && count > other.max(as_counted) && 10 * count >= 8 * own.len();
+        clear.then(|| {
+            let percent = 100.0 * (1.0 / factor.abs() - 1.0);
+            let how = format!(
+                "{count} of {} stops agree if its distances are {:.2} % too {}, {other} at the next best place",
+                own.len(),
+                percent.abs(),
+                if percent > 0.0 { "long" } else { "short" },
+            );
+            (factor, offset_m, how)
+        })
+    }
+
+    /// How many stops of a run agree, with factor and offset by least squares over these.
+    fn refined(&self, own: &[f64], factor: f64, offset_m: f64) -> Option<(usize, f64, f64)> {
+        let near = |stop: f64| {
+            let known = self.stops.iter().copied();
+            let off = |known: &f64| (known - offset_m - factor * stop).abs();
+            known.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|known| off(known) < STOP_M)
+        };
+        let agree: Vec<(f64, f64)> = own.iter().filter_map(|stop| Some((*stop, near(*stop)?))).collect();
+        let count = agree.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| agree.iter().map(of).sum::<f64>() / count;
+        let (own_m, known_m) = (mean(|one| one.0), mean(|one| one.1));
+        let square: f64 = agree.iter().map(|(own, _)| (own - own_m).powi(2)).sum();
+        let product: f64 = agree.iter().map(|(own, known)| (own - own_m) * (known - known_m)).sum();
+        let factor = product / square;
+        factor.is_finite().then(|| (agree.len(), factor, known_m - factor * own_m))
     }
 
     /// By both ends: only the direction is open, and the speeds over the location tell it.
@@ -374,10 +433,10 @@ impl KnownLine {
 }
 
 /// Speeds by bins of the location, once each.
-fn profile(run: &Staged, sign: f64) -> Vec<(i64, f64)> {
+fn profile(run: &Staged, factor: f64) -> Vec<(i64, f64)> {
     let mut bins: std::collections::BTreeMap<i64, f64> = std::collections::BTreeMap::new();
     for pair in run.marks().windows(2) {
-        let bin = |mark: f64| (sign * mark / BIN_M).round() as i64;
+        let bin = |mark: f64| (factor * mark / BIN_M).round() as i64;
         let (from, to) = (bin(pair[0].at_m), bin(pair[1].at_m));
         // A gap in the log is none in the profile as long as it is short.
         for between in from.min(to)..=from.max(to).min(from.min(to) + 4) {
@@ -398,13 +457,13 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing>
     order.sort_by(|a, b| b.1.cmp(&a.1).then(steps(b.0).total_cmp(&steps(a.0))).then(a.cmp(b)));
     let order: Vec<usize> = order.into_iter().map(|(index, _)| index).collect();
     let mut places: Vec<Option<Placing>> = vec![None; runs.len()];
-    let mut known = KnownLine { stops: stops_m.to_vec(), ..KnownLine::default() };
+    let mut known = KnownLine { stops: stops_m.to_vec(), of_track: !stops_m.is_empty(), ..KnownLine::default() };
     if let (Some(first), []) = (order.first(), stops_m) {
         known.add(&runs[*first], 1.0, 0.0);
         let all: Vec<&Staged> = runs.iter().collect();
         known.ends_m = one_length(&all).map(|_| runs[*first].ends_m);
         let how = "the run that the others are shifted to".to_owned();
-        places[*first] = Some(Placing::Shift { sign: 1.0, offset_m: 0.0, how });
+        places[*first] = Some(Placing::Shift { factor: 1.0, offset_m: 0.0, how });
     }
     // Those that cannot be placed at first may be when more of the line is known.
     for _ in 0..3 {
@@ -413,15 +472,17 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing>
                 continue;
             }
             let run = &runs[*index];
-            if let Some((sign, offset_m, how)) = ways.iter().find_map(|way| way(&known, run)) {
-                known.add(run, sign, offset_m);
-                places[*index] = Some(Placing::Shift { sign, offset_m, how });
+            if let Some((factor, offset_m, how)) = ways.iter().find_map(|way| way(&known, run)) {
+                known.add(run, factor, offset_m);
+                places[*index] = Some(Placing::Shift { factor, offset_m, how });
             }
         }
         known.all_seen = true;
     }
     let least = runs.iter().zip(&places).filter_map(|(run, place)| match place {
-        Some(Placing::Shift { sign, offset_m, .. }) => Some(offset_m + (sign * run.ends_m.0).min(sign * run.ends_m.1)),
+        Some(Placing::Shift { factor, offset_m, .. }) => {
+            Some(offset_m + (factor * run.ends_m.0).min(factor * run.ends_m.1))
+        }
         _ => None,
     });
     let least_m = least.min_by(f64::total_cmp).unwrap_or(0.0);
@@ -433,17 +494,20 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing>
         [] => least_m,
         _ => 0.0,
     };
+    let (others, else_by) = match known.of_track {
+        true => ("the track", "without --track runs are placed beside each other"),
+        false => ("the other runs", "--track K.toml places runs by the stops of a track"),
+    };
     let out = || {
-        Placing::Out(
-            "neither its stops nor its speeds over the location agree with those of the other runs at one place only; \
-             --chainage as-is keeps the locations as they are, --track K.toml places runs by the stops of a track"
-                .to_owned(),
-        )
+        Placing::Out(format!(
+            "neither its stops nor its speeds over the location agree with those of {others} at one place only; \
+             --chainage as-is keeps the locations as they are, {else_by}"
+        ))
     };
     let placed = places.into_iter().map(|place| place.unwrap_or_else(out));
     placed
         .map(|place| match place {
-            Placing::Shift { sign, offset_m, how } => Placing::Shift { sign, offset_m: offset_m - zero_m, how },
+            Placing::Shift { factor, offset_m, how } => Placing::Shift { factor, offset_m: offset_m - zero_m, how },
             other => other,
         })
         .collect()

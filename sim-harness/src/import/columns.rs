@@ -209,15 +209,19 @@ impl Columns {
         self.of.get(&meaning).map(|column| column.index)
     }
 
+    /// Headers of the columns that are not used, quoted.
+    pub fn unused(&self, headers: &[Header]) -> String {
+        unused(headers, &self.of).map(|(_, header)| format!("{:?}", header.written)).collect::<Vec<_>>().join(", ")
+    }
+
     /// The columns that are not used, and the line for `--mapping` that takes one for `meaning`; nothing where all are used.
     pub fn remedy(&self, meaning: Meaning, headers: &[Header]) -> String {
         let left: Vec<&Header> = unused(headers, &self.of).map(|(_, header)| header).collect();
         let likely = left.iter().find(|header| header.unit_of(meaning).is_some()).or(left.first());
         let Some(likely) = likely else { return String::new() };
-        let names: Vec<String> = left.iter().map(|header| format!("{:?}", header.written)).collect();
         format!(
             "; not used: {}. If one of them is the {}, {SAY_IT}: {}",
-            names.join(", "),
+            self.unused(headers),
             meaning.key(),
             line([(meaning, likely.written.as_str(), String::new())])
         )

@@ -82,7 +82,8 @@ impl Meaning {
                  gps altitude"
             }
             Self::Effort => {
-                "effort|tractive effort|traction force|force|zugkraft|zugkraft bremskraft|kraft|\
+                "effort|tractive effort|traction force|force|zugkraft|zugkraft bremskraft|kraft|zug bremskraft|\
+                 zug und bremskraft|tractive braking effort|traction braking effort|traction brake effort|\
                  effort de traction|effort traction|esfuerzo|esfuerzo de traccion|sforzo|sforzo di trazione|\
                  applied effort|zugkraft masse|zugkraft je masse|zugkraft pro masse|spezifische zugkraft|\
                  effort mass|force mass|specific effort|specific tractive effort|effort masse"

@@ -31,7 +31,7 @@ mod staged;
 mod units;
 mod write;
 
-use account::{Account, INVERTED, ROWS, SHIFTED};
+use account::{Account, INVERTED, ROWS, SCALED, SHIFTED};
 use analysis::Group;
 use chainage::{Given, Placed, Placing};
 use cut::{Cutter, Odometer, Stretch};
@@ -417,9 +417,10 @@ fn departure(seconds: f64) -> String {
 }
 
 fn moved(place: &Placing, account: &mut Account) {
-    if let Placing::Shift { sign, offset_m, .. } = place {
+    if let Placing::Shift { factor, offset_m, .. } = place {
         account.count(SHIFTED, u64::from(*offset_m != 0.0));
-        account.count(INVERTED, u64::from(*sign < 0.0));
+        account.count(INVERTED, u64::from(*factor < 0.0));
+        account.count(SCALED, u64::from(factor.abs() != 1.0));
     }
 }
 
@@ -444,7 +445,9 @@ fn line_of(run: &Staged, direction: &str, (from_m, to_m): (f64, f64)) -> String 
 
 fn entry(run: &Staged, place: &Placing, direction: &str, ends_m: (f64, f64)) -> Value {
     let placed = match place {
-        Placing::Shift { sign, offset_m, how } => json!({"offset_m": offset_m, "inverted": *sign < 0.0, "how": how}),
+        Placing::Shift { factor, offset_m, how } => {
+            json!({"offset_m": offset_m, "inverted": *factor < 0.0, "scale": factor.abs(), "how": how})
+        }
         Placing::OnLine { share } => json!({"on_the_line": share}),
         Placing::Out(reason) => json!({"left_out": reason}),
     };

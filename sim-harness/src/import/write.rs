@@ -60,8 +60,8 @@ pub fn run(run: &Staged, place: &Placing, placed: &Placed, folder: &Path) -> Res
         writeln!(file, "{}", names.join(","))?;
         run.read(&mut |mut sample| {
             match place {
-                Placing::Shift { sign, offset_m, .. } => {
-                    sample.location_m = sample.location_m.map(|m| offset_m + sign * m)
+                Placing::Shift { factor, offset_m, .. } => {
+                    sample.location_m = sample.location_m.map(|m| offset_m + factor * m)
                 }
                 _ => {
                     let found = matcher.as_ref().and_then(|line| {
@@ -110,7 +110,7 @@ fn passed(run: &Staged, place: &Placing, line: Option<&CentreLine>, ends_m: (f64
         .enumerate()
         .filter_map(|(i, mark)| {
             let at_m = match place {
-                Placing::Shift { sign, offset_m, .. } => offset_m + sign * mark.at_m,
+                Placing::Shift { factor, offset_m, .. } => offset_m + factor * mark.at_m,
                 _ => line?.locate(&mut state, i as f64, Some(mark.fix?.0), Some(mark.fix?.1)).ok()?.location_m,
             };
             Some((mark.at_m, at_m, mark.altitude_m))
@@ -120,7 +120,7 @@ fn passed(run: &Staged, place: &Placing, line: Option<&CentreLine>, ends_m: (f64
         located.iter().min_by(|a, b| (a.0 - own_m).abs().total_cmp(&(b.0 - own_m).abs())).map(|found| found.1)
     };
     let stops_m = run.stops.iter().filter(|(_, seconds)| *seconds >= STOP_S).filter_map(|(at_m, _)| match place {
-        Placing::Shift { sign, offset_m, .. } => Some(offset_m + sign * at_m),
+        Placing::Shift { factor, offset_m, .. } => Some(offset_m + factor * at_m),
         _ => nearest(*at_m),
     });
     Passed {

@@ -128,6 +128,33 @@ fn an_odometer_comes_onto_the_chainage_of_a_track_by_its_stops() {
     );
 }
 
+/// Whether it has seven stops or four: a shift alone would leave the ends 150 m apart, or the run out.
+#[test]
+fn an_odometer_with_the_distances_of_another_wheel_is_put_right_by_the_stops_of_a_track() {
+    let stops =
+        |at: &[f64]| -> String { at.iter().map(|at| format!("[[stop]]\nat_m = {at}\nname = \"S\"\n")).collect() };
+    let four = [0.0, 3_200.0, 7_900.0, 11_900.0];
+    for (stops_m, too_long) in [(&STOPS_M[..], 1.025), (&four, 1.025), (&four, 0.978)] {
+        let rows = drive(stops_m, 30.0);
+        let folder = Folder::new();
+        let text = table("Time [s],Odometer [m],Speed [km/h]", &rows, |t, x, v| {
+            format!("{t},{:.0},{:.1}", 700_000.0 + too_long * x, 3.6 * too_long * v)
+        });
+        folder.write("log.csv", &text);
+        folder.write("line.toml", &format!("name = \"line\"\nlength_m = 12000.0\n{}", stops(stops_m)));
+        let said = folder.done(&["import", "log.csv", "--track", "line.toml", "--out", "runs"]);
+        assert!(
+            said.out.contains("runs with distances of another wheel, put right by the stops of the track"),
+            "{said:?}"
+        );
+        let rows = csv(&folder, "runs/log_01.csv");
+        near(rows[0][1], 0.0, 25.0);
+        near(last(&rows)[1], 11_900.0, 25.0);
+        let scale = &folder.json("runs/import.json")["runs"][0]["placed"]["scale"];
+        near(scale.as_f64().unwrap(), 1.0 / too_long, 0.003);
+    }
+}
+
 /// A counter that has no reading has all its bits set.
 #[test]
 fn a_reading_beyond_any_line_makes_no_odometer() {

@@ -9,7 +9,7 @@ use rundown_check::agreement::Figure;
 /// What all runs have alike.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Kinematics {
-    /// Measured over true speed, where all runs have one recorder and it does not read true.
+    /// Measured over true speed, where all recorders read alike and not true.
     pub scale: Option<Figure>,
     /// Age of the location reading less that of the speed, s.
     pub lag_s: Option<Figure>,
@@ -22,8 +22,11 @@ impl Kinematics {
     pub fn of(runs: &[Run]) -> Self {
         let recorders = recorders(runs);
         let compared = runs.iter().filter(|run| run.recorded.own_scale.is_some()).count();
-        let scale = if recorders.len() == 1 { recorders[0].1 } else { None };
-        Self { scale, lag_s: usual(recorders.iter().filter_map(|(_, _, lag_s)| *lag_s)), runs: compared }
+        Self {
+            scale: common(&recorders),
+            lag_s: usual(recorders.iter().filter_map(|(_, _, lag_s)| *lag_s)),
+            runs: compared,
+        }
     }
 
     /// The lag, s, with its standard deviation, if it is beyond doubt and matters.
@@ -35,6 +38,16 @@ impl Kinematics {
 
 /// A unit with the scale that was put right in its speeds, and its usual lag, s.
 type Recorder<'a> = (&'a str, Option<Figure>, Option<Figure>);
+
+/// Recorders differ by no more than this in standard deviations, if they have one scale.
+const ALIKE: f64 = 3.0;
+
+/// The scale that all recorders have: what several units have alike is the description of the wheel, or the measure of the line.
+fn common(recorders: &[Recorder<'_>]) -> Option<Figure> {
+    let scales: Vec<Figure> = recorders.iter().map(|(_, scale, _)| *scale).collect::<Option<_>>()?;
+    let mean = usual(scales.iter().copied())?;
+    scales.iter().all(|scale| scale.away_from(mean.value) < ALIKE).then_some(mean)
+}
 
 /// The recorders of these runs, in the order in which they appear.
 fn recorders(runs: &[Run]) -> Vec<Recorder<'_>> {
@@ -64,10 +77,10 @@ pub fn own_scales(runs: &[Run]) -> Vec<(usize, Figure)> {
     runs.iter().enumerate().filter_map(of).collect()
 }
 
-/// Recorders whose speeds were put right, where there are several: the scale, and the runs by their indices.
+/// Recorders whose speeds were put right, where not all have one scale: the scale, and the runs by their indices.
 pub fn scaled_recorders(runs: &[Run]) -> Vec<(Figure, Vec<usize>)> {
     let recorders = recorders(runs);
-    if recorders.len() == 1 {
+    if common(&recorders).is_some() {
         return Vec::new();
     }
     let of = |unit: &str| (0..runs.len()).filter(|i| runs[*i].recorded.unit == unit).collect();
@@ -81,11 +94,10 @@ mod tests {
     use rundown::model::direction::Direction;
 
     fn run(unit: &str, scale: Option<f64>, lag_s: f64) -> Run {
-        let figure = |value| Figure { value, sd: 0.1 };
         let recorded = Recorded {
             unit: unit.to_owned(),
-            scale: scale.map(figure),
-            usual_lag_s: Some(figure(lag_s)),
+            scale: scale.map(|value| Figure { value, sd: 0.001 }),
+            usual_lag_s: Some(Figure { value: lag_s, sd: 0.1 }),
             ..Recorded::default()
         };
         Run { name: unit.to_owned(), direction: Direction::Up, day: None, samples: Vec::new(), recorded }
@@ -100,6 +112,17 @@ mod tests {
         assert_eq!(Kinematics::of(&two).scale, None);
         let [(scale, runs)] = scaled_recorders(&two).try_into().unwrap();
         assert_eq!((scale.value, runs), (1.013, vec![0, 2]));
+    }
+
+    #[test]
+    fn units_that_read_alike_have_one_scale() {
+        let all = [run("a", Some(1.0131), 0.0), run("b", Some(1.0128), 0.0), run("c", Some(1.0141), 0.0)];
+        let scale = Kinematics::of(&all).scale.unwrap();
+        assert!((scale.value - 1.01333).abs() < 1e-5 && scale.sd < 0.001, "{scale:?}");
+        assert_eq!(scaled_recorders(&all), []);
+        let apart = [run("a", Some(1.013), 0.0), run("b", Some(0.99), 0.0)];
+        assert_eq!(Kinematics::of(&apart).scale, None);
+        assert_eq!(scaled_recorders(&apart).len(), 2);
     }
 
     #[test]

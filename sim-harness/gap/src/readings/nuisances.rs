@@ -115,9 +115,9 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
     [gain, brakes, delay, offset].into_iter().flatten().collect()
 }
 
-/// A gain that was put right beside wrong Davis coefficients may as well be the mass, which changes both.
-pub fn beside(nuisances: &mut [Nuisance], named: &[Named]) {
-    let may_be_mass = named.iter().any(|one| one.ambiguous_with.contains(&EffectKind::MassError));
+/// A gain that was put right may as well be the mass, where these data cannot tell; and beside wrong Davis coefficients, for a mass changes both.
+pub fn beside(nuisances: &mut [Nuisance], named: &[Named], gain_may_be_mass: bool) {
+    let may_be_mass = gain_may_be_mass || named.iter().any(|one| one.ambiguous_with.contains(&EffectKind::MassError));
     for gain in nuisances.iter_mut().filter(|one| may_be_mass && one.told && one.name == "effort_gain") {
         gain.ambiguous_with.push(EffectKind::MassError);
     }

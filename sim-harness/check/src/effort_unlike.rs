@@ -1,0 +1,148 @@
+//! A run whose effort column is unlike that of the other runs: it stands still, reads half, is cut off, or is another train's.
+//!
+//! In: rows of all runs of a unit, put right. Out: the acceleration that a run has for its effort, beside that of the usual run.
+//!
+//! ```text
+//! Δv/Δt = k e - r0 - r2 v² + noise
+//! ```
+//!
+//! `k` is 1 of a column in N/kg of the moving mass, and the same in all runs of a unit but for its load. Gradients are noise here.
+
+use crate::agreement::Figure;
+use crate::compared::spread;
+use crate::effort::stretches;
+use nalgebra::{Matrix3, Vector3};
+use rundown_files::sample::Sample;
+use rundown_files::units::median;
+
+/// Windows are at least so long, s: the effort of a second earlier or later does not matter.
+const WINDOW_S: f64 = 10.0;
+/// So many windows, and accelerations that differ by so much, m/s² (standard deviation), show how a train answers to its effort.
+const LEAST_WINDOWS: usize = 20;
+const LEAST_CHANGE_MPS2: f64 = 0.08;
+/// The usual run is known from so many.
+const LEAST_RUNS: usize = 6;
+/// Loads make less than this, as a share.
+const LEAST_OFF: f64 = 0.25;
+/// So many standard deviations, its own and those between runs.
+const SURE: f64 = 5.0;
+/// Neighbours have gradients in common: so much wider is the scatter of a fit than that of rows that know nothing of each other.
+const WIDER: f64 = 1.5;
+
+/// A window: acceleration, m/s², and what explains it.
+struct Window {
+    acceleration_mps2: f64,
+    x: Vector3<f64>,
+}
+
+fn window(rows: &[Sample]) -> Option<Window> {
+    let (begin, end) = (rows.first()?, rows.last()?);
+    let [first, last] = [begin.speed_mps?, end.speed_mps?];
+    let efforts: Vec<f64> = rows[1..].iter().filter_map(|row| row.effort_n_per_kg).collect();
+    let mean = 0.5 * (first + last);
+    let is_moving = first.min(last) > 0.0;
+    is_moving.then(|| Window {
+        acceleration_mps2: (last - first) / (end.time_s - begin.time_s),
+        x: Vector3::new(efforts.iter().sum::<f64>() / efforts.len() as f64, 1.0, mean * mean),
+    })
+}
+
+/// The acceleration that a run has for its effort: 0 where the column stands still. None where too little of it powers and brakes.
+pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
+    let windows: Vec<Window> = stretches(rows, WINDOW_S).into_iter().filter_map(window).collect();
+    let n = windows.len() as f64;
+    let changes: Vec<f64> = windows.iter().map(|window| window.acceleration_mps2).collect();
+    let mean = changes.iter().sum::<f64>() / n;
+    let scatter = (changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / n).sqrt();
+    if windows.len() < LEAST_WINDOWS || scatter < LEAST_CHANGE_MPS2 {
+        return None;
+    }
+    let effort = windows[0].x[0];
+    if windows.iter().all(|window| (window.x[0] - effort).abs() < 1e-9) {
+        return Some(Figure { value: 0.0, sd: 0.0 });
+    }
+    let (mut normal, mut score) = (Matrix3::zeros(), Vector3::zeros());
+    for Window { acceleration_mps2, x } in &windows {
+        normal += x * x.transpose();
+        score += x * *acceleration_mps2;
+    }
+    let inverse = normal.cholesky()?.inverse();
+    let beta = inverse * score;
+    let left = |window: &Window| (window.acceleration_mps2 - window.x.dot(&beta)).powi(2);
+    let variance = windows.iter().map(left).sum::<f64>() / (n - 3.0);
+    Some(Figure { value: beta[0], sd: WIDER * (variance * inverse[(0, 0)]).sqrt() })
+}
+
+/// Of these runs the ones that are unlike the usual one, by their places: what they have for their effort, over what the usual run has.
+pub(crate) fn unlike(runs: &[Option<Figure>]) -> Vec<(usize, Figure)> {
+    let values: Vec<f64> = runs.iter().flatten().map(|one| one.value).collect();
+    if values.len() < LEAST_RUNS {
+        return Vec::new();
+    }
+    let usual = median(&values);
+    if usual <= 0.0 {
+        return Vec::new();
+    }
+    let between = spread(&values.iter().map(|value| value - usual).collect::<Vec<f64>>());
+    let is_unlike = |one: &Figure| {
+        let off = (one.value - usual).abs();
+        off > LEAST_OFF * usual && off > SURE * one.sd.hypot(between)
+    };
+    let found = runs.iter().enumerate().filter_map(|(place, one)| Some((place, one.filter(is_unlike)?)));
+    found.map(|(place, one)| (place, Figure { value: one.value / usual, sd: one.sd / usual })).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A train that starts, coasts and brakes on slopes; its column holds what `reads` makes of the effort.
+    fn run(seed: u64, reads: impl Fn(f64) -> f64) -> Vec<Sample> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (mut rows, mut mps, mut slope) = (Vec::new(), 0.0_f64, 0.0);
+        for second in 0..1500 {
+            if second % 40 == 0 {
+                slope = rng.random_range(-0.05..0.05);
+            }
+            let effort = match second % 300 {
+                0..80 => 0.4,
+                80..220 => 0.0,
+                _ => -0.5,
+            };
+            mps = (mps + effort - 0.02 - 2e-5 * mps * mps - slope).max(0.0);
+            rows.push(Sample {
+                time_s: f64::from(second),
+                speed_mps: Some(mps + rng.random_range(-0.05..0.05)),
+                effort_n_per_kg: Some(reads(effort + rng.random_range(-0.005..0.005))),
+                ..Sample::default()
+            });
+        }
+        rows
+    }
+
+    fn found(odd: impl Fn(f64) -> f64, seed: u64) -> Vec<usize> {
+        let runs = (0..10).map(|i| if i == 3 { of_run(&run(seed, &odd)) } else { of_run(&run(seed + 1 + i, |e| e)) });
+        unlike(&runs.collect::<Vec<_>>()).into_iter().map(|(place, _)| place).collect()
+    }
+
+    #[test]
+    fn a_run_that_answers_otherwise_to_its_effort_is_found() {
+        for seed in [10, 30, 50] {
+            assert_eq!(found(|effort| 0.5 * effort, seed), [3], "half");
+            assert_eq!(found(|_| 0.1, seed), [3], "stands still");
+            assert_eq!(found(|effort| -effort, seed), [3], "turned");
+            assert_eq!(found(|effort| effort, seed), [0; 0], "like the others");
+            assert_eq!(found(|effort| 1.08 * effort, seed), [0; 0], "another load");
+        }
+    }
+
+    #[test]
+    fn a_column_that_stands_still_in_one_run_answers_by_nothing() {
+        let mut rows = run(7, |effort| effort);
+        rows.iter_mut().for_each(|row| row.effort_n_per_kg = Some(0.2));
+        assert_eq!(of_run(&rows), Some(Figure { value: 0.0, sd: 0.0 }));
+        assert_eq!(of_run(&rows[80..200]), None, "a coast alone says nothing");
+    }
+}

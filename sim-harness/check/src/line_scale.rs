@@ -1,0 +1,231 @@
+//! An odometer that counts with another wheel than the line is measured by: its locations grow too fast or too slowly beside the described stops.
+//!
+//! In: runs whose readings are clean, and the described stops. Out: by which factor the locations of a recorder are off; they are put right.
+//!
+//! ```text
+//! read location of a stop = offset of the run + scale × described location + platforms
+//! ```
+//!
+//! Where the odometer gives the speed, too, both agree, and nothing else shows the wheel. Once the locations are right, the speed is off beside them by as much. All
+//! runs of a recorder have one scale, and each an offset, for odometers begin anywhere.
+
+use crate::agreement::Figure;
+use crate::finding::{Done, Finding, Kind};
+use crate::profile::Profile;
+use crate::{LEAST_SCALE, RunCheck, SURE};
+use rundown_files::recording::Recording;
+use rundown_files::units::median;
+
+/// A wheel is off by less.
+const MOST_OFF: f64 = 0.03;
+/// A stop is at a described one within so much, m: platforms are long, and described half a train off.
+const NEAR_M: f64 = 120.0;
+/// So many stops of a run must agree, and such a share: two of them agree always.
+const LEAST_STOPS: usize = 4;
+const LEAST_SHARE: f64 = 0.8;
+/// How far a platform is from where it is described, in all runs alike, standard deviation, m.
+const PLATFORM_SD_M: f64 = 50.0;
+
+/// Stops of a run at the described ones: the straight line through them.
+#[derive(Clone, Copy, Debug)]
+struct Fit {
+    scale: f64,
+    offset_m: f64,
+    stops: usize,
+    /// Root of the sum of squares of the described locations about their mean, m.
+    spread_m: f64,
+}
+
+/// Where a recorder's locations grow otherwise than the line.
+#[derive(Clone, Debug)]
+pub(crate) struct Scaled {
+    pub(crate) unit: String,
+    /// Read over described.
+    pub(crate) scale: Figure,
+    /// Runs whose stops say so, with the most stops that agree in one.
+    runs: usize,
+    stops: usize,
+}
+
+impl Scaled {
+    pub(crate) fn finding(&self) -> Finding {
+        let (kind, figure) = (Kind::LocationScale, self.scale);
+        Finding { kind, figure, unit: "", count: 1, line: 0, done: Done::PutRight }
+    }
+
+    pub(crate) fn evidence(&self) -> String {
+        let Self { runs, stops, .. } = self;
+        format!("up to {stops} stops of a run agree so, in {runs} runs; platforms are known to {PLATFORM_SD_M:.0} m")
+    }
+}
+
+/// Miles, nautical miles and yards that are taken for kilometres and metres, and the reverse.
+const OTHER_UNITS: [f64; 6] = [1.0 / 1.609_344, 1.609_344, 1.0 / 1.852, 1.852, 1.0 / 0.9144, 0.9144];
+
+/// By which factor the locations of a run are those of another unit: all of its stops are described ones so, and not as they are.
+pub(crate) fn other_unit(recording: &Recording, described_m: &[f64]) -> Option<(f64, usize)> {
+    if described_m.len() < LEAST_STOPS || of_run(recording, described_m, 1.0).is_some() {
+        return None;
+    }
+    let fits = OTHER_UNITS.iter().filter_map(|factor| Some((*factor, of_run(recording, described_m, *factor)?.stops)));
+    fits.max_by_key(|(_, stops)| *stops)
+}
+
+/// Puts right the locations of recorders that are off beyond doubt. Out: these, and by run whether it was moved.
+pub(crate) fn put_right(
+    recordings: &mut [Recording],
+    runs: &[RunCheck],
+    described_m: &[f64],
+) -> (Vec<Scaled>, Vec<bool>) {
+    let mut moved = vec![false; runs.len()];
+    let mut found: Vec<Scaled> = Vec::new();
+    if described_m.len() < LEAST_STOPS {
+        return (found, moved);
+    }
+    let mut units: Vec<&str> = runs.iter().map(|run| run.unit.as_str()).collect();
+    units.sort_unstable();
+    units.dedup();
+    for unit in units {
+        let own = (0..runs.len()).filter(|i| runs[*i].unit == unit && runs[*i].refusal().is_none());
+        let fits: Vec<(usize, Option<Fit>)> = own.map(|i| (i, of_run(&recordings[i], described_m, 1.0))).collect();
+        let of_runs: Vec<Fit> = fits.iter().filter_map(|(_, fit)| *fit).collect();
+        let Some(scale) = usual(&of_runs) else { continue };
+        let stops = of_runs.iter().map(|fit| fit.stops).max().unwrap_or_default();
+        for (i, fit) in fits {
+            let recording = &mut recordings[i];
+            let offset_m = fit.map_or_else(|| own_offset_m(recording, described_m, scale.value), |fit| fit.offset_m);
+            let located = recording.rows.iter_mut().filter_map(|row| row.location_m.as_mut());
+            located.for_each(|at_m| *at_m = (*at_m - offset_m) / scale.value);
+            moved[i] = true;
+        }
+        found.push(Scaled { unit: unit.to_owned(), scale, runs: of_runs.len(), stops });
+    }
+    (found, moved)
+}
+
+/// A run with too few stops begins where it is described to.
+fn own_offset_m(recording: &Recording, described_m: &[f64], scale: f64) -> f64 {
+    let Some(first_m) = recording.rows.iter().find_map(|row| row.location_m) else { return 0.0 };
+    let near = described_m.iter().filter(|stop| (*stop - first_m).abs() < NEAR_M);
+    let begins_m = near.min_by(|a, b| (*a - first_m).abs().total_cmp(&(*b - first_m).abs())).unwrap_or(&first_m);
+    first_m - scale * begins_m
+}
+
+/// The scale of all runs of a recorder, where it matters and is beyond doubt.
+fn usual(fits: &[Fit]) -> Option<Figure> {
+    if fits.is_empty() {
+        return None;
+    }
+    let value = median(&fits.iter().map(|fit| fit.scale).collect::<Vec<_>>());
+    let apart: Vec<f64> = fits.iter().map(|fit| (fit.scale - value).abs()).collect();
+    let of_runs = 1.4826 * median(&apart) / (fits.len() as f64).sqrt();
+    let of_platforms = PLATFORM_SD_M / median(&fits.iter().map(|fit| fit.spread_m).collect::<Vec<_>>());
+    let scale = Figure { value, sd: of_runs.hypot(of_platforms) };
+    ((value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE).then_some(scale)
+}
+
+/// The line through the stops of a run, at the place at which most of them agree, with a scale near `usual`.
+fn of_run(recording: &Recording, described_m: &[f64], usual: f64) -> Option<Fit> {
+    let sign = recording.direction.sign();
+    let profile = Profile::of(&recording.rows, sign)?;
+    let calls_m: Vec<f64> = profile.calls_m().into_iter().map(|at_m| sign * at_m).collect();
+    let (first_m, last_m) = (*calls_m.first()?, *calls_m.last()?);
+    let pairs = described_m.iter().flat_map(|from| described_m.iter().map(move |to| (*from, *to)));
+    let fit = |(from_m, to_m): (f64, f64)| {
+        let scale = (last_m - first_m) / (to_m - from_m);
+        ((scale / usual - 1.0).abs() < MOST_OFF)
+            .then(|| through(&calls_m, described_m, scale, first_m - scale * from_m))?
+    };
+    // As they are, too: then most agree, and the line through them is that of the platforms.
+    let found = pairs.filter_map(fit).chain(through(&calls_m, described_m, usual, 0.0));
+    let best = found.max_by_key(|fit| fit.stops)?;
+    (best.stops >= LEAST_STOPS && best.stops as f64 >= LEAST_SHARE * calls_m.len() as f64).then_some(best)
+}
+
+/// Least squares through the stops that are near described ones so.
+fn through(calls_m: &[f64], described_m: &[f64], scale: f64, offset_m: f64) -> Option<Fit> {
+    let near = |call_m: &f64| {
+        let off_m = |stop_m: &f64| (call_m - offset_m - scale * stop_m).abs();
+        let nearest = described_m.iter().min_by(|a, b| off_m(a).total_cmp(&off_m(b)))?;
+        (off_m(nearest) < NEAR_M).then_some((*nearest, *call_m))
+    };
+    let agree: Vec<(f64, f64)> = calls_m.iter().filter_map(near).collect();
+    let n = agree.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| agree.iter().map(of).sum::<f64>() / n;
+    let (described, read) = (mean(|pair| pair.0), mean(|pair| pair.1));
+    let square: f64 = agree.iter().map(|(stop, _)| (stop - described).powi(2)).sum();
+    let product: f64 = agree.iter().map(|(stop, call)| (stop - described) * (call - read)).sum();
+    let scale = product / square;
+    let fit = Fit { scale, offset_m: read - scale * described, stops: agree.len(), spread_m: square.sqrt() };
+    scale.is_finite().then_some(fit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rundown::model::direction::Direction;
+    use rundown_files::sample::Sample;
+
+    const STOPS_M: [f64; 5] = [0.0, 9_000.0, 22_000.0, 41_000.0, 60_000.0];
+
+    /// Runs that stop within some metres of platforms which are themselves off, counted by a wheel that is off.
+    fn runs(read: f64, platforms: [f64; 5]) -> Vec<Recording> {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let run = |index: usize| {
+            let (mut rows, mut time_s) = (Vec::new(), 0.0);
+            for (stop, off_m) in STOPS_M.iter().zip(platforms) {
+                let at_m = stop + off_m + rng.random_range(-15.0..15.0);
+                for (ahead_m, mps) in [(-100.0, 10.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (100.0, 10.0)] {
+                    time_s += 10.0;
+                    let location_m = Some(700.0 + read * (at_m + ahead_m));
+                    rows.push(Sample { time_s, location_m, speed_mps: Some(mps), ..Sample::default() });
+                }
+            }
+            let (name, path) = (index.to_string(), format!("{index}.csv").into());
+            let (unit, driver) = (String::new(), String::new());
+            Recording {
+                name,
+                path,
+                unit,
+                driver,
+                direction: Direction::Up,
+                day: None,
+                rows,
+                perturbed: None,
+                warnings: vec![],
+            }
+        };
+        (0..6).map(run).collect()
+    }
+
+    fn found(recordings: &mut [Recording]) -> Vec<Scaled> {
+        let checks: Vec<RunCheck> = recordings.iter().map(|one| RunCheck::of(one, 10.0, Vec::new())).collect();
+        put_right(recordings, &checks, &STOPS_M).0
+    }
+
+    #[test]
+    fn an_odometer_with_another_wheel_is_put_right_by_the_described_stops() {
+        for read in [1.013, 0.985] {
+            let mut recordings = runs(read, [0.0, 40.0, -60.0, 30.0, -20.0]);
+            let [one] = found(&mut recordings).try_into().unwrap();
+            assert!(one.scale.away_from(read) < 2.0 && one.scale.sd < 0.0015, "{one:?}");
+            let last_m = recordings[0].rows.last().unwrap().location_m.unwrap();
+            assert!((last_m - 60_080.0).abs() < 120.0, "{last_m}");
+        }
+    }
+
+    #[test]
+    fn stops_that_are_described_in_another_unit_are_found() {
+        let miles = runs(1.0 / 1.609_344, [0.0; 5]);
+        assert_eq!(other_unit(&miles[0], &STOPS_M), Some((1.0 / 1.609_344, 5)));
+        assert_eq!(other_unit(&runs(1.013, [0.0; 5])[0], &STOPS_M), None);
+    }
+
+    #[test]
+    fn platforms_that_are_off_are_no_wheel() {
+        assert_eq!(found(&mut runs(1.0, [80.0, -40.0, 60.0, -90.0, -100.0])).len(), 0);
+        assert_eq!(found(&mut runs(1.002, [0.0; 5])).len(), 0);
+    }
+}
