@@ -316,16 +316,17 @@ impl KnownLine {
         let is_other = |other: &&(usize, f64, f64)| other.1 * factor < 0.0 || (other.2 - offset_m).abs() > SAME_M;
         let other = found.iter().find(is_other).map_or(0, |other| other.0);
         let clear = count >= LEAST_SCALED_STOPS && count > other.max(as_counted) && 10 * count >= 8 * own.len();
-        clear.then(|| {
-            let percent = 100.0 * (1.0 / factor.abs() - 1.0);
-            let how = format!(
-                "{count} of {} stops agree if its distances are {:.2} % too {}, {other} at the next best place",
-                own.len(),
-                percent.abs(),
-                if percent > 0.0 { "long" } else { "short" },
-            );
-            (factor, offset_m, how)
-        })
+        if !clear {
+            return None;
+        }
+        let percent = 100.0 * (1.0 / factor.abs() - 1.0);
+        let how = format!(
+            "{count} of {} stops agree if its distances are {:.2} % too {}, {other} at the next best place",
+            own.len(),
+            percent.abs(),
+            if percent > 0.0 { "long" } else { "short" },
+        );
+        Some((factor, offset_m, how))
     }
 
     /// How many stops of a run agree, with factor and offset by least squares over these.

@@ -20,6 +20,11 @@ pub const STOP_S: f64 = 10.0;
 const KEPT_S: f64 = 30.0;
 /// A train that stood in a gap is no further on, m.
 const STOOD_M: f64 = 300.0;
+/// A reading that is written again sooner than this is one reading, s; so many rows tell, and half of them.
+const REPEATS_S: f64 = 0.999;
+const LEAST_REPEATED: usize = 50;
+/// A speed is the mean over so long before and after, s.
+const SPEED_S: f64 = 4.0;
 /// Fixes nearer than this to the last one counted say nothing of a distance, m.
 const ANCHOR_M: f64 = 15.0;
 
@@ -132,6 +137,7 @@ impl Stretch {
             return Vec::new();
         }
         self.in_order(account);
+        self.leave_out_repeats(account);
         self.locate(account);
         self.speeds(account);
         let mut findings = Vec::new();
@@ -168,11 +174,40 @@ impl Stretch {
             keep.push(row.time_s > last_s);
             last_s = last_s.max(row.time_s);
         }
+        self.keep(&keep);
+        account.count("rows with a time that was there before, left out", (before - self.rows.len()) as u64);
+    }
+
+    /// A logger that is faster than its receiver writes each reading several times, with later times: the first of them is the reading.
+    fn leave_out_repeats(&mut self, account: &mut Account) {
+        let read = |row: &Sample| (row.location_m, fix(row), row.speed_mps);
+        let is_soon = |a: &Sample, b: &Sample| b.time_s - a.time_s < REPEATS_S;
+        let moves = |row: &Sample| row.speed_mps.is_none_or(|mps| mps > 1.0);
+        let pairs = self.rows.windows(2).filter(|pair| is_soon(&pair[0], &pair[1]) && moves(&pair[0]));
+        let (all, same) =
+            pairs.fold((0, 0), |(all, same), pair| (all + 1, same + usize::from(read(&pair[0]) == read(&pair[1]))));
+        if all < LEAST_REPEATED || 2 * same < all {
+            return;
+        }
+        let mut kept: Option<Sample> = None;
+        let is_new = |row: &Sample| {
+            let is_new = kept.is_none_or(|first| !is_soon(&first, row) || read(&first) != read(row));
+            if is_new {
+                kept = Some(*row);
+            }
+            is_new
+        };
+        let keep: Vec<bool> = self.rows.iter().map(is_new).collect();
+        let left_out = keep.iter().filter(|keep| !**keep).count();
+        self.keep(&keep);
+        account.count("rows that repeat the reading before within a second, left out", left_out as u64);
+    }
+
+    fn keep(&mut self, keep: &[bool]) {
         let mut kept = keep.iter();
         self.rows.retain(|_| kept.next().copied().unwrap_or(true));
         let mut kept = keep.iter();
         self.altitudes_m.retain(|_| kept.next().copied().unwrap_or(true));
-        account.count("rows with a time that was there before, left out", (before - self.rows.len()) as u64);
     }
 
     /// Distances along the fixes, where there is no location.
@@ -213,15 +248,19 @@ impl Stretch {
             return;
         }
         let located: Vec<usize> = (0..self.rows.len()).filter(|i| self.rows[*i].location_m.is_some()).collect();
+        let time = |k: usize| self.rows[located[k]].time_s;
+        // As many rows on each side, not as long a time: where a clock jitters, the rows within a time are those whose time is too short.
+        let step_s = clock::usual_step_s(&self.rows);
+        let reach = ((SPEED_S / step_s).round() as usize).max(1);
+        let longest_s = 1.5 * step_s * reach as f64;
         let mut speeds = Vec::new();
         for k in 0..located.len() {
-            let (mut a, mut b) = (k, k);
-            let time = |k: usize| self.rows[located[k]].time_s;
-            while a > 0 && time(k) - time(a - 1) <= 4.0 {
-                a -= 1;
+            let (mut a, mut b) = (k.saturating_sub(reach), (k + reach).min(located.len() - 1));
+            while time(k) - time(a) > longest_s {
+                a += 1;
             }
-            while b + 1 < located.len() && time(b + 1) - time(k) <= 4.0 {
-                b += 1;
+            while time(b) - time(k) > longest_s {
+                b -= 1;
             }
             // Rows further apart than that: the neighbours.
             let (a, b) = if a == b { (k.saturating_sub(1), (k + 1).min(located.len() - 1)) } else { (a, b) };

@@ -271,3 +271,39 @@ fn a_table_of_parquet_is_read_and_split_by_its_runs() {
         near(csv(&folder, name).iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
     }
 }
+
+/// Five rows a second, of a receiver with one fix a second.
+#[test]
+fn a_reading_that_a_logger_writes_again_is_one_reading() {
+    let rows = drive(&STOPS_M, 30.0);
+    let again = rows.iter().flat_map(|(t, x, v)| (0..5).map(move |i| (t + 0.2 * f64::from(i), *x, *v)));
+    let again: Vec<_> = again.collect();
+    let text = |rows: &[(f64, f64, f64)]| {
+        table("time_s,location_m,speed_kmh", rows, |t, x, v| format!("{t:.1},{x:.1},{:.2}", 3.6 * v))
+    };
+    let folder = Folder::new().with("once.csv", &text(&rows)).with("often.csv", &text(&again));
+    let said = folder.done(&["import", "once.csv", "often.csv", "--chainage", "as-is"]);
+    assert!(said.out.contains("rows that repeat the reading before within a second, left out"), "{}", said.out);
+    let [once, often] = ["runs/once_01.csv", "runs/often_01.csv"].map(|name| csv(&folder, name));
+    let moving = |rows: &[Vec<f64>]| rows.iter().filter(|row| row[2] > 4.0).cloned().collect::<Vec<_>>();
+    assert_eq!(moving(&once), moving(&often));
+}
+
+/// The distance is that of the clock's true second.
+#[test]
+fn a_clock_that_jitters_makes_no_wheel_of_speeds_that_are_computed() {
+    let rows = drive(&STOPS_M, 30.0);
+    let text = table("time_s,location_m", &rows, |t, x, _| {
+        let jitter_s = 0.15 * (12.9898 * t).sin();
+        format!("{:.3},{x:.1}", t + jitter_s)
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv", "--chainage", "as-is"]);
+    let (read, driven) = (csv(&folder, "runs/a_01.csv"), rows);
+    let [mut by_speed, mut true_m] = [0.0; 2];
+    for (row, (_, _, mps)) in read.iter().zip(&driven).filter(|(_, (_, _, mps))| *mps > 15.0) {
+        by_speed += row[2] / 3.6;
+        true_m += mps;
+    }
+    assert!((by_speed / true_m - 1.0).abs() < 0.001, "{by_speed} {true_m}");
+}

@@ -38,8 +38,11 @@ fn rivals(effect: &Effect, gain: Option<f64>, wrong: &[[f64; 2]], naming: &Namin
         return wind.into_iter().chain(gain.map(|_| EffectKind::MassError)).collect();
     }
     if let Effect::PowerLimitSection(PowerLimitSection { from_m, to_m, .. }) = effect {
-        let climbs = !naming.measured && may_climb([*from_m, *to_m], wrong, naming);
-        return climbs.then_some(EffectKind::GradientError).into_iter().collect();
+        let section = [*from_m, *to_m];
+        let climbs = !naming.measured && may_climb(section, wrong, naming);
+        let drags = !naming.measured && !is_coasted(section, naming);
+        let climbs = climbs.then_some(EffectKind::GradientError);
+        return climbs.into_iter().chain(drags.then_some(EffectKind::TunnelDrag)).collect();
     }
     let Effect::TractionScale(TractionScale { factor }) = effect else { return Vec::new() };
     // The column as it reads has the described limit: force and limit are right, and the acceleration is that of another mass.
@@ -60,13 +63,19 @@ fn may_climb(section: [f64; 2], wrong: &[[f64; 2]], naming: &Naming<'_>) -> bool
     let [from_m, to_m] = section;
     let near_m = config.certainty.described_m;
     let is_near = |[from, to]: &[f64; 2]| *from < to_m + near_m && *to > from_m - near_m;
-    let coasts = naming.rows.iter().filter(|row| (from_m..to_m).contains(&row.interval.middle().location_m));
-    let is_coasted = coasts.count() >= config.certainty.coasted_rows;
     let track = believed.line(Direction::Up).track;
     let places = ((to_m - from_m) / PLACE_M).max(1.0) as u32;
     let is_level =
         (1..=places).all(|i| track.mean_gradient(from_m + PLACE_M * f64::from(i), PLACE_M, Direction::Up) == 0.0);
-    surroundings.is_level || wrong.iter().any(is_near) || (!is_coasted && (is_level || !wrong.is_empty()))
+    surroundings.is_level
+        || wrong.iter().any(is_near)
+        || (!is_coasted(section, naming) && (is_level || !wrong.is_empty()))
+}
+
+/// Enough of the rows lie in the section to show a resistance there.
+fn is_coasted([from_m, to_m]: [f64; 2], naming: &Naming<'_>) -> bool {
+    let coasts = naming.rows.iter().filter(|row| (from_m..to_m).contains(&row.interval.middle().location_m));
+    coasts.count() >= naming.context.config.certainty.coasted_rows
 }
 
 /// A wind that blows would add as much at the usual speed: r2 ((v + w)² - v²).
@@ -107,13 +116,15 @@ mod tests {
 
     #[test]
     fn a_limit_may_be_a_climb_where_the_gradients_are_wrong_near_by_or_not_known() {
-        const SHARED: [EffectKind; 1] = [EffectKind::GradientError];
+        const SHARED: [EffectKind; 2] = [EffectKind::GradientError, EffectKind::TunnelDrag];
         let section = [10_000.0, 14_000.0];
         on_a_hilly_line(20, |context| {
-            for coasts in [0, 12] {
-                assert_eq!(rivals(context, section, None, coasts, false), []);
-                assert_eq!(rivals(context, section, Some([14_300.0, 15_000.0]), coasts, false), SHARED);
-                assert_eq!(rivals(context, section, Some([14_300.0, 15_000.0]), coasts, true), []);
+            let near = Some([14_300.0, 15_000.0]);
+            // Where nobody coasts, whatever takes power in a section may be a resistance of it.
+            for (coasts, resists) in [(0, &SHARED[1..]), (12, &[])] {
+                assert_eq!(rivals(context, section, None, coasts, false), resists);
+                assert_eq!(rivals(context, section, near, coasts, false), [&SHARED[..1], resists].concat());
+                assert_eq!(rivals(context, section, near, coasts, true), []);
             }
             // Wrong elsewhere, or a kilometre that is described as level: only of what hardly anyone coasted in.
             for (section, wrong) in [(section, Some([20_000.0, 22_000.0])), ([7_100.0, 7_900.0], None)] {

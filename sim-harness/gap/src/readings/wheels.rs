@@ -11,7 +11,7 @@
 use crate::config::{GapConfig, WheelConfig};
 use crate::data::{believed::Surroundings, runs::Run};
 use crate::fit::median;
-use crate::named::{Named, around};
+use crate::named::{Named, around, beside};
 use crate::trial::Trial;
 use crate::trials::of_scale;
 use rundown::model::direction::Direction;
@@ -37,6 +37,8 @@ struct Scale {
     run: usize,
     value: f64,
     sd: f64,
+    /// It rests on a single distance, which one stop elsewhere makes as well.
+    is_single: bool,
 }
 
 impl Scale {
@@ -53,7 +55,7 @@ pub fn wheels(runs: &[Run], surroundings: &Surroundings, config: &GapConfig) -> 
         .enumerate()
         .filter_map(|(run, one)| {
             let own = one.recorded.own_scale?;
-            Some(Scale { run, value: own.value / one.recorded.correction.scale, sd: own.sd })
+            Some(Scale { run, value: own.value / one.recorded.correction.scale, sd: own.sd, is_single: false })
         })
         .collect();
     let mut found = exceptions(&by_speed, false, &config.wheel);
@@ -81,12 +83,15 @@ fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wh
         let off = (s.value - middle).abs();
         (config.least..config.most).contains(&off) && off > config.sure * scatter.max(s.sd)
     };
-    let mut unlike: Vec<&Scale> = scales.iter().filter(unlike).collect();
+    let (mut unlike, others): (Vec<&Scale>, Vec<&Scale>) = scales.iter().partition(unlike);
+    let most = others.iter().map(|s| (s.value - middle).abs()).fold(0.0, f64::max);
+    unlike.retain(|s| (s.value - middle).abs() > config.beyond * most);
     if scales.len() < config.least_runs || unlike.len() as f64 > config.most_share * scales.len() as f64 {
         return Vec::new();
     }
     unlike.sort_by(|a, b| a.value.total_cmp(&b.value));
     let wheels = unlike.chunk_by(|a, b| b.value - a.value < config.same);
+    let tells = |of: &&[&Scale]| of.len() >= config.least_stops || of.iter().any(|s| !s.is_single);
     let wheel = |of: &[&Scale]| {
         let count = of.len() as f64;
         let value = of.iter().map(|s| s.value).sum::<f64>() / count;
@@ -95,7 +100,7 @@ fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wh
         runs.sort_unstable();
         Wheel { runs, measured_over_true: value / middle, sd: scatter / count.sqrt(), locations, each }
     };
-    wheels.map(wheel).collect()
+    wheels.filter(tells).map(wheel).collect()
 }
 
 /// All runs against the described platforms.
@@ -141,8 +146,8 @@ fn scales_by_stops(runs: &[Run], described: &[f64], as_described: bool, config: 
             Direction::Up => &up,
             Direction::Down => &down,
         };
-        let (value, sd) = scale_by_stops(stops, places, place_sd_m, config)?;
-        Some(Scale { run, value, sd })
+        let (figure, distances) = scale_by_stops(stops, places, place_sd_m, config)?;
+        Some(Scale { run, value: figure.value, sd: figure.sd, is_single: distances == 1 })
     })
     .collect()
 }
@@ -180,8 +185,8 @@ fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
         .collect()
 }
 
-/// Scale of the distances from the first stop at a known place to the later ones, with its standard deviation.
-fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &WheelConfig) -> Option<(f64, f64)> {
+/// Scale of the distances from the first stop at a known place to the later ones, and of how many of them.
+fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &WheelConfig) -> Option<(Figure, usize)> {
     let (first, begin, from) = stops.iter().enumerate().find_map(|(i, at)| {
         let near = |place: &&f64| (*place - at).abs() < 2.0 * config.stop_m;
         places.iter().find(near).map(|place| (i, *at, *place))
@@ -210,12 +215,20 @@ fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &Wheel
         votes.then((b - 1.0).abs().total_cmp(&(a - 1.0).abs()))
     };
     let kept = agreeing(tried.max_by(better)?);
+    // A wheel is in all distances: one that most do not share is a stop elsewhere.
+    let known = distances.iter().filter(|distance| likely(**distance).next().is_some()).count();
+    if (kept.len() as f64) < config.agreeing_share * known as f64 {
+        return None;
+    }
     let squares: f64 = kept.iter().map(|(_, distance)| distance * distance).sum();
     let value = kept.iter().map(|(s, distance)| s * distance * distance).sum::<f64>() / squares;
     // The first place is in all distances.
     let sum: f64 = kept.iter().map(|(_, distance)| distance.abs()).sum();
     let of_places = place_sd_m * (squares + sum * sum).sqrt() / squares;
-    Some((value, of_places.hypot(config.stop_sd_m / squares.sqrt())))
+    // They differ by what stops do, or by more.
+    let apart: f64 = kept.iter().map(|one| off(value, *one).powi(2)).sum::<f64>();
+    let stop_sd_m = config.stop_sd_m.max((apart / (kept.len() - 1).max(1) as f64).sqrt());
+    Some((Figure { value, sd: of_places.hypot(stop_sd_m / squares.sqrt()) }, kept.len()))
 }
 
 /// The runs with their speeds, and locations where the odometer gave them, put right.
@@ -250,6 +263,9 @@ impl Wheel {
         let interval = around("measured_over_true", value, self.sd);
         let mut named = Named::plain(effect, vec![interval], 0.5 * off * off, config.certainty.most_gain);
         named.runs = self.runs.iter().map(|i| runs[*i].name.clone()).collect();
+        if !self.runs.is_empty() {
+            named.confidence = beside(named.confidence, config.certainty.unforeseen);
+        }
         named.tried(self.trial(runs), config);
         named
     }

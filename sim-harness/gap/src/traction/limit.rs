@@ -1,7 +1,7 @@
 //! A limit of the traction that is not as believed, and what its search needs.
 
 use crate::config::CertaintyConfig;
-use crate::named::{Named, around};
+use crate::named::{Named, around, beside};
 use rundown::model::effects::Effect;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,8 @@ impl FoundLimit {
     /// By name, with the interval of its factor.
     pub fn named(&self, effect: Effect, config: &CertaintyConfig) -> Named {
         let sd = self.factor_sd.hypot(config.limit * self.factor);
-        Named::plain(effect, vec![around("factor", self.factor, sd)], self.gain, config.most_gain)
+        let named = Named::plain(effect, vec![around("factor", self.factor, sd)], self.gain, config.most_gain);
+        Named { confidence: beside(named.confidence, config.unforeseen), ..named }
     }
 }
 

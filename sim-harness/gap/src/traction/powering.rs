@@ -205,7 +205,19 @@ pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &Tractio
         };
         let near =
             |other: &(f64, SteadyPower)| (other.1.ratio - power.ratio).abs() < config.near + config.near_sd * power.sd;
-        let gains = (after.1.speed_mps - before.1.speed_mps) / (after.0 - before.0);
+        // Gained by this power: a speed that was held until the power was raised was no limit's.
+        let gained = |from: &(f64, SteadyPower), to: &(f64, SteadyPower)| {
+            let gained_mps = to.1.speed_mps - from.1.speed_mps;
+            if gained_mps > config.rounding_mps { gained_mps / (to.0 - from.0) } else { 0.0 }
+        };
+        let here = &(*time_s, *power);
+        let of_this_power = match (near(before), near(after)) {
+            (true, true) => f64::INFINITY,
+            (true, false) => gained(before, here),
+            (false, true) => gained(here, after),
+            (false, false) => continue,
+        };
+        let gains = gained(before, after).min(of_this_power);
         // The power was raised since the reading before: by the speed gained, long enough ago?
         let rises_mps = config.rise_s * (after.1.speed_mps - power.speed_mps) / (after.0 - time_s);
         if !near(before) && power.speed_mps - before.1.speed_mps < rises_mps {
@@ -215,7 +227,6 @@ pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &Tractio
         if power.says_something(power.effort_over_limit, config)
             && power.speed_mps > config.slowest_mps
             && (gains > config.least_acceleration_mps2 || floats)
-            && (near(before) || near(after))
             && time_s - last_s >= config.least_s
         {
             let weight = ((time_s - last_s) / config.decision_s).min(1.0);
