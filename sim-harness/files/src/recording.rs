@@ -203,10 +203,16 @@ pub(crate) fn direction(
     }
 }
 
-/// Median of the last locations minus median of the first ones, m; none without two of them.
+/// Median of the last locations minus median of the first ones, m; none without two of them. Rows that were written out of order are taken by their times; a
+/// clock that goes back a few times was set.
 fn travelled_m(rows: &[Sample]) -> Option<f64> {
-    let known: Vec<f64> =
-        rows.iter().filter_map(|row| row.location_m).filter(|location| location.is_finite()).collect();
+    let located = rows.iter().filter_map(|row| Some((row.time_s, row.location_m?)));
+    let mut known: Vec<(f64, f64)> = located.filter(|(_, location_m)| location_m.is_finite()).collect();
+    let back = known.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
+    if 10 * back > known.len() {
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    let known: Vec<f64> = known.into_iter().map(|(_, location_m)| location_m).collect();
     let deciding = DECIDING.min(known.len() / 2);
     if deciding == 0 {
         return None;
@@ -256,6 +262,14 @@ mod tests {
         let text =
             "time_s,location_m,speed_kmh\n0,9000,0\n1,8990,0\n2,8980,0\n3,8970,0\n4,NaN,0\n5,8900,0\n6,99999,0\n";
         assert_eq!(recording(text, None, None).unwrap().direction, Direction::Down);
+    }
+
+    #[test]
+    fn direction_is_that_of_the_times_where_rows_are_out_of_order() {
+        // Of a train that goes down, the last row first.
+        let rows = (0..40).rev().map(|t| format!("{t},{},36\n", 9000 - 10 * t));
+        let text = format!("time_s,location_m,speed_kmh\n{}", rows.collect::<String>());
+        assert_eq!(recording(&text, None, None).unwrap().direction, Direction::Down);
     }
 
     #[test]
