@@ -130,8 +130,12 @@ pub fn investigate(
         progress("the same on the training runs, evaluated on the others");
         (evaluation, trained) = out_of_sample(given, runs, effort, &held_out)?;
     }
-    let gap = gap(&evaluation.compared, &config.holdout);
-    let touched = touched(&evaluation.compared, &config.holdout);
+    let (mut gap, mut touched) =
+        (gap(&evaluation.compared, &config.holdout), touched(&evaluation.compared, &config.holdout));
+    if let Some(touched) = touched.as_mut().filter(|_| p_value_after > config.certainty.chance) {
+        gap = gap.beside_noise_alone(touched.multiple);
+        touched.share = touched.share.beside_noise_alone(touched.multiple);
+    }
     let compared = (!evaluation.compared.is_empty()).then_some((&gap, touched.as_ref()));
     let grounds = Grounds { named: &named, candidates: &candidates, p_value, p_value_after, gap: compared };
     let verdict = grounds.verdict(config);

@@ -113,6 +113,27 @@ impl Share {
         }
     }
 
+    /// The same where the residuals show nothing but the effects and noise. Then a `multiple` m of what the effects take off is the gap, and its rest (m - 1)/m of it:
+    ///
+    /// ```text
+    /// removed = 1 - ((m - 1)/m)²
+    /// ```
+    ///
+    /// What is left beside that is the floor, which the noise between two readings may have taken for too low. Nothing changes where the multiple may be none.
+    pub fn beside_noise_alone(self, multiple: Option<(f64, (f64, f64))>) -> Self {
+        let of = |multiple: f64| 1.0 - ((multiple - 1.0) / multiple).powi(2);
+        let Some((value, (low, high))) = multiple.filter(|(_, (low, _))| self.removed.is_some() && *low > 0.0) else {
+            return self;
+        };
+        let removed = of(value).max(0.0);
+        let ends = [low, high].map(|end| of(end).max(0.0));
+        let most = if (low..=high).contains(&1.0) { 1.0 } else { ends[0].max(ends[1]) };
+        let squares = [self.before, self.after].map(|root| root * root);
+        let floor = (squares[0] - (squares[0] - squares[1]) / removed).max(0.0).sqrt();
+        let floor = if removed > 0.0 { floor.max(self.floor) } else { self.floor };
+        Self { removed: Some(removed), removed_95: Some((ends[0].min(ends[1]), most)), floor, ..self }
+    }
+
     /// The repaired model is further off than the believed one, by more than chance rounding.
     pub fn is_worse(&self, config: &HoldoutConfig) -> bool {
         self.after > config.worse * self.before
@@ -185,5 +206,24 @@ mod tests {
     fn where_there_was_no_gap_nothing_is_removed() {
         let share = Share::of(&[Squares::of(1.0, 1.5, 1.0); 6], &HoldoutConfig::default());
         assert_eq!((share.removed, share.removed_95), (None, None));
+    }
+
+    /// Errors of 1 either way that the floor knows nothing of, beside a gap of which so much is taken off.
+    fn beside_noise(gap: f64, taken: f64) -> Share {
+        let config = HoldoutConfig::default();
+        let of = |sign: f64| Squares::of(gap + sign, gap + sign - taken, 0.01);
+        let runs: Vec<Squares> = (0..12).map(|_| of(1.0).and(&of(-1.0))).collect();
+        let share = Share::of(&runs, &config);
+        assert!(share.removed.unwrap() < 0.85 * (1.0 - (1.0 - taken / gap).powi(2)), "{share:?}");
+        share.beside_noise_alone(multiple(&runs, &config))
+    }
+
+    #[test]
+    fn noise_that_the_floor_does_not_know_is_no_gap() {
+        for (taken, removed) in [(2.0, 1.0), (1.0, 0.75), (2.5, 0.9375)] {
+            let share = beside_noise(2.0, taken);
+            assert!((share.removed.unwrap() - removed).abs() < 1e-9, "{share:?}");
+            assert!((share.floor - 1.0).abs() < 1e-9, "{share:?}");
+        }
     }
 }
