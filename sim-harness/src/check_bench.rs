@@ -14,13 +14,13 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use rundown_check::agreement::Figure;
 use rundown_check::finding::{Finding, Kind};
-use rundown_check::{Check, check};
+use rundown_check::{Check, Known, check, check_beside};
 use rundown_files::units::median;
 use rundown_truth::recorders::odometer;
 use rundown_truth::scenario::DriveError;
 use rundown_truth::sensors::{LocationWalk, Sensors, SpeedReading};
 use serde::Serialize;
-use sets::{RUNS, SERVICES, on_stations, simulated};
+use sets::{COASTING, RUNS, SERVICES, SUBURBAN, on_stations, service, simulated};
 use spoil::{spoilt, turn};
 
 /// A defect that is injected.
@@ -84,6 +84,12 @@ pub enum Defect {
     LateEffort,
     /// Efforts in steps of 0.03 N/kg.
     EffortSteps,
+    /// An odometer with a wheel that is off gives speed and location, on a line whose stops are described.
+    OdometerWheel,
+    /// One of eight runs has half of its efforts.
+    HalfEffort,
+    /// The speed of a coasting train stuck for 60 s.
+    StuckCoasting,
 }
 
 /// A clean recorder.
@@ -108,7 +114,7 @@ const TURNED: f64 = 0.99;
 
 impl Defect {
     /// All of them.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 32] = [
         Self::Truncated,
         Self::Wheel,
         Self::TruncatedWheel,
@@ -138,6 +144,9 @@ impl Defect {
         Self::HiddenSeconds,
         Self::LateEffort,
         Self::EffortSteps,
+        Self::OdometerWheel,
+        Self::HalfEffort,
+        Self::StuckCoasting,
     ];
 
     /// In words, with the unit of its figure.
@@ -172,6 +181,9 @@ impl Defect {
             Self::HiddenSeconds => ("a second lost every 106 s that a wheel hides", "% of rows"),
             Self::LateEffort => ("efforts 5 s late", "s"),
             Self::EffortSteps => ("efforts in steps of 0.03 N/kg", "N/kg"),
+            Self::OdometerWheel => ("a wheel up to 2.8 % off that gives speed and location, stops described", "%"),
+            Self::HalfEffort => ("one of 8 runs has half of its efforts", "ratio"),
+            Self::StuckCoasting => ("speed of a coasting train stuck for 60 s", "m"),
         }
     }
 
@@ -201,6 +213,9 @@ impl Defect {
             Self::HiddenSeconds => Kind::LostSeconds,
             Self::LateEffort => Kind::EffortLate,
             Self::EffortSteps => Kind::EffortSteps,
+            Self::OdometerWheel => Kind::LocationScale,
+            Self::HalfEffort => Kind::EffortUnlike,
+            Self::StuckCoasting => Kind::StuckSpeed,
         }
     }
 
@@ -208,10 +223,12 @@ impl Defect {
     fn belongs(self, kind: Kind) -> bool {
         let by_design = match self {
             Self::TruncatedWheel => kind == Kind::TruncatedSpeed,
-            Self::HiddenSeconds => kind == Kind::SpeedScale,
+            // Once the locations are right the speed is off beside them.
+            Self::HiddenSeconds | Self::OdometerWheel => kind == Kind::SpeedScale,
             // Beside a speed that is late the effort is early.
             Self::Skew => kind == Kind::EffortLate,
-            // A log that is not used is not looked at further; its turn is a gap.
+            // The run is played backwards: its accelerations are those of no effort.
+            Self::TurnedChainage => kind == Kind::EffortUnlike,
             Self::TwoDirections => matches!(kind, Kind::Gaps | Kind::MissingStandstill),
             _ => false,
         };
@@ -392,6 +409,8 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         Defect::OtherChainage | Defect::NearChainage => on_stations(&SERVICES, &sensors, seed)?,
         // Two ends look alike from both sides.
         Defect::TurnedChainage => on_stations(&SERVICES[1..], &sensors, seed)?,
+        Defect::OdometerWheel | Defect::HalfEffort => on_stations(&[SUBURBAN], &sensors, seed)?,
+        Defect::StuckCoasting => on_stations(&[COASTING], &sensors, seed)?,
         _ => simulated(&sensors, seed, &lags_s)?,
     };
     let mut truth = spoilt(defect, &mut recordings, &mut random);
@@ -400,7 +419,11 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         let turned = simulated(&Sensors { speed_gain: TURNED, ..sensors }, seed, &[])?;
         turn(defect, &mut recordings, &turned, &mut random);
     }
-    let check = check(&mut recordings);
+    let stops_m = match defect {
+        Defect::OdometerWheel => service(SUBURBAN, &sensors, seed).line.calls_m().to_vec(),
+        _ => Vec::new(),
+    };
+    let check = check_beside(&mut recordings, &Known { stops_m, ..Known::default() });
     let found: Vec<&Finding> = all(&check).filter(|finding| finding.kind == defect.kind()).collect();
     let accused = all(&check).map(|finding| finding.kind).filter(|kind| !defect.belongs(*kind)).collect();
     let of_recorder = &check.recorders[0];
@@ -426,6 +449,10 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         Defect::LateEffort => found.iter().map(|one| KnownFigure { truth: 5.0, found: one.figure }).collect(),
         Defect::EffortSteps => {
             found.iter().map(|one| KnownFigure { truth: EFFORT_STEP_N_PER_KG, found: one.figure }).collect()
+        }
+        Defect::OdometerWheel => {
+            let known = |one: &&Finding| KnownFigure { truth: 100.0 * truth, found: percent(one.figure) };
+            found.iter().map(known).collect()
         }
         Defect::Midnight => found.iter().map(|one| KnownFigure { truth: 86_400.0, found: one.figure }).collect(),
         Defect::NoStandstill => Vec::new(),
@@ -467,9 +494,7 @@ fn digits(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::sets::service;
     use super::*;
-    use rundown_check::check_beside;
     use rundown_check::finding::Done;
 
     /// The first four of eight runs, those of another unit, are off by 2.3 km: what is found of each run, as the described stops say.
@@ -480,8 +505,7 @@ mod tests {
             let by_m = if i < 4 { 2300.0 } else { 0.0 };
             recording.rows.iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + by_m));
         }
-        let found =
-            check_beside(&mut recordings, &rundown_check::Known { stops_m: stops_m.to_vec(), ..Default::default() });
+        let found = check_beside(&mut recordings, &Known { stops_m: stops_m.to_vec(), ..Known::default() });
         let of_run = |run: &rundown_check::RunCheck| {
             let finding = run.findings.iter().find(|finding| finding.kind == Kind::OtherChainage);
             finding.inspect(|finding| {

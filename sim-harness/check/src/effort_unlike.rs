@@ -89,7 +89,7 @@ pub(crate) fn unlike(runs: &[Option<Figure>]) -> Vec<(usize, Figure)> {
         off > LEAST_OFF * usual && off > SURE * one.sd.hypot(between)
     };
     let found = runs.iter().enumerate().filter_map(|(place, one)| Some((place, one.filter(is_unlike)?)));
-    found.map(|(place, one)| (place, Figure { value: one.value / usual, sd: one.sd / usual })).collect()
+    found.map(|(place, one)| (place, Figure { value: one.value / usual, sd: one.sd.hypot(between) / usual })).collect()
 }
 
 #[cfg(test)]

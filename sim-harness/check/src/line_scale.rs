@@ -23,6 +23,8 @@ const NEAR_M: f64 = 120.0;
 /// So many stops of a run must agree, and such a share: two of them agree always.
 const LEAST_STOPS: usize = 4;
 const LEAST_SHARE: f64 = 0.8;
+/// So many stops from either end of a run are tried as described ones.
+const ENDS: usize = 3;
 /// How far a platform is from where it is described, in all runs alike, standard deviation, m.
 const PLATFORM_SD_M: f64 = 50.0;
 
@@ -129,15 +131,19 @@ fn of_run(recording: &Recording, described_m: &[f64], usual: f64) -> Option<Fit>
     let sign = recording.direction.sign();
     let profile = Profile::of(&recording.rows, sign)?;
     let calls_m: Vec<f64> = profile.calls_m().into_iter().map(|at_m| sign * at_m).collect();
-    let (first_m, last_m) = (*calls_m.first()?, *calls_m.last()?);
-    let pairs = described_m.iter().flat_map(|from| described_m.iter().map(move |to| (*from, *to)));
-    let fit = |(from_m, to_m): (f64, f64)| {
+    // A run may begin or end elsewhere: one of its first stops and one of its last are described ones.
+    let ends = |far: usize| (far < calls_m.len()).then(|| (calls_m[far], calls_m[calls_m.len() - 1 - far]));
+    let of_ends = (0..ENDS).filter_map(ends);
+    let ways = of_ends.clone().flat_map(|(first_m, _)| of_ends.clone().map(move |(_, last_m)| (first_m, last_m)));
+    let pairs = || described_m.iter().flat_map(|from| described_m.iter().map(move |to| (*from, *to)));
+    let tried = ways.flat_map(|way| pairs().map(move |pair| (way, pair)));
+    let fit = |((first_m, last_m), (from_m, to_m)): ((f64, f64), (f64, f64))| {
         let scale = (last_m - first_m) / (to_m - from_m);
         ((scale / usual - 1.0).abs() < MOST_OFF)
             .then(|| through(&calls_m, described_m, scale, first_m - scale * from_m))?
     };
     // As they are, too: then most agree, and the line through them is that of the platforms.
-    let found = pairs.filter_map(fit).chain(through(&calls_m, described_m, usual, 0.0));
+    let found = tried.filter_map(fit).chain(through(&calls_m, described_m, usual, 0.0));
     let best = found.max_by_key(|fit| fit.stops)?;
     (best.stops >= LEAST_STOPS && best.stops as f64 >= LEAST_SHARE * calls_m.len() as f64).then_some(best)
 }

@@ -15,6 +15,11 @@ pub(super) const MANY_RUNS: usize = 8;
 /// Lines where all runs stop at the same stations, by the names of the accuracy bench.
 pub(super) const SERVICES: [&str; 4] = ["wind", "suburban", "metro", "tram"];
 
+/// The one of them whose drivers coast for minutes.
+pub(super) const COASTING: &str = "wind";
+/// The one whose line has the most stops on the longest way.
+pub(super) const SUBURBAN: &str = "suburban";
+
 /// Runs of a recorder. `lags_s`: by how much the speed of each run is late.
 pub(super) fn simulated(sensors: &Sensors, seed: u64, lags_s: &[f64]) -> Result<Vec<Recording>, DriveError> {
     let scenario = Scenario {

@@ -27,8 +27,39 @@ pub(super) fn spoilt(defect: Defect, recordings: &mut Vec<Recording>, random: &m
             recordings.iter_mut().for_each(|recording| hold(defect, &mut recording.rows, random));
             3.0
         }
+        Defect::OdometerWheel => {
+            let wheel = 1.0 + random.random_range(0.008..0.028) * if random.random_bool(0.5) { 1.0 } else { -1.0 };
+            recordings.iter_mut().for_each(|recording| counted_by(wheel, &mut recording.rows));
+            wheel
+        }
+        Defect::HalfEffort => {
+            let efforts = recordings[1].rows.iter_mut().filter_map(|row| row.effort_n_per_kg.as_mut());
+            efforts.for_each(|effort| *effort *= 0.5);
+            2.0
+        }
         _ => spoil(defect, &mut recordings[1].rows, random),
     }
+}
+
+/// An odometer that begins right and counts with another wheel, and a speed of the same.
+fn counted_by(wheel: f64, rows: &mut [Sample]) {
+    let Some(begin_m) = rows.iter().find_map(|row| row.location_m) else { return };
+    for row in rows {
+        row.location_m = row.location_m.map(|m| begin_m + wheel * (m - begin_m));
+        row.speed_mps = row.speed_mps.map(|mps| wheel * mps);
+    }
+}
+
+/// Where a run begins to coast for at least so many seconds, by rows a second apart; its middle where it never does.
+fn coast(rows: &[Sample], seconds: usize) -> usize {
+    let coasts = |row: &Sample| {
+        row.effort_n_per_kg.is_some_and(|effort| effort.abs() < 0.01) && row.speed_mps.is_some_and(|mps| mps > 10.0)
+    };
+    let slows = |rows: &&[Sample]| {
+        let ends = rows[0].speed_mps.zip(rows[rows.len() - 1].speed_mps);
+        rows.iter().all(coasts) && ends.is_some_and(|(first, last)| first - last > 1.5)
+    };
+    rows.windows(seconds).position(|rows| slows(&rows)).unwrap_or(rows.len() / 2)
 }
 
 /// Holds 3 % of the speeds.
@@ -103,6 +134,13 @@ fn spoil(defect: Defect, rows: &mut Vec<Sample>, random: &mut ChaCha8Rng) -> f64
             let missed_m = run_m(&rows[at..at + 60]);
             rows[at..at + 60].iter_mut().for_each(|row| row.speed_mps = Some(0.0));
             missed_m
+        }
+        Defect::StuckCoasting => {
+            let at = coast(rows, 70) + 5;
+            let held = rows[at].speed_mps;
+            let missed_m = run_m(&rows[at..at + 60]) - 59.0 * held.unwrap_or_default();
+            rows[at..at + 60].iter_mut().for_each(|row| row.speed_mps = held);
+            missed_m.abs()
         }
         Defect::StuckLocation => {
             let held = rows[at].location_m;
