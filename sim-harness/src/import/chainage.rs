@@ -343,7 +343,7 @@ impl KnownLine {
         let square: f64 = agree.iter().map(|(own, _)| (own - own_m).powi(2)).sum();
         let product: f64 = agree.iter().map(|(own, known)| (own - own_m) * (known - known_m)).sum();
         let factor = product / square;
-        factor.is_finite().then(|| (agree.len(), factor, known_m - factor * own_m))
+        factor.is_finite().then_some((agree.len(), factor, known_m - factor * own_m))
     }
 
     /// By both ends: only the direction is open, and the speeds over the location tell it.
