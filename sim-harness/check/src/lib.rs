@@ -21,7 +21,7 @@
 //! | is its zero one? | `effort_zero` |
 //! | do trains exceed what is described of them? | [`limits`] |
 //! | is a log another one again, whole or in part? | [`same`] |
-//! | do the locations grow as the described stops have it? | `line_scale` |
+//! | do the locations grow as the described stops have it? | [`line_scale`] |
 //! | do all runs count their locations from the same place? | [`chainage`] |
 //! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
 //! | what was found, and what was done? | [`finding`] |
@@ -66,7 +66,7 @@ pub mod finding;
 pub mod gradients;
 pub mod held;
 pub mod limits;
-mod line_scale;
+pub mod line_scale;
 pub mod lost_seconds;
 pub mod own;
 pub mod perturbed;

@@ -30,10 +30,13 @@ const PLATFORM_SD_M: f64 = 50.0;
 
 /// Stops of a run at the described ones: the straight line through them.
 #[derive(Clone, Copy, Debug)]
-struct Fit {
-    scale: f64,
-    offset_m: f64,
-    stops: usize,
+pub struct Fit {
+    /// Read over described.
+    pub scale: f64,
+    /// What is read where the line begins, m.
+    pub offset_m: f64,
+    /// Stops that agree.
+    pub stops: usize,
     /// Root of the sum of squares of the described locations about their mean, m.
     spread_m: f64,
 }
@@ -148,8 +151,16 @@ fn of_run(recording: &Recording, described_m: &[f64], usual: f64) -> Option<Fit>
     (best.stops >= LEAST_STOPS && best.stops as f64 >= LEAST_SHARE * calls_m.len() as f64).then_some(best)
 }
 
-/// Least squares through the stops that are near described ones so.
-fn through(calls_m: &[f64], described_m: &[f64], scale: f64, offset_m: f64) -> Option<Fit> {
+/// Least squares through the stops that are near described ones with this scale and offset. None where they are at one place.
+///
+/// ```
+/// use rundown_check::line_scale::through;
+///
+/// // An odometer that began at 700 m and counts 1 % too much.
+/// let fit = through(&[700.0, 10_810.0, 20_895.0], &[0.0, 10_000.0, 20_000.0], 1.01, 700.0).unwrap();
+/// assert!((fit.scale - 1.01).abs() < 1e-3 && fit.stops == 3);
+/// ```
+pub fn through(calls_m: &[f64], described_m: &[f64], scale: f64, offset_m: f64) -> Option<Fit> {
     let near = |call_m: &f64| {
         let off_m = |stop_m: &f64| (call_m - offset_m - scale * stop_m).abs();
         let nearest = described_m.iter().min_by(|a, b| off_m(a).total_cmp(&off_m(b)))?;

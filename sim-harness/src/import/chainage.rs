@@ -5,6 +5,7 @@ use super::line;
 use super::mapping::Method;
 use super::odometer;
 use super::staged::Staged;
+use rundown_check::line_scale::through;
 use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::sample::MOST_LOCATION_M;
 use rundown_files::track_file::CentreLinePoint;
@@ -331,19 +332,8 @@ impl KnownLine {
 
     /// How many stops of a run agree, with factor and offset by least squares over these.
     fn refined(&self, own: &[f64], factor: f64, offset_m: f64) -> Option<(usize, f64, f64)> {
-        let near = |stop: f64| {
-            let known = self.stops.iter().copied();
-            let off = |known: &f64| (known - offset_m - factor * stop).abs();
-            known.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|known| off(known) < STOP_M)
-        };
-        let agree: Vec<(f64, f64)> = own.iter().filter_map(|stop| Some((*stop, near(*stop)?))).collect();
-        let count = agree.len() as f64;
-        let mean = |of: fn(&(f64, f64)) -> f64| agree.iter().map(of).sum::<f64>() / count;
-        let (own_m, known_m) = (mean(|one| one.0), mean(|one| one.1));
-        let square: f64 = agree.iter().map(|(own, _)| (own - own_m).powi(2)).sum();
-        let product: f64 = agree.iter().map(|(own, known)| (own - own_m) * (known - known_m)).sum();
-        let factor = product / square;
-        factor.is_finite().then_some((agree.len(), factor, known_m - factor * own_m))
+        let fit = through(own, &self.stops, 1.0 / factor, -offset_m / factor)?;
+        Some((fit.stops, 1.0 / fit.scale, -fit.offset_m / fit.scale))
     }
 
     /// By both ends: only the direction is open, and the speeds over the location tell it.
