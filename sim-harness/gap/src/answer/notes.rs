@@ -98,6 +98,10 @@ fn measured_wind(found: &Headwind) -> String {
     )
 }
 
+/// So many intervals show nothing, and a starting resistance acts below this, km/h.
+const FEW_SLOW: usize = 20;
+const SLOW_KMH: f64 = 12.0;
+
 /// How much of the runs shows the resistance, where that is not nearly all.
 fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
     let rows = findings.rows.len();
@@ -109,11 +113,16 @@ fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
             "Only {rows} intervals show the resistance, too few to look for an effect in: wheels, locations and limits of the traction alone were looked at."
         ));
     }
-    if findings.measured {
-        return None;
-    }
     let mut speeds: Vec<f64> = findings.rows.iter().map(|row| 3.6 * row.interval.mean_speed_mps()).collect();
     speeds.sort_by(f64::total_cmp);
+    if findings.measured {
+        let least_kmh = speeds[FEW_SLOW.min(rows - 1)];
+        return (least_kmh > SLOW_KMH).then(|| {
+            format!(
+                "Hardly an interval below {least_kmh:.0} km/h counts, for the effort changes within it: what acts there alone, such as a starting resistance, is not seen."
+            )
+        });
+    }
     Some(format!(
         "Without an effort column the resistance shows in coasting alone: {:.0} % of the moving time, nine tenths of it between {:.0} and {:.0} km/h. What acts where nobody coasts is not seen.",
         100.0 * rows as f64 / findings.moving.max(rows) as f64,
