@@ -29,19 +29,19 @@ const SURE: f64 = 5.0;
 /// Neighbours have gradients in common: so much wider is the scatter of a fit than that of rows that know nothing of each other.
 const WIDER: f64 = 1.5;
 
-/// A window: acceleration, m/s², and what explains it.
-struct Window {
+/// What the train answers in a window, m/s², and what explains it.
+struct Answered {
     acceleration_mps2: f64,
     x: Vector3<f64>,
 }
 
-fn window(rows: &[Sample]) -> Option<Window> {
+fn window(rows: &[Sample]) -> Option<Answered> {
     let (begin, end) = (rows.first()?, rows.last()?);
     let [first, last] = [begin.speed_mps?, end.speed_mps?];
     let efforts: Vec<f64> = rows[1..].iter().filter_map(|row| row.effort_n_per_kg).collect();
     let mean = 0.5 * (first + last);
     let is_moving = first.min(last) > 0.0;
-    is_moving.then(|| Window {
+    is_moving.then(|| Answered {
         acceleration_mps2: (last - first) / (end.time_s - begin.time_s),
         x: Vector3::new(efforts.iter().sum::<f64>() / efforts.len() as f64, 1.0, mean * mean),
     })
@@ -49,7 +49,7 @@ fn window(rows: &[Sample]) -> Option<Window> {
 
 /// The acceleration that a run has for its effort: 0 where the column stands still. None where too little of it powers and brakes.
 pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
-    let windows: Vec<Window> = stretches(rows, WINDOW_S).into_iter().filter_map(window).collect();
+    let windows: Vec<Answered> = stretches(rows, WINDOW_S).into_iter().filter_map(window).collect();
     let n = windows.len() as f64;
     let changes: Vec<f64> = windows.iter().map(|window| window.acceleration_mps2).collect();
     let mean = changes.iter().sum::<f64>() / n;
@@ -62,13 +62,13 @@ pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
         return Some(Figure { value: 0.0, sd: 0.0 });
     }
     let (mut normal, mut score) = (Matrix3::zeros(), Vector3::zeros());
-    for Window { acceleration_mps2, x } in &windows {
+    for Answered { acceleration_mps2, x } in &windows {
         normal += x * x.transpose();
         score += x * *acceleration_mps2;
     }
     let inverse = normal.cholesky()?.inverse();
     let beta = inverse * score;
-    let left = |window: &Window| (window.acceleration_mps2 - window.x.dot(&beta)).powi(2);
+    let left = |window: &Answered| (window.acceleration_mps2 - window.x.dot(&beta)).powi(2);
     let variance = windows.iter().map(left).sum::<f64>() / (n - 3.0);
     Some(Figure { value: beta[0], sd: WIDER * (variance * inverse[(0, 0)]).sqrt() })
 }

@@ -30,7 +30,7 @@ const PLATFORM_SD_M: f64 = 50.0;
 
 /// Stops of a run at the described ones: the straight line through them.
 #[derive(Clone, Copy, Debug)]
-pub struct Fit {
+pub struct StopsLine {
     /// Read over described.
     pub scale: f64,
     /// What is read where the line begins, m.
@@ -92,8 +92,9 @@ pub(crate) fn put_right(
     units.dedup();
     for unit in units {
         let own = (0..runs.len()).filter(|i| runs[*i].unit == unit && runs[*i].refusal().is_none());
-        let fits: Vec<(usize, Option<Fit>)> = own.map(|i| (i, of_run(&recordings[i], described_m, 1.0))).collect();
-        let of_runs: Vec<Fit> = fits.iter().filter_map(|(_, fit)| *fit).collect();
+        let fits: Vec<(usize, Option<StopsLine>)> =
+            own.map(|i| (i, of_run(&recordings[i], described_m, 1.0))).collect();
+        let of_runs: Vec<StopsLine> = fits.iter().filter_map(|(_, fit)| *fit).collect();
         let Some(scale) = usual(&of_runs) else { continue };
         let stops = of_runs.iter().map(|fit| fit.stops).max().unwrap_or_default();
         for (i, fit) in fits {
@@ -117,7 +118,7 @@ fn own_offset_m(recording: &Recording, described_m: &[f64], scale: f64) -> f64 {
 }
 
 /// The scale of all runs of a recorder, where it matters and is beyond doubt.
-fn usual(fits: &[Fit]) -> Option<Figure> {
+fn usual(fits: &[StopsLine]) -> Option<Figure> {
     if fits.is_empty() {
         return None;
     }
@@ -130,7 +131,7 @@ fn usual(fits: &[Fit]) -> Option<Figure> {
 }
 
 /// The line through the stops of a run, at the place at which most of them agree, with a scale near `usual`.
-fn of_run(recording: &Recording, described_m: &[f64], usual: f64) -> Option<Fit> {
+fn of_run(recording: &Recording, described_m: &[f64], usual: f64) -> Option<StopsLine> {
     let sign = recording.direction.sign();
     let profile = Profile::of(&recording.rows, sign)?;
     let calls_m: Vec<f64> = profile.calls_m().into_iter().map(|at_m| sign * at_m).collect();
@@ -160,7 +161,7 @@ fn of_run(recording: &Recording, described_m: &[f64], usual: f64) -> Option<Fit>
 /// let fit = through(&[700.0, 10_810.0, 20_895.0], &[0.0, 10_000.0, 20_000.0], 1.01, 700.0).unwrap();
 /// assert!((fit.scale - 1.01).abs() < 1e-3 && fit.stops == 3);
 /// ```
-pub fn through(calls_m: &[f64], described_m: &[f64], scale: f64, offset_m: f64) -> Option<Fit> {
+pub fn through(calls_m: &[f64], described_m: &[f64], scale: f64, offset_m: f64) -> Option<StopsLine> {
     let near = |call_m: &f64| {
         let off_m = |stop_m: &f64| (call_m - offset_m - scale * stop_m).abs();
         let nearest = described_m.iter().min_by(|a, b| off_m(a).total_cmp(&off_m(b)))?;
@@ -173,7 +174,7 @@ pub fn through(calls_m: &[f64], described_m: &[f64], scale: f64, offset_m: f64) 
     let square: f64 = agree.iter().map(|(stop, _)| (stop - described).powi(2)).sum();
     let product: f64 = agree.iter().map(|(stop, call)| (stop - described) * (call - read)).sum();
     let scale = product / square;
-    let fit = Fit { scale, offset_m: read - scale * described, stops: agree.len(), spread_m: square.sqrt() };
+    let fit = StopsLine { scale, offset_m: read - scale * described, stops: agree.len(), spread_m: square.sqrt() };
     scale.is_finite().then_some(fit)
 }
 
