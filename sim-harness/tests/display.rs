@@ -104,6 +104,14 @@ fn what_is_recorded_can_be_shown_again() {
 }
 
 #[test]
+fn a_recording_without_a_byte_is_none() {
+    let output = rundown(&["-", "--text"], &[]);
+    assert_eq!(output.status.code(), Some(3));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.contains("expected a recording of frames, found none in 0 bytes"), "{error}");
+}
+
+#[test]
 fn wrong_arguments_are_named() {
     let code = |arguments: &[&str]| rundown(arguments, &[]).status.code();
     assert_eq!(code(&["--tcp", "nowhere", "--text"]), Some(2));

@@ -1,6 +1,6 @@
 //! `rundown display`: what a board says, live, in a browser, in the terminal, or as lines.
 
-use super::{Failure, screen};
+use super::{Failure, NOT_WRITTEN, screen};
 use crate::display::hub::{Connection, Hub, OnMessage};
 use crate::display::{terminal, text};
 use crate::link::address::{Address, PortAddress};
@@ -201,10 +201,15 @@ impl Arguments {
                 Some(received) if json => text::json(received),
                 _ => return,
             };
-            // A reader that has had enough (`| head`) ends the display, as it ends other tools.
+            // A reader that has had enough (`| head`) ends the display, as it ends other tools; a full disk does not end it well.
             let mut stdout = io::stdout().lock();
-            if writeln!(stdout, "{line}").and_then(|()| stdout.flush()).is_err() {
-                std::process::exit(0);
+            match writeln!(stdout, "{line}").and_then(|()| stdout.flush()) {
+                Ok(()) => (),
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => std::process::exit(0),
+                Err(error) => {
+                    screen::error(&format!("stdout: {error}: what was printed is not complete"));
+                    std::process::exit(i32::from(NOT_WRITTEN));
+                }
             }
         }))
     }

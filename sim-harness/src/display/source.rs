@@ -181,7 +181,7 @@ fn bytes(mut reader: impl BufRead, hub: &Hub, player: &mut Player<'_>) -> io::Re
     loop {
         let bytes = reader.fill_buf()?;
         if bytes.is_empty() {
-            return if heard || read == 0 { Ok(()) } else { Err(no_recording(read)) };
+            return if heard { Ok(()) } else { Err(no_recording(read)) };
         }
         for byte in bytes {
             match decoder.push(*byte) {
