@@ -64,6 +64,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     notes.extend(found.findings.differing.not_compared.iter().map(NotCompared::sentence));
     notes.extend(contradiction(found, answer.config.evidence.significant));
     notes.extend(about_gradients(&input.track_file).map(str::to_owned));
+    notes.extend(unseen_speeds(&found.findings));
     if input.left_out > 0 {
         notes.push(format!(
             "{} of {} logs could not be used; why stands on the screen.",
@@ -98,10 +99,6 @@ fn measured_wind(found: &Headwind) -> String {
     )
 }
 
-/// So many intervals show nothing, and a starting resistance acts below this, km/h.
-const FEW_SLOW: usize = 20;
-const SLOW_KMH: f64 = 12.0;
-
 /// How much of the runs shows the resistance, where that is not nearly all.
 fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
     let rows = findings.rows.len();
@@ -113,22 +110,37 @@ fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
             "Only {rows} intervals show the resistance, too few to look for an effect in: wheels, locations and limits of the traction alone were looked at."
         ));
     }
-    let mut speeds: Vec<f64> = findings.rows.iter().map(|row| 3.6 * row.interval.mean_speed_mps()).collect();
-    speeds.sort_by(f64::total_cmp);
     if findings.measured {
-        let least_kmh = speeds[FEW_SLOW.min(rows - 1)];
-        return (least_kmh > SLOW_KMH).then(|| {
-            format!(
-                "Hardly an interval below {least_kmh:.0} km/h counts, for the effort changes within it: what acts there alone, such as a starting resistance, is not seen."
-            )
-        });
+        return None;
     }
+    let speeds = speeds_kmh(findings);
     Some(format!(
         "Without an effort column the resistance shows in coasting alone: {:.0} % of the moving time, nine tenths of it between {:.0} and {:.0} km/h. What acts where nobody coasts is not seen.",
         100.0 * rows as f64 / findings.moving.max(rows) as f64,
         speeds[rows / 20],
         speeds[rows - 1 - rows / 20],
     ))
+}
+
+/// Mean speeds of the intervals that count, km/h, rising.
+fn speeds_kmh(findings: &Findings) -> Vec<f64> {
+    let mut speeds: Vec<f64> = findings.rows.iter().map(|row| 3.6 * row.interval.mean_speed_mps()).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds
+}
+
+/// So many intervals show nothing, and a starting resistance acts below this, km/h.
+const FEW_SLOW: usize = 20;
+const SLOW_KMH: f64 = 12.0;
+
+/// With an effort column: below which speed hardly an interval counts, where a resistance may act.
+fn unseen_speeds(findings: &Findings) -> Option<String> {
+    let least_kmh = *speeds_kmh(findings).get(FEW_SLOW)?;
+    (findings.measured && least_kmh > SLOW_KMH).then(|| {
+        format!(
+            "Hardly an interval below {least_kmh:.0} km/h counts, for the effort changes within it: what acts there alone, such as a starting resistance, is not seen."
+        )
+    })
 }
 
 /// What is said where nothing could be evaluated by forces.
