@@ -94,7 +94,8 @@ pub(crate) fn stretches(rows: &[Sample], least_s: f64) -> Vec<&[Sample]> {
     found
 }
 
-fn window(rows: &[Sample]) -> Option<(f64, f64)> {
+/// The same of one window.
+pub(crate) fn window(rows: &[Sample]) -> Option<(f64, f64)> {
     let (begin, end) = (rows.first()?, rows.last()?);
     let ([first, last], long_s) = ([begin.speed_mps?, end.speed_mps?], end.time_s - begin.time_s);
     let efforts: Vec<f64> = rows[1..].iter().filter_map(|row| row.effort_n_per_kg).collect();

@@ -10,7 +10,7 @@
 
 use crate::agreement::Figure;
 use crate::compared::spread;
-use crate::effort::stretches;
+use crate::effort::{stretches, window};
 use nalgebra::{Matrix3, Vector3};
 use rundown_files::sample::Sample;
 use rundown_files::units::median;
@@ -35,21 +35,17 @@ struct Answered {
     x: Vector3<f64>,
 }
 
-fn window(rows: &[Sample]) -> Option<Answered> {
-    let (begin, end) = (rows.first()?, rows.last()?);
-    let [first, last] = [begin.speed_mps?, end.speed_mps?];
-    let efforts: Vec<f64> = rows[1..].iter().filter_map(|row| row.effort_n_per_kg).collect();
+/// None where the train stands at one of the ends.
+fn answered(rows: &[Sample]) -> Option<Answered> {
+    let (acceleration_mps2, effort) = window(rows)?;
+    let [first, last] = [rows.first()?.speed_mps?, rows.last()?.speed_mps?];
     let mean = 0.5 * (first + last);
-    let is_moving = first.min(last) > 0.0;
-    is_moving.then(|| Answered {
-        acceleration_mps2: (last - first) / (end.time_s - begin.time_s),
-        x: Vector3::new(efforts.iter().sum::<f64>() / efforts.len() as f64, 1.0, mean * mean),
-    })
+    (first.min(last) > 0.0).then(|| Answered { acceleration_mps2, x: Vector3::new(effort, 1.0, mean * mean) })
 }
 
 /// The acceleration that a run has for its effort: 0 where the column stands still. None where too little of it powers and brakes.
 pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
-    let windows: Vec<Answered> = stretches(rows, WINDOW_S).into_iter().filter_map(window).collect();
+    let windows: Vec<Answered> = stretches(rows, WINDOW_S).into_iter().filter_map(answered).collect();
     let n = windows.len() as f64;
     let changes: Vec<f64> = windows.iter().map(|window| window.acceleration_mps2).collect();
     let mean = changes.iter().sum::<f64>() / n;

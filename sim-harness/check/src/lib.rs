@@ -315,31 +315,37 @@ impl RunCheck {
         self.findings.iter().find(|finding| finding.done == Done::Refused)
     }
 
+    /// Something is the matter with the whole of it.
+    pub(crate) fn found(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
+        self.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
+    }
+
     /// Some of its rows are those of another log; where most are, it is not used.
     fn shares(&mut self, shared: &Shared) {
         let figure = Figure { value: 100.0 * shared.share, sd: 0.0 };
         let done = if shared.share > MOST_SHARED { Done::Refused } else { Done::Said };
-        self.findings.push(Finding { kind: Kind::SharedRows, figure, unit: "% of the rows", count: 1, line: 0, done });
+        self.found(Kind::SharedRows, figure, "% of the rows", done);
         self.evidence.insert(Kind::SharedRows, format!("those of {}", shared.with));
     }
 
     /// Its locations are those of another unit.
     fn is_in_other_unit(&mut self, factor: f64, stops: usize) {
-        let (kind, figure) = (Kind::OtherUnit, Figure { value: factor, sd: 0.0 });
-        self.findings.push(Finding { kind, figure, unit: "", count: 1, line: 0, done: Done::Refused });
-        self.evidence.insert(kind, format!("{stops} of its stops are described ones once locations are divided by it"));
+        self.found(Kind::OtherUnit, Figure { value: factor, sd: 0.0 }, "", Done::Refused);
+        self.evidence.insert(
+            Kind::OtherUnit,
+            format!("{stops} of its stops are described ones once locations are divided by it"),
+        );
     }
 
     /// The train answers otherwise to its effort than in the other runs.
     fn answers_otherwise(&mut self, figure: Figure) {
-        let kind = Kind::EffortUnlike;
-        self.findings.push(Finding { kind, figure, unit: "", count: 1, line: 0, done: Done::LeftOut });
+        self.found(Kind::EffortUnlike, figure, "", Done::LeftOut);
         let evidence = match figure.value {
             0.0 => "the column stands still".to_owned(),
             value if value > 0.0 => format!("as of a column that reads {:.2} of the effort", 1.0 / value),
             _ => "as of a column with the sign turned".to_owned(),
         };
-        self.evidence.insert(kind, evidence);
+        self.evidence.insert(Kind::EffortUnlike, evidence);
     }
 
     /// Its wheel changes on the way.
@@ -354,7 +360,7 @@ impl RunCheck {
     fn is_off(&mut self, off: chainage::Off) {
         let kind = if off.is_turned { Kind::TurnedChainage } else { Kind::OtherChainage };
         let done = if off.is_decided { Done::Refused } else { Done::Said };
-        self.findings.push(Finding { kind, figure: off.figure, unit: "m", count: 1, line: 0, done });
+        self.found(kind, off.figure, "m", done);
         self.evidence.insert(kind, off.evidence);
     }
 
@@ -431,14 +437,13 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         agreements.push(agreement);
     }
     let described_m = if known.scale { &[] } else { known.stops_m.as_slice() };
-    for (run, recording) in runs.iter_mut().zip(recordings.iter()).filter(|(run, _)| run.refusal().is_none()) {
-        if let Some((factor, stops)) = line_scale::other_unit(recording, described_m) {
+    let mut stops: Vec<Option<line_scale::RunStops>> = Vec::new();
+    for (run, recording) in runs.iter_mut().zip(recordings.iter()) {
+        let of_run = run.refusal().is_none().then(|| line_scale::of_run(recording, described_m)).flatten();
+        if let Some((factor, stops)) = of_run.as_ref().and_then(|of_run| of_run.other_unit(described_m)) {
             run.is_in_other_unit(factor, stops);
         }
-    }
-    let (scaled, moved) = line_scale::put_right(recordings, &runs, described_m);
-    for at in (0..runs.len()).filter(|at| moved[*at]) {
-        agreements[at] = OfSpeed::of(&recordings[at].rows, runs[at].step_s);
+        stops.push(of_run);
     }
     let mut units: Vec<String> = Vec::new();
     for run in &runs {
@@ -446,11 +451,17 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
             units.push(run.unit.clone());
         }
     }
-    let of_unit = |unit| {
+    let of_unit = |unit: String| {
+        let usable: Vec<usize> =
+            (0..runs.len()).filter(|i| runs[*i].unit == unit && runs[*i].refusal().is_none()).collect();
+        let scaled = line_scale::put_right(recordings, &usable, &stops, described_m);
+        if scaled.is_some() {
+            usable.iter().for_each(|i| agreements[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s));
+        }
         let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
-        for one in scaled.iter().filter(|one| one.unit == recorder.unit) {
-            recorder.findings.push(one.finding());
-            recorder.evidence.insert(Kind::LocationScale, one.evidence());
+        if let Some(scaled) = scaled {
+            recorder.found(Kind::LocationScale, scaled.scale, "", Done::PutRight);
+            recorder.evidence.insert(Kind::LocationScale, scaled.evidence());
         }
         recorder.exceeds(recordings, &runs, known);
         recorder.unfit_efforts(recordings, &runs);

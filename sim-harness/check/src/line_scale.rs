@@ -10,18 +10,18 @@
 //! runs of a recorder have one scale, and each an offset, for odometers begin anywhere.
 
 use crate::agreement::Figure;
-use crate::finding::{Done, Finding, Kind};
 use crate::profile::Profile;
-use crate::{LEAST_SCALE, RunCheck, SURE};
+use crate::{LEAST_SCALE, SURE};
 use rundown_files::recording::Recording;
 use rundown_files::units::median;
 
-/// A wheel is off by less.
-const MOST_OFF: f64 = 0.03;
+/// A wheel is off by less, worn out or described wrongly.
+pub const MOST_OFF: f64 = 0.03;
 /// A stop is at a described one within so much, m: platforms are long, and described half a train off.
 const NEAR_M: f64 = 120.0;
-/// So many stops of a run must agree, and such a share: two of them agree always.
-const LEAST_STOPS: usize = 4;
+/// So many stops of a run must agree, for two of them agree always.
+pub const LEAST_STOPS: usize = 4;
+/// And such a share.
 const LEAST_SHARE: f64 = 0.8;
 /// So many stops from either end of a run are tried as described ones.
 const ENDS: usize = 3;
@@ -41,10 +41,17 @@ pub struct StopsLine {
     spread_m: f64,
 }
 
-/// Where a recorder's locations grow otherwise than the line.
+/// Where a run stands, and the line through those of its stops that are described ones.
 #[derive(Clone, Debug)]
+pub(crate) struct RunStops {
+    calls_m: Vec<f64>,
+    /// Of a wheel that is as described, or nearly.
+    line: Option<StopsLine>,
+}
+
+/// Where a recorder's locations grow otherwise than the line.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Scaled {
-    pub(crate) unit: String,
     /// Read over described.
     pub(crate) scale: Figure,
     /// Runs whose stops say so, with the most stops that agree in one.
@@ -53,11 +60,6 @@ pub(crate) struct Scaled {
 }
 
 impl Scaled {
-    pub(crate) fn finding(&self) -> Finding {
-        let (kind, figure) = (Kind::LocationScale, self.scale);
-        Finding { kind, figure, unit: "", count: 1, line: 0, done: Done::PutRight }
-    }
-
     pub(crate) fn evidence(&self) -> String {
         let Self { runs, stops, .. } = self;
         format!("up to {stops} stops of a run agree so, in {runs} runs; platforms are known to {PLATFORM_SD_M:.0} m")
@@ -67,46 +69,46 @@ impl Scaled {
 /// Miles, nautical miles and yards that are taken for kilometres and metres, and the reverse.
 const OTHER_UNITS: [f64; 6] = [1.0 / 1.609_344, 1.609_344, 1.0 / 1.852, 1.852, 1.0 / 0.9144, 0.9144];
 
-/// By which factor the locations of a run are those of another unit: all of its stops are described ones so, and not as they are.
-pub(crate) fn other_unit(recording: &Recording, described_m: &[f64]) -> Option<(f64, usize)> {
-    if described_m.len() < LEAST_STOPS || of_run(recording, described_m, 1.0).is_some() {
+/// The stops of a run beside the described ones. None where these are too few to tell anything.
+pub(crate) fn of_run(recording: &Recording, described_m: &[f64]) -> Option<RunStops> {
+    if described_m.len() < LEAST_STOPS {
         return None;
     }
-    let fits = OTHER_UNITS.iter().filter_map(|factor| Some((*factor, of_run(recording, described_m, *factor)?.stops)));
-    fits.max_by_key(|(_, stops)| *stops)
+    let sign = recording.direction.sign();
+    let calls_m = Profile::of(&recording.rows, sign).map_or_else(Vec::new, |profile| profile.calls_m());
+    let calls_m: Vec<f64> = calls_m.into_iter().map(|at_m| sign * at_m).collect();
+    Some(RunStops { line: most_agree(&calls_m, described_m, 1.0), calls_m })
 }
 
-/// Puts right the locations of recorders that are off beyond doubt. Out: these, and by run whether it was moved.
+impl RunStops {
+    /// By which factor the locations are those of another unit: all of the stops are described ones so, and not as they are. And how many.
+    pub(crate) fn other_unit(&self, described_m: &[f64]) -> Option<(f64, usize)> {
+        if self.line.is_some() {
+            return None;
+        }
+        let line = |factor: &f64| Some((*factor, most_agree(&self.calls_m, described_m, *factor)?.stops));
+        OTHER_UNITS.iter().filter_map(line).max_by_key(|(_, stops)| *stops)
+    }
+}
+
+/// Puts right the locations of the runs of one recorder, where they are off beyond doubt. `stops`: of all runs.
 pub(crate) fn put_right(
     recordings: &mut [Recording],
-    runs: &[RunCheck],
+    usable: &[usize],
+    stops: &[Option<RunStops>],
     described_m: &[f64],
-) -> (Vec<Scaled>, Vec<bool>) {
-    let mut moved = vec![false; runs.len()];
-    let mut found: Vec<Scaled> = Vec::new();
-    if described_m.len() < LEAST_STOPS {
-        return (found, moved);
+) -> Option<Scaled> {
+    let line = |i: &usize| stops[*i].as_ref().and_then(|of_run| of_run.line);
+    let lines: Vec<StopsLine> = usable.iter().filter_map(line).collect();
+    let scale = usual(&lines)?;
+    for i in usable {
+        let recording = &mut recordings[*i];
+        let offset_m = line(i).map_or_else(|| own_offset_m(recording, described_m, scale.value), |line| line.offset_m);
+        let located = recording.rows.iter_mut().filter_map(|row| row.location_m.as_mut());
+        located.for_each(|at_m| *at_m = (*at_m - offset_m) / scale.value);
     }
-    let mut units: Vec<&str> = runs.iter().map(|run| run.unit.as_str()).collect();
-    units.sort_unstable();
-    units.dedup();
-    for unit in units {
-        let own = (0..runs.len()).filter(|i| runs[*i].unit == unit && runs[*i].refusal().is_none());
-        let fits: Vec<(usize, Option<StopsLine>)> =
-            own.map(|i| (i, of_run(&recordings[i], described_m, 1.0))).collect();
-        let of_runs: Vec<StopsLine> = fits.iter().filter_map(|(_, fit)| *fit).collect();
-        let Some(scale) = usual(&of_runs) else { continue };
-        let stops = of_runs.iter().map(|fit| fit.stops).max().unwrap_or_default();
-        for (i, fit) in fits {
-            let recording = &mut recordings[i];
-            let offset_m = fit.map_or_else(|| own_offset_m(recording, described_m, scale.value), |fit| fit.offset_m);
-            let located = recording.rows.iter_mut().filter_map(|row| row.location_m.as_mut());
-            located.for_each(|at_m| *at_m = (*at_m - offset_m) / scale.value);
-            moved[i] = true;
-        }
-        found.push(Scaled { unit: unit.to_owned(), scale, runs: of_runs.len(), stops });
-    }
-    (found, moved)
+    let stops = lines.iter().map(|line| line.stops).max().unwrap_or_default();
+    Some(Scaled { scale, runs: lines.len(), stops })
 }
 
 /// A run with too few stops begins where it is described to.
@@ -131,10 +133,7 @@ fn usual(fits: &[StopsLine]) -> Option<Figure> {
 }
 
 /// The line through the stops of a run, at the place at which most of them agree, with a scale near `usual`.
-fn of_run(recording: &Recording, described_m: &[f64], usual: f64) -> Option<StopsLine> {
-    let sign = recording.direction.sign();
-    let profile = Profile::of(&recording.rows, sign)?;
-    let calls_m: Vec<f64> = profile.calls_m().into_iter().map(|at_m| sign * at_m).collect();
+fn most_agree(calls_m: &[f64], described_m: &[f64], usual: f64) -> Option<StopsLine> {
     // A run may begin or end elsewhere: one of its first stops and one of its last are described ones.
     let ends = |far: usize| (far < calls_m.len()).then(|| (calls_m[far], calls_m[calls_m.len() - 1 - far]));
     let of_ends = (0..ENDS).filter_map(ends);
@@ -144,10 +143,10 @@ fn of_run(recording: &Recording, described_m: &[f64], usual: f64) -> Option<Stop
     let fit = |((first_m, last_m), (from_m, to_m)): ((f64, f64), (f64, f64))| {
         let scale = (last_m - first_m) / (to_m - from_m);
         ((scale / usual - 1.0).abs() < MOST_OFF)
-            .then(|| through(&calls_m, described_m, scale, first_m - scale * from_m))?
+            .then(|| through(calls_m, described_m, scale, first_m - scale * from_m))?
     };
     // As they are, too: then most agree, and the line through them is that of the platforms.
-    let found = tried.filter_map(fit).chain(through(&calls_m, described_m, usual, 0.0));
+    let found = tried.filter_map(fit).chain(through(calls_m, described_m, usual, 0.0));
     let best = found.max_by_key(|fit| fit.stops)?;
     (best.stops >= LEAST_STOPS && best.stops as f64 >= LEAST_SHARE * calls_m.len() as f64).then_some(best)
 }
@@ -218,16 +217,20 @@ mod tests {
         (0..6).map(run).collect()
     }
 
-    fn found(recordings: &mut [Recording]) -> Vec<Scaled> {
-        let checks: Vec<RunCheck> = recordings.iter().map(|one| RunCheck::of(one, 10.0, Vec::new())).collect();
-        put_right(recordings, &checks, &STOPS_M).0
+    fn found(recordings: &mut [Recording]) -> Option<Scaled> {
+        let stops: Vec<Option<RunStops>> = recordings.iter().map(|one| of_run(one, &STOPS_M)).collect();
+        put_right(recordings, &[0, 1, 2, 3, 4, 5], &stops, &STOPS_M)
+    }
+
+    fn other_unit(recording: &Recording) -> Option<(f64, usize)> {
+        of_run(recording, &STOPS_M).unwrap().other_unit(&STOPS_M)
     }
 
     #[test]
     fn an_odometer_with_another_wheel_is_put_right_by_the_described_stops() {
         for read in [1.013, 0.985] {
             let mut recordings = runs(read, [0.0, 40.0, -60.0, 30.0, -20.0]);
-            let [one] = found(&mut recordings).try_into().unwrap();
+            let one = found(&mut recordings).unwrap();
             assert!(one.scale.away_from(read) < 2.0 && one.scale.sd < 0.0015, "{one:?}");
             let last_m = recordings[0].rows.last().unwrap().location_m.unwrap();
             assert!((last_m - 60_080.0).abs() < 120.0, "{last_m}");
@@ -237,13 +240,13 @@ mod tests {
     #[test]
     fn stops_that_are_described_in_another_unit_are_found() {
         let miles = runs(1.0 / 1.609_344, [0.0; 5]);
-        assert_eq!(other_unit(&miles[0], &STOPS_M), Some((1.0 / 1.609_344, 5)));
-        assert_eq!(other_unit(&runs(1.013, [0.0; 5])[0], &STOPS_M), None);
+        assert_eq!(other_unit(&miles[0]), Some((1.0 / 1.609_344, 5)));
+        assert_eq!(other_unit(&runs(1.013, [0.0; 5])[0]), None);
     }
 
     #[test]
     fn platforms_that_are_off_are_no_wheel() {
-        assert_eq!(found(&mut runs(1.0, [80.0, -40.0, 60.0, -90.0, -100.0])).len(), 0);
-        assert_eq!(found(&mut runs(1.002, [0.0; 5])).len(), 0);
+        assert!(found(&mut runs(1.0, [80.0, -40.0, 60.0, -90.0, -100.0])).is_none());
+        assert!(found(&mut runs(1.002, [0.0; 5])).is_none());
     }
 }

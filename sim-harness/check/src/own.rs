@@ -7,7 +7,7 @@
 //! The location is moved to the age of the speed, not the speed to that of the location: the steps of a rounded speed stay what they are.
 
 use crate::agreement::{Agreement, Figure, pooled};
-use crate::finding::{Done, Finding, Kind};
+use crate::finding::{Done, Kind};
 use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE, places, put_right};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::sample::Sample;
@@ -80,13 +80,10 @@ pub(crate) fn of(
     let Some(agreement) = agreement else {
         return own;
     };
-    let mut said = |kind, figure: Figure, unit, done| {
-        run.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
-    };
     match wheel(recorder, agreement) {
-        Some(Wheel::Offset(offset_kmh)) => said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said),
+        Some(Wheel::Offset(offset_kmh)) => run.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said),
         Some(Wheel::Scale(scale)) => {
-            said(Kind::SpeedScale, times(scale, grown.all), "", put_right(!known.scale));
+            run.found(Kind::SpeedScale, times(scale, grown.all), "", put_right(!known.scale));
             own.correction.scale = if known.scale { 1.0 } else { scale.value };
         }
         None => (),
@@ -95,7 +92,7 @@ pub(crate) fn of(
         let of_recorder = recorder.findings.iter().any(|finding| finding.kind == Kind::Skew);
         let beyond = skew.value.abs() > LEAST_OWN_SKEW_S && skew.away_from(0.0) > OWN_SURE;
         if !of_recorder && beyond {
-            said(Kind::Skew, skew, "s", put_right(known.moves_locations));
+            run.found(Kind::Skew, skew, "s", put_right(known.moves_locations));
         }
         let skew_s = if of_recorder { drawn(recorder, skew) } else { skew.value };
         own.skew_s = if known.moves_locations && (of_recorder || beyond) { skew_s } else { 0.0 };

@@ -307,10 +307,10 @@ impl RecorderCheck {
 
     /// Leaves out the efforts of runs in which the train answers otherwise to them than in the others.
     pub(crate) fn unlike_efforts(&self, recordings: &mut [Recording], runs: &mut [RunCheck]) {
-        let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
         if self.has(Kind::EffortApart) {
             return;
         }
+        let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
         let answers: Vec<Option<Figure>> = own.iter().map(|i| effort_unlike::of_run(&recordings[*i].rows)).collect();
         for (place, figure) in effort_unlike::unlike(&answers) {
             runs[own[place]].answers_otherwise(figure);
@@ -396,7 +396,7 @@ impl RecorderCheck {
         self.findings.iter().any(|finding| finding.kind == kind)
     }
 
-    fn found(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
+    pub(crate) fn found(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
         self.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
     }
 

@@ -24,25 +24,50 @@ struct Model {
     last: Option<(Vec<Row>, Calibrated)>,
 }
 
-/// Analyses runs against the believed model, with efforts that are read so. `None` if there is nothing to analyse: no run has enough of location and speed.
-///
-/// `chance`: terms that an earlier analysis selected and that were no more than it. They are left out of the model, and the gain of the effort column is what is left beside the others.
-pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading, chance: &[Term]) -> Option<Findings> {
-    let config = given.config;
-    let kinematics = Kinematics::of(runs);
-    let measured = measured(runs, &config.effort);
+/// The intervals of runs and the terms that explain them, before it is known which of these are no more than chance.
+pub struct Selected {
+    cut: Vec<Vec<Interval>>,
+    measured: bool,
+    model: Model,
+}
+
+impl Selected {
+    /// Leaves out terms of the model that are no more than chance.
+    pub fn leave_out(&mut self, chance: &[Term]) {
+        self.model.terms.retain(|term| !chance.contains(term));
+    }
+}
+
+/// Selects the terms of runs with efforts that are read so. `None`: they do not fit.
+pub fn selected(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Option<Selected> {
+    let measured = measured(runs, &given.config.effort);
     let context = &Context { conditions: Conditions::of(runs), ..*given };
     let cut = cut::all(context, runs, effort);
-    let Model { terms, beta, last } = model(context, runs, &cut, effort, measured, chance)?;
+    let model = model(context, runs, &cut, effort, measured)?;
+    Some(Selected { cut, measured, model })
+}
+
+/// Analyses runs against the believed model, with the terms that were selected of them. `None` if there is nothing to analyse: no run has enough of location and speed.
+pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading, selected: &Selected) -> Option<Findings> {
+    let config = given.config;
+    let kinematics = Kinematics::of(runs);
+    let context = &Context { conditions: Conditions::of(runs), ..*given };
+    let Selected { cut, measured, model: Model { terms, beta, last } } = selected;
+    let measured = *measured;
     if last.is_none() && kinematics.runs == 0 {
         return None;
     }
     // Without rows forces cannot be evaluated; wheels and locations can.
     let has_rows = last.is_some();
-    let (mut rows, calibrated) = last.unwrap_or_default();
+    let (mut rows, calibrated) = last.clone().unwrap_or_default();
     let searched = (has_rows && measured).then(|| Search::new(context, &rows, &calibrated, measured));
-    let gain = searched.as_ref().and_then(|search| search.effort_gain(&terms));
-    let gain_may_be_mass = searched.zip(gain).is_some_and(|(search, gain)| search.may_be_mass(&terms, gain));
+    // What is left out is explained by the others.
+    let beta = match &searched {
+        Some(search) => expanded(terms, search.base(terms)?.beta.as_slice()),
+        None => beta.clone(),
+    };
+    let gain = searched.as_ref().and_then(|search| search.effort_gain(terms));
+    let gain_may_be_mass = searched.zip(gain).is_some_and(|(search, gain)| search.may_be_mass(terms, gain));
     let (righted, recut);
     let (mut runs, mut cut) = (runs, cut.as_slice());
     if let Some(gain) = gain {
@@ -53,13 +78,13 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading, chance:
     }
     let (fitted, headwind) = if has_rows {
         let search = Search::new(context, &rows, &calibrated, measured);
-        (fitted(&search, &terms), headwind(&search, &terms))
+        (fitted(&search, terms), headwind(&search, terms))
     } else {
         (Vec::new(), None)
     };
     let differing =
         if has_rows { between_runs(context, &rows, measured, &fitted, runs) } else { BetweenRuns::default() };
-    let looked = Looked { context, runs, cut, effort, measured, model: (&terms, &beta) };
+    let looked = Looked { context, runs, cut, effort, measured, model: (terms, &beta) };
     let (powering, traction) = looked.traction(&calibrated);
     // What is not known of the gain of the effort is no finding of a limit.
     let least_scale = gain.map_or(0.0, |gain| config.nuisance.sure * gain.sd).max(config.traction.least_scale);
@@ -101,7 +126,7 @@ fn between_runs(context: &Context<'_>, rows: &[Row], measured: bool, fitted: &[F
 pub fn coasts(context: &Context<'_>, runs: &[Run]) -> Option<Vec<Row>> {
     let effort = EffortReading::default();
     let cut = cut::all(context, runs, effort);
-    model(context, runs, &cut, effort, false, &[])?.last.map(|(rows, _)| rows)
+    model(context, runs, &cut, effort, false)?.last.map(|(rows, _)| rows)
 }
 
 /// With an effort column one round; without, the model shows where trains coast, and coasting the model.
@@ -111,7 +136,6 @@ fn model(
     cut: &[Vec<Interval>],
     effort: EffortReading,
     measured: bool,
-    chance: &[Term],
 ) -> Option<Model> {
     let config = context.config;
     let uncertain = &config.coasting.uncertain;
@@ -136,7 +160,6 @@ fn model(
         let search = Search::new(context, &rows, &calibrated, measured);
         // So few rows would fit anything; limits can be evaluated nevertheless.
         found.terms = if rows.len() < config.search.few_rows { Vec::new() } else { search.select() };
-        found.terms.retain(|term| !chance.contains(term));
         let base = search.base(&found.terms)?;
         found.beta = expanded(&found.terms, base.beta.as_slice());
         drop(search);

@@ -2,7 +2,7 @@
 //!
 //! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the training runs, evaluated on the others.
 
-use crate::analysis::analyse;
+use crate::analysis::{analyse, selected};
 use crate::candidate::Term;
 use crate::config::{GapConfig, HoldoutConfig};
 use crate::data::believed::{Conditions, Context};
@@ -187,15 +187,15 @@ struct Settled {
 
 /// Analyses. A term that is no more than chance may have taken what the gain of an effort column does in truth: then it is analysed again without the term. `None`: see [`analyse`].
 fn settled(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Option<Settled> {
-    let mut chance: Vec<Term> = Vec::new();
+    let mut selected = selected(given, runs, effort)?;
     loop {
-        let findings = analyse(given, runs, effort, &chance)?;
+        let findings = analyse(given, runs, effort, &selected)?;
         let context = &Context { conditions: findings.conditions, ..*given };
         let (named, candidates, by_chance) = all_named(&findings, context, runs);
-        chance.extend(by_chance.iter().cloned());
         if !findings.measured || by_chance.is_empty() {
             return Some(Settled { findings, named, candidates });
         }
+        selected.leave_out(&by_chance);
     }
 }
 
@@ -221,8 +221,7 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
     let is_beyond = |one: &Named| one.trial.as_ref().is_some_and(|trial| trial.is_beyond_chance(context.config));
     let (candidates, chance): (Vec<Named>, Vec<Named>) = others.into_iter().partition(is_beyond);
     let terms = chance.iter().filter_map(|one| Some(findings.terms.get(one.term?)?.term.clone()));
-    let terms = terms.collect();
-    (named, candidates, terms)
+    (named, candidates, terms.collect())
 }
 
 fn stands(trial: &Option<Trial>, config: &GapConfig) -> bool {

@@ -1,6 +1,6 @@
 //! `rundown display`: what a board says, live, in a browser, in the terminal, or as lines.
 
-use super::{Failure, NOT_WRITTEN, screen};
+use super::{Failure, screen};
 use crate::display::hub::{Connection, Hub, OnMessage};
 use crate::display::{terminal, text};
 use crate::link::address::{Address, PortAddress};
@@ -207,8 +207,9 @@ impl Arguments {
                 Ok(()) => (),
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => std::process::exit(0),
                 Err(error) => {
-                    screen::error(&format!("stdout: {error}: what was printed is not complete"));
-                    std::process::exit(i32::from(NOT_WRITTEN));
+                    let failure = Failure::not_printed(error);
+                    screen::error(&failure.message);
+                    std::process::exit(i32::from(failure.code));
                 }
             }
         }))

@@ -145,6 +145,11 @@ impl Failure {
     fn not_written(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: NOT_WRITTEN }
     }
+
+    /// What was printed did not find a place, as on a full disk.
+    fn not_printed(error: impl std::fmt::Display) -> Self {
+        Self::not_written(format_args!("stdout: {error}: what was printed is not complete"))
+    }
 }
 
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -235,7 +240,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     log::info!("done");
     let printed = |code| match screen::stdout_failed() {
-        Some(error) => Err(Failure::not_written(format_args!("stdout: {error}: what was printed is not complete"))),
+        Some(error) => Err(Failure::not_printed(error)),
         None => Ok(code),
     };
     done.and_then(printed).unwrap_or_else(|failure| {

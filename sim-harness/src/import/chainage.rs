@@ -5,7 +5,7 @@ use super::line;
 use super::mapping::Method;
 use super::odometer;
 use super::staged::Staged;
-use rundown_check::line_scale::through;
+use rundown_check::line_scale::{self, through};
 use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::sample::MOST_LOCATION_M;
 use rundown_files::track_file::CentreLinePoint;
@@ -64,10 +64,6 @@ const ALL_ONE_WAY: usize = 10;
 /// Share of the fixes that must lie on the line.
 const LEAST_ON_LINE: f64 = 0.8;
 const AS_IT_IS: Placing = Placing::Shift { factor: 1.0, offset_m: 0.0, how: String::new() };
-/// A wheel is off by at most this share of its diameter, worn out or described wrongly.
-const MOST_OFF: f64 = 0.03;
-/// With a wheel of their own four stops or more must agree, for two of them agree always.
-const LEAST_SCALED_STOPS: usize = 4;
 
 /// Places runs, on a line of which something is known already.
 pub fn place(runs: &[Staged], wanted: Option<Method>, given: Given) -> Placed {
@@ -309,14 +305,15 @@ impl KnownLine {
         let pairs = self.stops.iter().flat_map(|from| self.stops.iter().map(move |to| (*from, *to)));
         let placed = |(from, to): (f64, f64)| {
             let factor = (to - from) / (last - first);
-            ((factor.abs() - 1.0).abs() < MOST_OFF).then(|| self.refined(&own, factor, from - factor * first))?
+            ((factor.abs() - 1.0).abs() < line_scale::MOST_OFF)
+                .then(|| self.refined(&own, factor, from - factor * first))?
         };
         let mut found: Vec<(usize, f64, f64)> = pairs.filter_map(placed).collect();
         found.sort_by(|a, b| b.0.cmp(&a.0).then(a.2.total_cmp(&b.2)));
         let (count, factor, offset_m) = *found.first()?;
         let is_other = |other: &&(usize, f64, f64)| other.1 * factor < 0.0 || (other.2 - offset_m).abs() > SAME_M;
         let other = found.iter().find(is_other).map_or(0, |other| other.0);
-        let clear = count >= LEAST_SCALED_STOPS && count > other.max(as_counted) && 10 * count >= 8 * own.len();
+        let clear = count >= line_scale::LEAST_STOPS && count > other.max(as_counted) && 10 * count >= 8 * own.len();
         if !clear {
             return None;
         }

@@ -146,10 +146,8 @@ fn scales_by_stops(runs: &[Run], described: &[f64], as_described: bool, config: 
             Direction::Up => &up,
             Direction::Down => &down,
         };
-        let (figure, distances_m) = scale_by_stops(stops, places, place_sd_m, config)?;
-        let is_near = |distance_m: &f64| (distance_m * (figure.value - 1.0)).abs() < config.elsewhere_m;
-        let is_single = distances_m.len() == 1 && distances_m.iter().all(is_near);
-        Some(Scale { run, value: figure.value, sd: figure.sd, is_single })
+        let (Figure { value, sd }, is_single) = scale_by_stops(stops, places, place_sd_m, config)?;
+        Some(Scale { run, value, sd, is_single })
     })
     .collect()
 }
@@ -187,8 +185,8 @@ fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
         .collect()
 }
 
-/// Scale of the distances from the first stop at a known place to the later ones, and those that it rests on, m.
-fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &WheelConfig) -> Option<(Figure, Vec<f64>)> {
+/// Scale of the distances from the first stop at a known place to the later ones, and whether one stop elsewhere makes it as well.
+fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &WheelConfig) -> Option<(Figure, bool)> {
     let (first, begin, from) = stops.iter().enumerate().find_map(|(i, at)| {
         let near = |place: &&f64| (*place - at).abs() < 2.0 * config.stop_m;
         places.iter().find(near).map(|place| (i, *at, *place))
@@ -231,7 +229,8 @@ fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &Wheel
     let apart: f64 = kept.iter().map(|one| off(value, *one).powi(2)).sum::<f64>();
     let stop_sd_m = config.stop_sd_m.max((apart / (kept.len() - 1).max(1) as f64).sqrt());
     let scale = Figure { value, sd: of_places.hypot(stop_sd_m / squares.sqrt()) };
-    Some((scale, kept.into_iter().map(|(_, distance)| distance).collect()))
+    let is_single = matches!(kept[..], [(_, distance)] if (distance * (value - 1.0)).abs() < config.elsewhere_m);
+    Some((scale, is_single))
 }
 
 /// The runs with their speeds, and locations where the odometer gave them, put right.

@@ -210,7 +210,7 @@ pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &Tractio
             let gained_mps = to.1.speed_mps - from.1.speed_mps;
             if gained_mps > config.rounding_mps { gained_mps / (to.0 - from.0) } else { 0.0 }
         };
-        let here = &(*time_s, *power);
+        let here = &read[i];
         let of_this_power = match (near(before), near(after)) {
             (true, true) => f64::INFINITY,
             (true, false) => gained(before, here),
