@@ -117,8 +117,8 @@ fn within(run: &core::ops::Range<usize>, a: &DVector<f64>, b: &DVector<f64>) -> 
 impl<'a> Ground<'a> {
     /// For the evidence: what drivers do alike is drawn beside the signs, so no probe is more than it.
     pub fn of_probes(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
-        let whitening = driven_less(context, rows, calibrated).whitening(context, rows);
-        let habits = habits::columns(rows, &calibrated.driven_n_per_kg, context.config);
+        let whitening = driven_less(context, rows, calibrated).for_probes(context, rows);
+        let habits = habits::forces(rows, &calibrated.driven_n_per_kg, &context.config.evidence);
         let drawn = |(column, sd): &(Vec<f64>, f64)| whitening.whiten(column) * *sd;
         let habits = habits.iter().filter(|(_, sd)| *sd > 0.0).map(drawn).collect();
         Self { habits, ..Self::on(context, rows, whitening) }

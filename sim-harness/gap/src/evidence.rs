@@ -54,7 +54,10 @@ type Columns = Vec<(f64, Vec<f64>)>;
 fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
     let along = |axis: Coordinate, count: usize| {
         let knots = knots(rows.iter().filter_map(|row| in_the_middle(axis, row)), count);
-        let columns = hats(axis, &knots, rows);
+        let mut columns = hats(axis, &knots, rows);
+        if matches!(axis, Coordinate::Temperature | Coordinate::Day) {
+            columns.iter_mut().for_each(|column| centre(column));
+        }
         (Along::Over(axis), knots.into_iter().zip(columns).collect())
     };
     let those = |value: f64, acts: &dyn Fn(&Row) -> bool| {
@@ -75,6 +78,12 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
                 .to_vec(),
         ),
     ]
+}
+
+/// Takes out the mean: what differs from run to run shows in comparison, and what all runs have alike, habits of drivers among it, does not.
+fn centre(column: &mut [f64]) {
+    let mean = column.iter().sum::<f64>() / column.len() as f64;
+    column.iter_mut().for_each(|value| *value -= mean);
 }
 
 /// Evidence along each of them, strongest first, and the probability of the strongest of all without a gap.

@@ -43,13 +43,16 @@ impl Calibrated {
         self.without_nuisances(context, rows).with_common(&common(context, rows))
     }
 
-    /// With all that names are tried against: what drivers do between two readings, too, and the sensor of the brake.
+    /// With all that sensors of the effort do: that of the brake has a gain of its own, and each one by the speed.
+    pub fn for_probes(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
+        self.without_nuisances(context, rows).with_common(&of_sensors(context, rows))
+    }
+
+    /// With all that names are tried against: what drivers do between two readings, too.
     pub fn for_trials(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
-        let mut common = common(context, rows);
+        let mut common = of_sensors(context, rows);
         if has_efforts(rows) {
-            let braking = rows.iter().map(|row| row.effort_n_per_kg.min(0.0)).collect();
-            common.push((braking, context.config.nuisance.brake_gain_sd));
-            common.extend(habits::columns(rows, &self.driven_n_per_kg, context.config));
+            common.extend(habits::forces(rows, &self.driven_n_per_kg, &context.config.evidence));
         }
         self.without_nuisances(context, rows).with_common(&common)
     }
@@ -74,6 +77,17 @@ fn common(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
     let gain = has_efforts(rows).then(|| (effort(rows), config.effort_gain_sd));
     let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
     gain.into_iter().chain([(offset, config.location_offset_sd_m)]).collect()
+}
+
+/// The same with what the sensor of the effort is off by otherwise.
+fn of_sensors(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
+    let mut all = common(context, rows);
+    if has_efforts(rows) {
+        let braking = rows.iter().map(|row| row.effort_n_per_kg.min(0.0)).collect();
+        all.push((braking, context.config.nuisance.brake_gain_sd));
+        all.extend(habits::gains(rows, context.config));
+    }
+    all
 }
 
 fn has_efforts(rows: &[Row]) -> bool {

@@ -49,29 +49,33 @@ impl Scatter {
     }
 }
 
-/// Columns with their standard deviations: each habit everywhere and along the line, that of braking along the speed, too, because a brake is applied at high
-/// speed and released at low; and what the sensor of the effort is off by along the speed, beside its gain.
+/// Forces with their standard deviations: each habit everywhere and along the line, that of braking along the speed, too, because a brake is applied at high
+/// speed and released at low.
 ///
 /// `beyond_n_per_kg`: as [`Scatter::beyond_n_per_kg`] has it.
-pub fn columns(rows: &[Row], beyond_n_per_kg: &[f64; 2], config: &GapConfig) -> Vec<(Vec<f64>, f64)> {
-    let evidence = &config.evidence;
+pub fn forces(rows: &[Row], beyond_n_per_kg: &[f64; 2], config: &EvidenceConfig) -> Vec<(Vec<f64>, f64)> {
     let mut all = Vec::new();
-    let shares = [evidence.powering_habit, evidence.braking_habit];
+    let shares = [config.powering_habit, config.braking_habit];
     for ((which, beyond), share) in DRIVEN.iter().zip(beyond_n_per_kg).zip(shares) {
-        let habit = &(share * beyond);
-        let acts = |row: &Row| regime(row, evidence) == *which;
-        let force = |row: &Row| f64::from(acts(row));
-        let sensor = |row: &Row| if acts(row) { row.effort_n_per_kg } else { 0.0 };
-        all.push((rows.iter().map(force).collect(), *habit));
-        all.extend(along(Coordinate::Location, evidence.location_knots, rows, force).map(|column| (column, *habit)));
-        all.extend(
-            along(Coordinate::Speed, evidence.knots, rows, sensor).map(|column| (column, config.traction.sensor)),
-        );
+        let habit = share * beyond;
+        let force = |row: &Row| f64::from(regime(row, config) == *which);
+        all.push((rows.iter().map(force).collect(), habit));
+        all.extend(along(Coordinate::Location, config.location_knots, rows, force).map(|column| (column, habit)));
         if *which < 0 {
-            all.extend(along(Coordinate::Speed, evidence.knots, rows, force).map(|column| (column, *habit)));
+            all.extend(along(Coordinate::Speed, config.knots, rows, force).map(|column| (column, habit)));
         }
     }
     all
+}
+
+/// What the sensor of the effort is off by along the speed, beside its gain; with standard deviations.
+pub fn gains(rows: &[Row], config: &GapConfig) -> Vec<(Vec<f64>, f64)> {
+    let evidence = &config.evidence;
+    let of_regime = |which: &i8| -> Vec<_> {
+        let effort = |row: &Row| if regime(row, evidence) == *which { row.effort_n_per_kg } else { 0.0 };
+        along(Coordinate::Speed, evidence.knots, rows, effort).map(|column| (column, config.traction.sensor)).collect()
+    };
+    DRIVEN.iter().flat_map(of_regime).collect()
 }
 
 /// What acts, divided into parts along a coordinate that hold as many rows each.
