@@ -2,7 +2,7 @@
 
 use crate::candidates::kit::*;
 use crate::columns::braked;
-use crate::fit::choices;
+use crate::noise::dragging_units::choice;
 use rundown::model::effects::DraggingBrake;
 
 pub struct This;
@@ -32,7 +32,7 @@ impl Candidate for This {
     }
 
     fn penalty(&self, shape: &Shape, penalty: &PenaltyConfig, rows: &[Row]) -> f64 {
-        penalty.coefficient + choices(shape.runs().len(), rows.last().map_or(1, |r| r.interval.run + 1))
+        penalty.coefficient + choice(shape.runs(), rows)
     }
 
     fn is_plausible(&self, size: &Size<'_>) -> bool {

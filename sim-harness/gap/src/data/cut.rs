@@ -9,6 +9,7 @@ use crate::data::interval::{Interval, POINTS, Point};
 use crate::data::runs::{EffortReading, Run, usual_step_s};
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
+use std::collections::BTreeSet;
 
 /// A reading of location, speed and effort at one time.
 #[derive(Clone, Copy, Debug)]
@@ -22,13 +23,18 @@ struct Node {
 /// The intervals of each run.
 pub fn all(context: &Context<'_>, runs: &[Run], effort: EffortReading) -> Vec<Vec<Interval>> {
     let config = &context.config.interval;
-    let of =
-        |(i, run): (usize, &Run)| Cut { run, line: context.believed.line(run.direction), effort, config }.intervals(i);
+    let names: BTreeSet<&str> =
+        runs.iter().map(|run| run.recorded.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
+    let of = |(i, run): (usize, &Run)| {
+        let unit = names.iter().position(|unit| *unit == run.recorded.unit);
+        Cut { run, unit, line: context.believed.line(run.direction), effort, config }.intervals(i)
+    };
     runs.iter().enumerate().map(of).collect()
 }
 
 struct Cut<'a> {
     run: &'a Run,
+    unit: Option<usize>,
     line: &'a Line<'a>,
     effort: EffortReading,
     config: &'a IntervalConfig,
@@ -85,6 +91,7 @@ impl Cut<'_> {
         });
         Interval {
             run,
+            unit: self.unit,
             begin_s: from.time_s,
             dt_s,
             speed_mps: [from.speed_mps, to.speed_mps],

@@ -17,6 +17,8 @@ pub struct Point {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interval {
     pub run: usize,
+    /// Which unit made the run, by its place among their names; `None`: not known.
+    pub unit: Option<usize>,
     pub begin_s: f64,
     pub dt_s: f64,
     /// Speed at both ends, m/s.

@@ -76,6 +76,7 @@ impl Row {
         let point = Point { location_m, speed_mps, since_departure_s: 60.0 };
         let interval = Interval {
             run: 0,
+            unit: None,
             begin_s: 60.0,
             dt_s: 10.0,
             speed_mps: [speed_mps; 2],

@@ -8,6 +8,7 @@
 //! ```
 //!
 //! with b the rows after the first brake application; d = 0 is the noise alone. Whether a run drags is integrated out, so choosing the runs costs nothing.
+//! Or all runs of a unit drag, and no others.
 
 use crate::candidate::Term;
 use crate::columns::braked;
@@ -15,10 +16,12 @@ use crate::config::BetweenRunsConfig;
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::mixed_share;
 use crate::noise::calibrate::{Calibrated, Deviations, Own, left, own_columns, whitening};
+use crate::noise::dragging_units::{choice, dragging_units};
 use core::ops::Range;
 use nalgebra::DVector;
 
 /// The drag of a run along its rows: score and information.
+#[derive(Clone)]
 pub struct RunDrag {
     pub run: usize,
     pub score: f64,
@@ -81,6 +84,33 @@ fn step(runs: &[RunDrag], of: impl Fn(&RunDrag) -> Option<f64>) -> f64 {
     sides.fold(0.0, f64::max)
 }
 
+/// Which runs drag, and what that gains.
+struct Dragging {
+    gain: f64,
+    dragging: Vec<usize>,
+    of_runs: Vec<RunDrag>,
+}
+
+impl Dragging {
+    /// Any runs.
+    fn of_runs(of_runs: &[RunDrag], config: &BetweenRunsConfig) -> Self {
+        let found = [0.003, 0.01].map(|start| mixture(of_runs, start, config));
+        let Mixture { drag, share, gain } = if found[1].gain > found[0].gain { found[1] } else { found[0] };
+        let odds = |run: &&RunDrag| share * run.gain(drag).clamp(-500.0, 500.0).exp() > 1.0 - share;
+        let dragging = of_runs.iter().filter(odds).map(|run| run.run).collect();
+        Self { gain, dragging, of_runs: of_runs.to_vec() }
+    }
+
+    /// Those of a unit, all alike.
+    fn of_unit(unit: Vec<usize>, of_runs: &[RunDrag], rows: &[Row]) -> Self {
+        let those = || of_runs.iter().filter(|run| unit.contains(&run.run));
+        let (score, information) =
+            (those().map(|run| run.score).sum::<f64>(), those().map(|run| run.information).sum());
+        let gain = 0.5 * score.max(0.0).powi(2) / f64::max(information, 1e-12) - choice(&unit, rows);
+        Self { gain, dragging: unit, of_runs: of_runs.to_vec() }
+    }
+}
+
 /// The runs in which a brake drags, if that explains what differs between runs better than their own constants and winds.
 pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, model: &[Term]) -> Option<Vec<usize>> {
     let config = &context.config.between_runs;
@@ -88,18 +118,14 @@ pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, mo
     let all: Vec<usize> = rows.iter().map(|row| row.interval.run).collect();
     let braked = braked(context, rows, &all);
     let (residual, freedom) = left(context, rows, calibrated, model)?;
-    let of = |own: Own| {
+    let whitened = |own: Own| {
         let whitening = whitening(&Deviations { noise: calibrated.noise, own }, &calibrated.spread, rows, &columns);
-        let (e, b) = (whitening.whiten(&residual), whitening.whiten(&braked));
-        let mut runs = RunDrag::of_runs(rows, whitening.runs(), &b, &e);
-        for run in &mut runs {
-            run.score *= freedom;
-            run.information *= freedom;
-        }
-        (-whitening.log_determinant() - 0.5 * freedom * e.norm_squared(), runs)
+        let e = whitening.whiten(&residual);
+        let reached = -whitening.log_determinant() - 0.5 * freedom * e.norm_squared();
+        (whitening, e, reached)
     };
-    let (plain, _) = of(calibrated.own);
-    let mut best: Option<(f64, Mixture, Vec<RunDrag>)> = None;
+    let (.., plain) = whitened(calibrated.own);
+    let mut best: Option<(f64, Dragging)> = None;
     for constant in SHARES {
         for wind in SHARES {
             let own = Own {
@@ -107,25 +133,30 @@ pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, mo
                 wind_mps: wind * calibrated.own.wind_mps,
                 ..calibrated.own
             };
-            let (without, runs) = of(own);
-            let found = [0.003, 0.01].map(|start| mixture(&runs, start, config));
-            let found = if found[1].gain > found[0].gain { found[1] } else { found[0] };
-            if best.as_ref().is_none_or(|b| without + found.gain > b.0) {
-                best = Some((without + found.gain, found, runs));
+            let (whitening, e, without) = whitened(own);
+            let mut runs = RunDrag::of_runs(rows, whitening.runs(), &whitening.whiten(&braked), &e);
+            for run in &mut runs {
+                run.score *= freedom;
+                run.information *= freedom;
+            }
+            let units = dragging_units(context, rows, |column| whitening.whiten(column), &e);
+            let units = units.into_iter().map(|unit| Dragging::of_unit(unit, &runs, rows));
+            for found in units.chain([Dragging::of_runs(&runs, config)]) {
+                if best.as_ref().is_none_or(|(reached, _)| without + found.gain > *reached) {
+                    best = Some((without + found.gain, found));
+                }
             }
         }
     }
-    let (reached, Mixture { drag, share, gain }, runs) = best?;
+    let (reached, Dragging { gain, dragging, of_runs }) = best?;
     // From a day on, or on cold days, is another law.
     let at =
         |run: &RunDrag, of: fn(&Row) -> Option<f64>| rows.iter().find(|row| row.interval.run == run.run).and_then(of);
     let day = |run: &RunDrag| at(run, |row| row.interval.day);
     let temperature = |run: &RunDrag| at(run, |row| row.interval.temperature_c);
-    if step(&runs, day).max(step(&runs, temperature)) > gain {
+    if step(&of_runs, day).max(step(&of_runs, temperature)) > gain {
         return None;
     }
-    let odds = |run: &&RunDrag| share * run.gain(drag).clamp(-500.0, 500.0).exp() > 1.0 - share;
-    let dragging: Vec<usize> = runs.iter().filter(odds).map(|run| run.run).collect();
     (reached - plain > config.drag_gain && !dragging.is_empty()).then_some(dragging)
 }
 

@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod dragging;
+pub mod dragging_units;
 pub mod habits;
 pub mod own_wind;
 pub mod whiteness;

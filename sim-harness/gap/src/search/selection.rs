@@ -5,7 +5,10 @@
 
 use crate::candidate::{Family, Shape, Size, Term};
 use crate::fit::{Base, Gain, choices};
-use crate::noise::dragging::RunDrag;
+use crate::noise::{
+    dragging::RunDrag,
+    dragging_units::{choice, dragging_units},
+};
 use crate::search::{fits::Search, shape};
 
 /// A term with what was found of it.
@@ -162,6 +165,15 @@ impl Search<'_> {
             let runs: Vec<usize> = chosen.iter().map(|run| run.run).collect();
             let value = if i > 0.0 { 0.5 * g * g / i } else { 0.0 } - choices(runs.len(), of_runs.len());
             if !runs.is_empty() && best.as_ref().is_none_or(|b| value > b.0) {
+                best = Some((value, runs));
+            }
+        }
+        let white = |column: &[f64]| base.beside(&self.whitening.whiten(column));
+        for runs in dragging_units(self.context, self.rows, white, &base.residual) {
+            let chosen: Vec<&RunDrag> = of_runs.iter().filter(|run| runs.contains(&run.run)).collect();
+            let (g, i) = sums(&chosen);
+            let value = 0.5 * g * g / i - choice(&runs, self.rows);
+            if best.as_ref().is_none_or(|b| value > b.0) {
                 best = Some((value, runs));
             }
         }
