@@ -42,6 +42,9 @@ fn first(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
     };
     let mut sections: Vec<Section> = found.recorders.iter().enumerate().map(of_recorder).collect();
     sections.push(Section::new("runs", "Runs", runs(found)));
+    if !failed.is_empty() {
+        sections.push(Section::new("unread", "Logs that cannot be read", unread(failed)));
+    }
     sections.push(Section::new("reading-aids", "How to read this", reading_aids()));
     shell::document("What the recorders did to their logs", &lead(found, failed), &sections)
 }
@@ -53,10 +56,9 @@ fn lead(found: &Check, failed: &[Failed]) -> Markup {
         p.lead {
             (counted(found.runs.len(), "run", "runs")) " of " (counted(found.recorders.len(), "recorder", "recorders"))
             ": in " (clean) " nothing of their own was found, " (refused) " cannot be used."
-        }
-        @if !failed.is_empty() {
-            p.note { (counted(failed.len(), "log", "logs")) " cannot be read:" }
-            ul { @for failed in failed { li { (failed.error) } } }
+            @if !failed.is_empty() {
+                " Of " (found.runs.len() + failed.len()) " logs " a href="#unread" { (failed.len()) " cannot be read" } "."
+            }
         }
     }
 }
@@ -169,6 +171,14 @@ fn runs(found: &Check) -> Markup {
         (sortable(head, rows))
         p.small { "What is found in all runs of a recorder stands above. Each run has a page in the folder " code { (RUN_PAGES) } "." }
     }
+}
+
+fn unread(failed: &[Failed]) -> Markup {
+    let rows = html! { @for failed in failed { tr {
+        th scope="row" { (failed.file.display()) }
+        td.text { @for line in failed.error.lines() { div { (line) } } }
+    } } };
+    table([text_column("log"), text_column("why")], rows)
 }
 
 fn reading_aids() -> Markup {
