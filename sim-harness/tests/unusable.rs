@@ -170,3 +170,16 @@ fn a_log_that_is_given_twice_counts_once_in_every_command() {
         assert!(said.contains("those of a.csv"), "{said}");
     }
 }
+
+#[test]
+fn many_errors_of_one_kind_are_a_few_lines_and_all_in_the_results() {
+    let folder = Folder::new().with("logs/a.csv", RUN);
+    (0..40).for_each(|i| folder.write(&format!("logs/z{i}.csv"), "a,b\n1,2\n"));
+    let said = folder.replay(&["logs"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert_eq!(said.err.matches("error: ").count(), 4, "{}", said.err);
+    assert!(said.err.contains("error: and 37 more like this: expected a header with time_s"), "{}", said.err);
+    assert_eq!(folder.json("out/replay.json")["failed"].as_array().unwrap().len(), 40);
+    let said = folder.rundown(&["import", "logs", "--out", "imported"]);
+    assert!(said.err.matches("error: ").count() < 6, "{}", said.err);
+}

@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Some(_) => checking::check_with_logs(runs, described).map(|(checked, logs)| (checked, Some(logs)))?,
         None => (checking::check(Runs::Paths(runs.clone()), described, || ())?, None),
     };
-    failed.iter().for_each(|failed| screen::error(&failed.error));
+    screen::errors(&failed);
     notes.iter().for_each(|text| screen::note(text));
     warnings.iter().for_each(|text| screen::warning(text));
     let Some(found) = found else {

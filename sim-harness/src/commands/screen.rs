@@ -1,7 +1,7 @@
 //! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
 
 use super::talk::{quiet, say};
-use crate::{output::json::mode_word, report::regime_shares, report::resistance::Resistance};
+use crate::{alike::few, logs::Failed, output::json::mode_word, report::regime_shares, report::resistance::Resistance};
 use indicatif::{ProgressBar, ProgressStyle};
 use rundown::estimator::config::{Config, Mode};
 use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::paper::Difference, tick::regime::Regime};
@@ -58,6 +58,11 @@ pub(super) fn error(message: &str) {
     for line in message.lines() {
         say(format_args!("error: {line}"));
     }
+}
+
+/// Why logs cannot be used; the results have all of it.
+pub(super) fn errors(failed: &[Failed]) {
+    few(failed.iter().map(|failed| &failed.error)).iter().for_each(|text| error(text));
 }
 
 pub(super) fn note(message: &str) {

@@ -135,7 +135,7 @@ fn runs_of(arguments: &Arguments, base: Config) -> Result<TunedRuns, Failure> {
         }
     };
     let provenance = Provenance::begin(&inputs);
-    let (mut cases, mut refused) = (Vec::new(), 0);
+    let (mut cases, mut refused) = (Vec::new(), Vec::new());
     while cases.len() < count
         && let Some(chunk) = source.next_chunk()?
     {
@@ -143,17 +143,15 @@ fn runs_of(arguments: &Arguments, base: Config) -> Result<TunedRuns, Failure> {
             match case {
                 Ok(case) if source.sets_aside(&case) => (),
                 Ok(case) => cases.push(case),
-                Err(failed) => {
-                    refused += 1;
-                    screen::error(&failed.error);
-                }
+                Err(failed) => refused.push(failed),
             }
         }
     }
+    screen::errors(&refused);
     cases.truncate(count);
     let notes = source.notes();
     notes.iter().for_each(|text| screen::note(text));
-    arguments.recorded.strict.check(notes.len() + refused)?;
+    arguments.recorded.strict.check(notes.len() + refused.len())?;
     if cases.is_empty() {
         return Err(Failure::no_runs("no run could be used; nothing was written"));
     }

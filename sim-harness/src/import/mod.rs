@@ -31,6 +31,7 @@ mod staged;
 mod units;
 mod write;
 
+use crate::alike::few;
 use account::{Account, INVERTED, ROWS, SCALED, SHIFTED};
 use analysis::Group;
 use chainage::{Given, Placed, Placing};
@@ -81,7 +82,7 @@ pub enum ImportError {
 impl ImportError {
     /// Refused files, and what is to be said beside them.
     fn nothing(refused: Vec<ReadError>, more: impl IntoIterator<Item = String>) -> Self {
-        let lines: Vec<String> = refused.iter().map(ToString::to_string).chain(more).collect();
+        let lines: Vec<String> = few(refused.iter().map(ToString::to_string)).into_iter().chain(more).collect();
         Self::Nothing { message: lines.join("\n"), first: refused.into_iter().next().map(Box::new) }
     }
 }
