@@ -26,7 +26,7 @@ found by evidence, or asked for: docs/import.md has every key of import.toml.";
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     /// Files, or folders of files; without any those that the mapping names
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", required_unless_present = "mapping")]
     files: Vec<PathBuf>,
     /// What the files do not say, or an import.toml of an earlier import
     #[arg(long, value_name = "import.toml")]

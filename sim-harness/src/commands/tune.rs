@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let found = search(&bench, u64::from(arguments.evaluations), step).map_err(Failure::refused)?;
     let pictures = [profiles(&bench, &found.place, &table1, step), plane(&bench, &found.place, step)];
     bar.finish_and_clear();
-    let score = |place| bench.score(place).ok_or_else(|| Failure::refused("Table 1 is no filter on these runs"));
+    let score = |place| bench.score(place).ok_or_else(|| Failure::no_runs("Table 1 is no filter on these runs"));
     let scores = [score(&table1)?, score(&found.place)?];
     let sensitivity = sensitivity(&base, bench.train, &bench.track, &bench.runs)?;
     let tuned = config(&base, &found.place).map_err(Failure::refused)?;
@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let slopes = [paper_slope(Config::default(), arguments.seed)?, paper_slope(tuned, arguments.seed)?];
     let has_run_pages = arguments.pages.run_pages;
     let runs = runs::scored(&bench, [&table1, &found.place]);
-    let runs = runs.ok_or_else(|| Failure::refused("the optimum is no filter on these runs"))?;
+    let runs = runs.ok_or_else(|| Failure::no_runs("the optimum is no filter on these runs"))?;
     let tuning = Tuning { source, table1, found, scores, pictures, runs, has_run_pages, sensitivity, slopes };
     folder::write("tune", &arguments.out, &provenance, |folder| {
         if has_run_pages {

@@ -193,9 +193,9 @@ pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
 }
 
 /// That nothing is there to be read; folders in a folder are not entered.
-pub fn no_files(arguments: &[PathBuf]) -> String {
+pub fn no_files(arguments: &[PathBuf], mapping: &Path) -> ReadError {
     let Some(folder) = arguments.iter().find(|argument| argument.is_dir()) else {
-        return "expected files to import, found none".to_owned();
+        return refused(mapping, "source.files: expected files to import, found none");
     };
     let inside = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut folders: Vec<String> = inside.filter(|path| path.is_dir()).map(|path| path.display().to_string()).collect();
@@ -205,5 +205,5 @@ pub fn no_files(arguments: &[PathBuf]) -> String {
     } else {
         format!("; folders in it are not entered, name one: {}", folders.join(", "))
     };
-    format!("{}: expected files to import in this folder, found none{hint}", folder.display())
+    refused(folder, format!("expected files to import in this folder, found none{hint}"))
 }

@@ -162,9 +162,10 @@ impl ImportOrder {
 
     fn groups(&self) -> Result<(Vec<Group>, Vec<ReadError>), ImportError> {
         let given = if self.files.is_empty() { self.mapping.files() } else { self.files.clone() };
-        let files = analysis::files(&given).map_err(|error| ImportError::nothing(vec![error], []))?;
+        let files = analysis::files(&given)?;
         if files.is_empty() {
-            return Err(ImportError::nothing(Vec::new(), [analysis::no_files(&given)]));
+            let mapping = self.mapping_file.as_deref().unwrap_or(Path::new("import.toml"));
+            return Err(analysis::no_files(&given, mapping).into());
         }
         let (groups, mut errors) = alike::analyse(&files, &self.mapping);
         errors.extend(groups.iter().filter_map(Group::asked));
