@@ -9,6 +9,7 @@ use super::source::row::{Header, refused};
 use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
+use rundown_files::run_set::{is_index, without_results};
 use std::path::{Path, PathBuf};
 
 /// Files that are read in the same way.
@@ -162,11 +163,12 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     notes
 }
 
-/// Files of the arguments; a folder is its files in the order of their names.
+/// Files of the arguments, and what is to be said of those left out: results of Rundown. A folder is its files in the order of their names;
+/// an index beside named files is none of them.
 ///
 /// # Errors
 /// A folder cannot be read.
-pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
+pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadError> {
     const ENDS: [&str; 19] = [
         "csv", "tsv", "txt", "log", "dat", "asc", "xlsx", "xls", "xlsm", "xlsb", "ods", "gpx", "nmea", "nma", "json",
         "jsonl", "ndjson", "parquet", "pq",
@@ -174,7 +176,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
     let is_log = |path: &Path| {
         let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        path.is_file() && ENDS.contains(&&*end) && !["runs.csv", "index.csv", "import.json", MANIFEST].contains(&&*name)
+        path.is_file() && ENDS.contains(&&*end) && !["index.csv", "import.json", MANIFEST].contains(&&*name)
     };
     let mut files = Vec::new();
     for argument in arguments {
@@ -189,21 +191,23 @@ pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
         inside.sort();
         files.extend(inside);
     }
-    Ok(files)
+    files.retain(|path| !is_index(path));
+    let notes = without_results(&mut files);
+    Ok((files, notes))
 }
 
-/// That nothing is there to be read; folders in a folder are not entered.
-pub fn no_files(arguments: &[PathBuf], mapping: &Path) -> ReadError {
+/// That nothing is there to be read, and what was left out; folders in a folder are not entered.
+pub fn no_files(arguments: &[PathBuf], mapping: &Path, notes: &[String]) -> ReadError {
+    let expected = |hint: &str| format!("expected files to import, found none{hint}");
     let Some(folder) = arguments.iter().find(|argument| argument.is_dir()) else {
-        return refused(mapping, "source.files: expected files to import, found none");
+        let hint: String = notes.iter().map(|note| format!("; {note}")).collect();
+        return refused(arguments.first().map_or(mapping, PathBuf::as_path), expected(&hint));
     };
     let inside = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut folders: Vec<String> = inside.filter(|path| path.is_dir()).map(|path| path.display().to_string()).collect();
     folders.sort();
-    let hint = if folders.is_empty() {
-        String::new()
-    } else {
-        format!("; folders in it are not entered, name one: {}", folders.join(", "))
-    };
-    refused(folder, format!("expected files to import in this folder, found none{hint}"))
+    let named =
+        (!folders.is_empty()).then(|| format!("folders in it are not entered, name one: {}", folders.join(", ")));
+    let hint: String = notes.iter().cloned().chain(named).map(|hint| format!("; {hint}")).collect();
+    refused(folder, expected(&hint))
 }
