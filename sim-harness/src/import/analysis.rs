@@ -2,6 +2,7 @@
 
 use super::columns::{self, Columns, How};
 use super::evidence::SeenRows;
+use super::letters;
 use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::source::SourceFile;
@@ -52,7 +53,10 @@ impl Group {
     fn decide(&mut self) -> Result<(), String> {
         let Self { sources, mapping, columns, notes, denied, .. } = self;
         if let Some(first) = sources.first() {
-            needed(columns, first)?;
+            let doubt = code_page(first, mapping);
+            needed(columns, first)
+                .map_err(|missing| doubt.as_ref().map_or(missing.clone(), |doubt| format!("{missing}; {doubt}")))?;
+            notes.extend(doubt);
         }
         let mut seen = SeenRows::default();
         for source in &*sources {
@@ -88,6 +92,13 @@ impl Group {
             ..self.mapping.clone()
         }
     }
+}
+
+/// What is said of names that look as if they were read with the wrong code page; nothing where a person named it.
+fn code_page(source: &SourceFile, mapping: &SourceMapping) -> Option<String> {
+    let is_assumed = mapping.layout.encoding.is_none() && source.layout.encoding.as_deref() == Some(letters::ASSUMED);
+    let strange = source.headers.iter().find(|header| is_assumed && letters::are_strange(&header.written))?;
+    Some(format!("column {:?}: {}", strange.written, letters::REMEDY))
 }
 
 fn needed(columns: &Columns, source: &SourceFile) -> Result<(), String> {

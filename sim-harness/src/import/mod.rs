@@ -17,6 +17,7 @@ mod columns;
 mod cut;
 mod evidence;
 mod geo;
+mod letters;
 mod line;
 mod listed;
 mod mapping;
