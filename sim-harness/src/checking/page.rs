@@ -116,10 +116,10 @@ fn figures(recorder: &RecorderCheck) -> Markup {
     ];
     let rows = html! {
         @for (name, value, decimals, unit) in with_interval { tr {
-            th scope="row" { (name) } td { (number(value.map(|v| v.value), decimals)) } td { (interval(value, decimals)) } td.text { (unit) }
+            th scope="row" { (name) } td { (number(value.map(|v| v.value), decimals)) } td { (interval(value, decimals)) } td.word { (unit) }
         } }
         @for (name, value, decimals, unit) in alone { tr {
-            th scope="row" { (name) } td { (number(value, decimals)) } td { (NOTHING) } td.text { (unit) }
+            th scope="row" { (name) } td { (number(value, decimals)) } td { (NOTHING) } td.word { (unit) }
         } }
     };
     table([text_column("quantity"), column("value", ""), column("95 % interval", ""), text_column("unit")], rows)
@@ -144,28 +144,29 @@ fn said(run: &RunCheck) -> String {
     found.chain(run.perturbed()).collect::<Vec<String>>().join("; ")
 }
 
+/// What matters comes first: on a narrow screen the last columns have to be scrolled to.
 fn runs(found: &Check) -> Markup {
     let head = [
         text_column("run"),
-        choice_column("recorder"),
         choice_column("verdict"),
+        text_column("found"),
+        choice_column("recorder"),
         column("rows", ""),
         column("step", "s"),
         column("speed over location", "95 % interval"),
         column("speed older", "s, 95 % interval"),
         column("location noise", "m"),
-        text_column("found"),
     ];
     let rows = html! { @for (at, run) in found.runs.iter().enumerate() { tr {
         th scope="row" { a href=(format!("{RUN_PAGES}/{}", run_pages::name(at))) { (run.name) } }
-        td.word { (called(&run.unit)) }
         td.word { (verdict(run)) }
+        td.text { (said(run)) }
+        td.word { (called(&run.unit)) }
         td { (run.rows) }
         td { (number(run.step_s, 1)) }
         td { (interval(run.scale, 4)) }
         td { (interval(run.skew_s, 2)) }
         td { (number(run.location_noise_m, 1)) }
-        td.text { (said(run)) }
     } } };
     html! {
         (sortable(head, rows))
