@@ -25,6 +25,7 @@ use rundown_files::sample::Sample;
 use rundown_files::{refusal::ReadError, run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
 use rundown_pages::numbers::counted;
 use serde::Serialize;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// What was found.
@@ -42,6 +43,8 @@ pub struct Checked {
 
 /// Warnings of one log that are kept.
 const WARNINGS: usize = 3;
+/// Logs that cannot be read and are named in the last line; each has its error beside it.
+const NAMED: usize = 3;
 
 /// The logs of a [`Check`], each in the place of its run.
 #[derive(Debug)]
@@ -168,6 +171,22 @@ pub fn columns() -> Vec<Column<Found>> {
     ]
 }
 
+/// The whole diagnosis, with the logs that cannot be read.
+#[derive(Serialize)]
+struct Whole<'a> {
+    #[serde(flatten)]
+    found: &'a Check,
+    failed: Vec<Value>,
+}
+
+/// What `rundown check --json` prints.
+///
+/// # Errors
+/// None is known: a diagnosis has no keys but texts.
+pub fn json(found: &Check, failed: &[Failed]) -> serde_json::Result<String> {
+    serde_json::to_string_pretty(&Whole { found, failed: failed.iter().map(Failed::json).collect() })
+}
+
 /// What `rundown check --json` prints: path, unit, meaning, when it is null.
 pub const FIELDS: &[[&str; 4]] = &[
     ["recorders[].unit", "", "unit of the index `runs.csv`, empty without one", ""],
@@ -230,6 +249,8 @@ pub const FIELDS: &[[&str; 4]] = &[
         "as `gradient_doubt` of `replay.json`, without `shift_m`",
         "they do not look wrong, or train and track were not given: `gradients` is null",
     ],
+    ["failed[].file", "", "a log that cannot be read", ""],
+    ["failed[].errors[]", "", "why", ""],
 ];
 
 /// The word of JSON.
@@ -257,8 +278,8 @@ pub fn findings(found: &Check) -> Filled {
     filled(columns(), of_recorders.chain(of_runs))
 }
 
-/// A few lines: each recorder, then its runs in which something else was found.
-pub fn words(found: &Check) -> String {
+/// A few lines: each recorder, then its runs in which something else was found; how many logs there are, and which cannot be read.
+pub fn words(found: &Check, failed: &[Failed]) -> String {
     let mut text = String::new();
     for recorder in &found.recorders {
         text += &of_recorder(recorder);
@@ -281,10 +302,16 @@ pub fn words(found: &Check) -> String {
     let is_clean = |run: &&RunCheck| run.findings.is_empty() && run.perturbations.is_empty();
     let clean = found.runs.iter().filter(is_clean).count();
     let refused = found.refused().count();
-    text + &format!(
-        "{}, nothing found in {clean}, {refused} cannot be used\n",
-        counted(found.runs.len(), "run", "runs")
-    )
+    let runs = found.runs.len();
+    let also = if failed.is_empty() { String::new() } else { format!("; {}", unread(failed, runs + failed.len())) };
+    text + &format!("{}, nothing found in {clean}, {refused} cannot be used{also}\n", counted(runs, "run", "runs"))
+}
+
+/// How many of all logs cannot be read, and the first of them.
+fn unread(failed: &[Failed], all: usize) -> String {
+    let names: Vec<String> = failed.iter().take(NAMED).map(|failed| failed.file.display().to_string()).collect();
+    let more = if failed.len() > NAMED { ", ..." } else { "" };
+    format!("{} of {all} logs cannot be read: {}{more}", failed.len(), names.join(", "))
 }
 
 fn of_recorder(recorder: &RecorderCheck) -> String {

@@ -93,12 +93,13 @@ impl ExportOrder {
         }
         let text = toml::to_string(train).map_err(|error| files::failed(out, std::io::Error::other(error)))?;
         written.push(("train.toml", text.into_bytes()));
-        let before = folder::files_of("export", out)?.unwrap_or_default();
+        let kept = earlier(out, &written)?;
         folder::write("export", out, &begun, |folder| -> Result<(), WriteError> {
-            let write = |(name, content): &(&str, Vec<u8>)| {
-                files::file(&folder.join(name), |file| Write::write_all(file, content))
-            };
-            written.iter().try_for_each(write)
+            for (name, content) in &written {
+                files::file(&folder.join(name), |file| Write::write_all(file, content))?;
+            }
+            let keep = |name: &PathBuf| std::fs::copy(out.join(name), folder.join(name)).map(drop);
+            kept.iter().try_for_each(keep).map_err(|error| files::failed(out, error))
         })?;
         let files: Vec<&str> = written.iter().map(|(name, _)| *name).collect();
         let said = provenance::sentences(&learned, train.mass_kg).join("\n");
@@ -108,14 +109,9 @@ impl ExportOrder {
         let note = "the train has named effects, which only train.toml can hold";
         let mut notes = learned.notes.clone();
         notes.extend((!train.effect.is_empty()).then(|| note.to_owned()));
-        let gone = before.iter().map(|file| file.display().to_string());
-        let gone: Vec<String> = gone.filter(|file| !files.contains(&file.as_str())).collect();
-        if !gone.is_empty() {
-            notes.push(format!(
-                "{}: removed from an earlier export: {}; --out takes another folder, --to several formats",
-                out.display(),
-                gone.join(", ")
-            ));
+        if !kept.is_empty() {
+            let names: Vec<String> = kept.iter().map(|name| name.display().to_string()).collect();
+            notes.push(format!("{}: kept as an earlier export wrote them: {}", out.display(), names.join(", ")));
         }
         Ok(Exported { files, said, notes })
     }
@@ -149,4 +145,11 @@ impl ExportOrder {
             max_speed_kmh: self.max_speed_kmh,
         })
     }
+}
+
+/// Files of earlier exports that this one does not write: another format is no reason to lose them.
+fn earlier(out: &Path, written: &[(&str, Vec<u8>)]) -> Result<Vec<PathBuf>, WriteError> {
+    let is_new = |name: &Path| written.iter().any(|(new, _)| name == Path::new(new));
+    let before = folder::files_of("export", out)?.unwrap_or_default();
+    Ok(before.into_iter().filter(|name| !is_new(name) && out.join(name).is_file()).collect())
 }

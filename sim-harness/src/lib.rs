@@ -26,6 +26,7 @@
 
 pub mod accuracy_bench;
 mod advice;
+mod alike;
 pub mod check_bench;
 pub mod checking;
 pub mod commands;

@@ -4,6 +4,7 @@ use rundown_check::{Check, Known, check_after, same::Seen};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::{ReadError, Refusal};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, run_set::RunFile};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// A log that cannot be used.
@@ -25,6 +26,11 @@ impl Failed {
             _ => None,
         };
         Self { file: file.to_owned(), error: error.to_string(), refusal: refusal.map(Box::new) }
+    }
+
+    /// As the results have it.
+    pub(crate) fn json(&self) -> Value {
+        json!({ "file": self.file, "errors": self.error.lines().collect::<Vec<&str>>() })
     }
 }
 

@@ -64,3 +64,22 @@ fn a_folder_gets_a_page_for_each_run_and_a_name_in_json_the_diagnosis_alone() {
     assert_eq!(folder.read("again/report.html"), page);
     assert_eq!(folder.read("again/report/run0002.html"), run);
 }
+
+#[test]
+fn a_log_that_cannot_be_read_is_counted_and_named_on_the_screen_in_json_and_on_the_page() {
+    let folder = Folder::new().with("logs/a.csv", &log(f64::floor)).with("logs/none.csv", "a,b\n1,2\n");
+    let said = folder.rundown(&["check", "logs", "--out", "found"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert!(said.err.contains("none.csv:1: expected a header"), "{}", said.err);
+    assert!(said.out.contains("1 of 2 logs cannot be read: logs/none.csv\n"), "{}", said.out);
+    let json = folder.json("found/check.json");
+    assert_eq!((json["runs"].as_array().unwrap().len(), &json["failed"][0]["file"]), (1, &"logs/none.csv".into()));
+    assert!(json["failed"][0]["errors"][0].as_str().unwrap().contains("expected a header"), "{json}");
+    let page = folder.read("found/report.html");
+    assert!(page.contains("Of 2 logs <a href=\"#unread\">1 cannot be read</a>."), "{page:.2000}");
+    assert!(page.contains("<th scope=\"row\">logs/none.csv</th><td class=\"text\"><div>logs/none.csv:1: expected"));
+    // Where all can be read, nothing is said of others.
+    let said = folder.done(&["check", "logs/a.csv", "--out", "found"]);
+    assert!(!said.out.contains("cannot be read") && !folder.read("found/report.html").contains("unread"));
+    assert_eq!(folder.json("found/check.json")["failed"], Value::Array(Vec::new()));
+}

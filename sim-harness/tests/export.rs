@@ -223,7 +223,7 @@ fn every_simulator_gets_the_train_and_gives_it_back() {
 }
 
 #[test]
-fn files_of_an_earlier_export_that_go_away_are_named_and_the_speeds_of_learning_said() {
+fn files_of_an_earlier_export_are_kept_and_named_and_the_speeds_of_learning_said() {
     let folder = replayed(&[]);
     let export =
         |format| folder.done(&["export", "--to", format, "out", "--train", "train.toml", "--max-speed", "140"]);
@@ -232,8 +232,15 @@ fn files_of_an_earlier_export_that_go_away_are_named_and_the_speeds_of_learning_
     let speeds: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
     assert!(speeds.len() == 2 && speeds[0] >= 40.0 && speeds[0] < speeds[1] && speeds[1] < 150.0, "{line}");
     assert!(!said.err.contains("earlier export"), "{said:?}");
+    let before = folder.read("learned/sumo.add.xml");
     let said = export("altrios");
-    assert!(said.err.contains("removed from an earlier export: sumo.add.xml"), "{said:?}");
+    assert!(said.err.contains("kept as an earlier export wrote them: sumo.add.xml"), "{said:?}");
+    assert_eq!(folder.read("learned/sumo.add.xml"), before);
+    let outputs = folder.json("learned/manifest.json")["outputs"].to_string();
+    assert!(["sumo.add.xml", "altrios.yaml", "train.toml"].iter().all(|name| outputs.contains(name)), "{outputs}");
+    // One that was taken away stays away, and is not asked for.
+    std::fs::remove_file(folder.path("learned/sumo.add.xml")).unwrap();
+    assert!(!export("altrios").err.contains("earlier export"));
 }
 
 #[test]

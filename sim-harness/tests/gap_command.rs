@@ -120,11 +120,11 @@ fn slopes_of_the_whole_track_that_are_wrong_are_refused_with_what_is_wrong() {
 }
 
 #[test]
-fn runs_that_are_nowhere_are_refused() {
+fn runs_that_are_nowhere_are_named() {
     let folder = simulated(1, "");
     let Said { code, err: words, .. } = gap(&folder, "nowhere", &[]);
-    assert_eq!(code, Some(3), "{words}");
-    assert!(words.contains("nowhere: expected a folder of run logs"));
+    assert_eq!(code, Some(6), "{words}");
+    assert!(words.contains("nowhere: cannot be read") && words.contains("0 usable runs"), "{words}");
     assert!(!folder.path("out").exists());
 }
 

@@ -8,7 +8,7 @@ mod formats;
 #[path = "import_command/meaning.rs"]
 mod meaning;
 
-use common::Folder;
+use common::{Folder, RUN, reference};
 use std::fmt::Write;
 
 /// A train that stops at these places, sampled each second: time, location, speed.
@@ -374,4 +374,28 @@ fn new_files_of_a_recorder_are_read_by_the_mapping_of_its_first() {
     folder.done(&["import", "a.csv", "--mapping", "m.toml", "--out", "a"]);
     folder.done(&["import", "b.csv", "--mapping", "a/import.toml", "--out", "b"]);
     assert_eq!(folder.read("a/a_01.csv"), folder.read("b/b_01.csv"));
+}
+
+#[test]
+fn results_of_rundown_and_an_index_are_no_logs() {
+    let index = "file,departure_utc,unit,direction\na.csv,2025-01-01T08:00:00Z,7,up\n";
+    let folder = Folder::new().with("logs/a.csv", RUN).with("logs/runs.csv", index);
+    let (train, track) = (reference("train.toml"), reference("track.toml"));
+    folder.done(&["replay", "--train", &train, "--track", &track, "--out", "logs", "logs"]);
+    assert!(folder.path("logs/a.estimates.csv").is_file());
+    let named: Vec<String> = std::fs::read_dir(folder.path("logs"))
+        .unwrap()
+        .map(|entry| format!("logs/{}", entry.unwrap().file_name().display()))
+        .filter(|name| name.ends_with(".csv"))
+        .collect();
+    let named: Vec<&str> = named.iter().map(String::as_str).collect();
+    for files in [&["logs"][..], &named] {
+        let said = folder.done(&[&["import", "--out", "imported"], files].concat());
+        assert!(said.out.contains("1 run in imported"), "{files:?}: {}", said.out);
+        assert!(said.err.contains("are results of a command, and no logs"), "{}", said.err);
+        assert!(folder.read("imported/runs.csv").contains(",7,up"), "the index was read");
+    }
+    // A table of that name that is no index is a log.
+    folder.write("mine/runs.csv", RUN);
+    assert!(folder.done(&["import", "mine", "--out", "mine-out"]).out.contains("1 run in mine-out"));
 }

@@ -170,3 +170,41 @@ fn a_log_that_is_given_twice_counts_once_in_every_command() {
         assert!(said.contains("those of a.csv"), "{said}");
     }
 }
+
+#[test]
+fn many_errors_of_one_kind_are_a_few_lines_and_all_in_the_results() {
+    let folder = Folder::new().with("logs/a.csv", RUN);
+    (0..40).for_each(|i| folder.write(&format!("logs/z{i}.csv"), "a,b\n1,2\n"));
+    let said = folder.replay(&["logs"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert_eq!(said.err.matches("error: ").count(), 4, "{}", said.err);
+    assert!(said.err.contains("error: and 37 more like this: expected a header with time_s"), "{}", said.err);
+    assert_eq!(folder.json("out/replay.json")["failed"].as_array().unwrap().len(), 40);
+    let said = folder.rundown(&["import", "logs", "--out", "imported"]);
+    assert!(said.err.matches("error: ").count() < 6, "{}", said.err);
+}
+
+#[test]
+fn what_is_not_there_and_what_is_empty_have_one_exit_code_in_all_commands() {
+    let folder = Folder::new().with("logs/a.csv", RUN);
+    std::fs::create_dir(folder.path("empty")).unwrap();
+    let (train, track) = (reference("train.toml"), reference("track.toml"));
+    let described = ["--train", &train, "--track", &track];
+    let commands: [(&[&str], &[&str]); 6] = [
+        (&["check"], &[]),
+        (&["replay"], &described),
+        (&["gap", "--runs"], &described),
+        (&["study", "--runs"], &described),
+        (&["tune", "--runs"], &described),
+        (&["import"], &[]),
+    ];
+    for (command, more) in commands {
+        for (runs, expected) in [("nosuch.csv", 6), ("nosuch", 6), ("empty", 3)] {
+            let said = folder.rundown(&[command, &[runs], more].concat());
+            assert_eq!(said.code, Some(expected), "{command:?} {runs}: {}", said.err);
+            assert!(said.err.contains(runs), "{command:?} {runs}: {}", said.err);
+        }
+    }
+    assert_eq!(folder.rundown(&["import"]).code, Some(2));
+    assert_eq!(folder.rundown(&["display", "--file", "empty"]).code, Some(3));
+}

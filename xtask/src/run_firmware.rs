@@ -3,7 +3,8 @@
 use crate::{firmware, setup};
 use emulator::{Board, Emulator, Settings};
 use std::io::{self, Read, Write};
-use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -34,7 +35,54 @@ pub fn run_firmware(board: Board, key: Option<&str>) -> Result<(), String> {
     let first = listener.accept().map_err(|error| error.to_string())?.0;
     let settings = Settings { preloads, ..Settings::new(board).map_err(|error| error.to_string())? };
     let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
-    share(emulator.line(), first, listener).map_err(|error| error.to_string())
+    let asked = end_with_signal(emulator.line()).map_err(|error| error.to_string())?;
+    let shared = share(emulator.line(), first, listener).map_err(|error| error.to_string());
+    // Before this program: what asks it to end knows nothing of QEMU.
+    drop(emulator);
+    asked.end();
+    shared
+}
+
+/// The signal that asked this program to end, where one has.
+#[derive(Clone, Debug, Default)]
+struct AskedToEnd(Arc<AtomicI32>);
+
+#[cfg(unix)]
+impl AskedToEnd {
+    /// Ends as the signal would have done.
+    fn end(&self) {
+        let signal = self.0.load(Ordering::SeqCst);
+        if signal != 0 {
+            // It returns only for a signal that does not end a program.
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    }
+}
+
+/// Hangs up the line where this program is asked to end, so that what reads it comes to its end and takes QEMU along.
+#[cfg(unix)]
+fn end_with_signal(line: &TcpStream) -> io::Result<AskedToEnd> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let (asked, line) = (AskedToEnd::default(), line.try_clone()?);
+    let mut signals = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM])?;
+    let told = asked.clone();
+    thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            told.0.store(signal, Ordering::SeqCst);
+            let _ = line.shutdown(Shutdown::Both);
+        }
+    });
+    Ok(asked)
+}
+
+#[cfg(not(unix))]
+impl AskedToEnd {
+    fn end(&self) {}
+}
+
+#[cfg(not(unix))]
+fn end_with_signal(_: &TcpStream) -> io::Result<AskedToEnd> {
+    Ok(AskedToEnd::default())
 }
 
 /// Programs at the serial line.
@@ -125,5 +173,16 @@ mod tests {
         // The end of the emulator is the end.
         drop(board);
         shared.join().unwrap().unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_signal_hangs_up_the_line() {
+        let (mut here, there) = pair();
+        here.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+        let asked = end_with_signal(&there).unwrap();
+        signal_hook::low_level::raise(signal_hook::consts::SIGTERM).unwrap();
+        assert_eq!(here.read(&mut [0; 1]).unwrap(), 0);
+        assert_eq!(asked.0.load(Ordering::SeqCst), signal_hook::consts::SIGTERM);
     }
 }

@@ -350,7 +350,7 @@ function showLink() {
 
 const runChart = new Chart($("run-chart"), runOptions(run));
 const resistanceChart = new Chart($("resistance-chart"), resistanceOptions(() =>
-  state.now.parameters?.learned === "not_yet" ? "not learned yet, 95 % interval" : "this train, 95 % interval"));
+  state.now.parameters?.learned === "not_yet" ? "not learned yet, 95 % interval" : "this run's train, 95 % interval"));
 
 function show() {
   showNow(); showRun(); showResistance(); showJudged(); showEffort(); showBrake(); showLink();

@@ -76,8 +76,7 @@ impl RunSet {
                 paths.push(argument.clone());
             }
         }
-        let mut set = Self::default();
-        set.leave_out_results(&mut paths, &arguments);
+        let mut set = Self { notes: without_results(&mut paths), ..Self::default() };
         let mut indexes: HashMap<PathBuf, HashMap<String, IndexRow>> = HashMap::new();
         for path in paths {
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -100,25 +99,6 @@ impl RunSet {
         let indexes: BTreeSet<PathBuf> = self.files.iter().map(|file| file.path.with_file_name(INDEX)).collect();
         let logs = self.files.iter().map(|file| file.path.clone());
         logs.chain(indexes.into_iter().filter(|index| index.is_file())).collect()
-    }
-
-    /// Leaves out what a command wrote beside the logs, where files are named; of a folder its logs are without.
-    fn leave_out_results(&mut self, paths: &mut Vec<PathBuf>, arguments: &[PathBuf]) {
-        let of = |path: &PathBuf| path.parent().unwrap_or(Path::new("")).to_owned();
-        let folders: BTreeSet<PathBuf> = arguments.iter().filter(|path| !path.is_dir()).map(of).collect();
-        for folder in folders {
-            let results = results_in(&folder);
-            let before = paths.len();
-            paths.retain(|path| path.strip_prefix(&folder).map_or(true, |name| !results.contains(name)));
-            let count = before - paths.len();
-            if count > 0 {
-                let place = folder.join(MANIFEST);
-                self.notes.push(format!(
-                    "{}: {count} of the tables in this folder are results of a command, and no logs",
-                    place.display()
-                ));
-            }
-        }
     }
 
     /// Logs that only the index of a folder knows.
@@ -177,6 +157,31 @@ fn file_name(path: &Path) -> String {
 
 fn is_table(path: &Path) -> bool {
     NOT_LOGS.contains(&file_name(path).as_str())
+}
+
+/// Leaves out what commands wrote beside the logs, by the manifests there. Out: a note for each folder.
+pub fn without_results(paths: &mut Vec<PathBuf>) -> Vec<String> {
+    let of = |path: &PathBuf| path.parent().unwrap_or(Path::new("")).to_owned();
+    let folders: BTreeSet<PathBuf> = paths.iter().map(of).collect();
+    let note = |folder: PathBuf| {
+        let results = results_in(&folder);
+        let before = paths.len();
+        paths.retain(|path| path.strip_prefix(&folder).map_or(true, |name| !results.contains(name)));
+        let (count, place) = (before - paths.len(), folder.join(MANIFEST));
+        (count > 0).then(|| {
+            format!("{}: {count} of the files in this folder are results of a command, and no logs", place.display())
+        })
+    };
+    folders.into_iter().filter_map(note).collect()
+}
+
+/// It has the name and the columns of an index.
+pub fn is_index(path: &Path) -> bool {
+    let has_files = || {
+        let header = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).ok()?;
+        Some({ header }.headers().ok()?.iter().any(|name| name == "file"))
+    };
+    NOT_LOGS.iter().any(|name| file_name(path).eq_ignore_ascii_case(name)) && has_files().unwrap_or(false)
 }
 
 /// The folder `runs` of a data set, else the path itself.
@@ -294,7 +299,7 @@ mod tests {
         let named = ["a.csv", "features.csv"].map(|name| folder.path().join(name));
         let set = RunSet::find(&named).unwrap();
         assert_eq!(names(&set), ["a"]);
-        assert!(set.notes[0].contains("manifest.json: 1 of the tables"), "{:?}", set.notes);
+        assert!(set.notes[0].contains("manifest.json: 1 of the files"), "{:?}", set.notes);
         // An import makes logs, and the manifest of another program says nothing.
         for text in [manifest("import", "a.csv"), "{}".to_owned()] {
             std::fs::write(folder.path().join(MANIFEST), text).unwrap();

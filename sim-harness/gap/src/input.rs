@@ -11,7 +11,6 @@ use rundown_check::{
 use rundown_files::folder::Provenance;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::refusal::Place;
 use rundown_files::run_rows::{self, RunTable};
 use rundown_files::{run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
 use std::path::{Path, PathBuf};
@@ -104,11 +103,6 @@ impl Input {
         as_recorded: bool,
     ) -> Result<Self, Refusal> {
         let described = Described::read(train, track)?;
-        if let Some(nowhere) = runs.iter().find(|path| !path.exists()) {
-            let place = Place::of_file(nowhere);
-            let message = "expected a folder of run logs, or a run log; there is nothing of this name";
-            return Err(Refusal::unread(place.refuse("", message).into()));
-        }
         let set = RunSet::find(runs).map_err(Refusal::unread)?;
         let provenance = Provenance::begin(&[described.files.to_vec(), set.paths()].concat());
         let mut loaded = load::runs(&set, &described.train, &described.track_file, direction, as_recorded);

@@ -48,11 +48,11 @@ impl Check {
 
     /// The whole diagnosis as `rundown check --json` prints it.
     fn to_json(&self) -> PyResult<String> {
-        serde_json::to_string_pretty(&self.found).map_err(refused)
+        checking::json(&self.found, &self.failed).map_err(refused)
     }
 
     fn __str__(&self) -> String {
-        in_python(&checking::words(&self.found))
+        in_python(&checking::words(&self.found, &self.failed))
     }
 
     fn __repr__(&self) -> String {

@@ -31,6 +31,7 @@ mod runs;
 mod said;
 mod simulate;
 mod table;
+mod table_html;
 
 /// What `rundown/__init__.py` hands on.
 #[pyo3::pymodule]

@@ -84,7 +84,6 @@ mod tests {
             ("add --set mass_kg=VALUE", "add set={\"mass_kg\": VALUE}"),
             ("--set r0: expected a train", "set={\"r0\": VALUE}: expected a train"),
             ("(see --direction)", "(see direction=)"),
-            ("--out takes another folder, --to several", "out= takes another folder, to= several"),
             ("a file for --mapping", "a file for mapping="),
         ] {
             assert_eq!(in_python(text), expected);

@@ -4,6 +4,7 @@
 //! Unit, meaning and rule for empty cells are metadata of each field.
 
 use crate::error::refused;
+use crate::table_html;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray};
 use arrow_schema::ffi::FFI_ArrowSchema;
@@ -163,6 +164,15 @@ impl Table {
             self.schema.fields().len(),
             self.column_names().join(", ")
         )
+    }
+
+    /// For notebooks: the first and the last rows, each column with its unit and, under the cursor, its meaning.
+    fn _repr_html_(&self) -> String {
+        let said = |field: &Arc<Field>| {
+            let of = |key: &str| field.metadata().get(key).cloned().unwrap_or_default();
+            [field.name().clone(), of(UNIT), of(MEANING)]
+        };
+        table_html::page(&self.schema.fields().iter().map(said).collect::<Vec<_>>(), &self.parts)
     }
 
     /// The Arrow PyCapsule interface. A schema that is asked for is not needed to be followed, and is not.

@@ -151,7 +151,7 @@ def test_notes_name_the_arguments_of_python(tunnel, made, tmp_path):
     learned = rundown.replay(made.runs, **described)
     rundown.export(learned, to="sumo", max_speed=140, out=out, train=made.train)
     again = rundown.export(learned, to="altrios", max_speed=140, out=out, train=made.train)
-    assert again.notes[-1].endswith("removed from an earlier export: sumo.add.xml; out= takes another folder, to= several formats")
+    assert again.notes[-1].endswith("kept as an earlier export wrote them: sumo.add.xml")
     apart = rundown.replay(made.runs, carry=False, **described)
     with pytest.raises(rundown.RundownError, match="found a replay made with carry=False"):
         rundown.export(apart, to="sumo", max_speed=140, out=out, train=made.train)

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import re
 
 import pytest
 
@@ -51,6 +52,22 @@ def test_duckdb_asks_it(table):
 def test_a_column_that_is_not_there_is_a_key_error(table):
     with pytest.raises(KeyError, match="r3"):
         table["r3"]
+
+
+def test_a_notebook_shows_its_ends_with_units_and_meanings(reference):
+    learned = rundown.replay(**reference)
+    ticks = learned.estimates()
+    page = ticks._repr_html_()
+    assert page.count("<tr>") == 1 + 11 and f"{len(ticks)} rows" in page
+    head = page[page.index("r2<") - 300 : page.index("r2<") + 40]
+    assert "N/kg per (m/s)²" in page and f'title="{ticks.meanings["r2"]}"' in head
+    assert f"<td>{ticks['regime'][0]}</td>" in page and "\u2026" in page
+    # Six digits are enough to look at; the values have all.
+    shown = [float(text) for text in re.findall(r"<td>([-+.e0-9]+)</td>", page)]
+    fast = max(ticks["speed_mps"][:5] + ticks["speed_mps"][-5:])
+    assert any(number != fast and math.isclose(number, fast, rel_tol=1e-5) for number in shown)
+    short = learned.parameters._repr_html_()
+    assert short.count("<tr>") == 1 + len(learned.parameters) and "\u2026" not in short
 
 
 def test_resistance_has_its_band(reference):

@@ -42,6 +42,9 @@ fn first(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
     };
     let mut sections: Vec<Section> = found.recorders.iter().enumerate().map(of_recorder).collect();
     sections.push(Section::new("runs", "Runs", runs(found)));
+    if !failed.is_empty() {
+        sections.push(Section::new("unread", "Logs that cannot be read", unread(failed)));
+    }
     sections.push(Section::new("reading-aids", "How to read this", reading_aids()));
     shell::document("What the recorders did to their logs", &lead(found, failed), &sections)
 }
@@ -53,10 +56,9 @@ fn lead(found: &Check, failed: &[Failed]) -> Markup {
         p.lead {
             (counted(found.runs.len(), "run", "runs")) " of " (counted(found.recorders.len(), "recorder", "recorders"))
             ": in " (clean) " nothing of their own was found, " (refused) " cannot be used."
-        }
-        @if !failed.is_empty() {
-            p.note { (counted(failed.len(), "log", "logs")) " cannot be read:" }
-            ul { @for failed in failed { li { (failed.error) } } }
+            @if !failed.is_empty() {
+                " Of " (found.runs.len() + failed.len()) " logs " a href="#unread" { (failed.len()) " cannot be read" } "."
+            }
         }
     }
 }
@@ -114,10 +116,10 @@ fn figures(recorder: &RecorderCheck) -> Markup {
     ];
     let rows = html! {
         @for (name, value, decimals, unit) in with_interval { tr {
-            th scope="row" { (name) } td { (number(value.map(|v| v.value), decimals)) } td { (interval(value, decimals)) } td.text { (unit) }
+            th scope="row" { (name) } td { (number(value.map(|v| v.value), decimals)) } td { (interval(value, decimals)) } td.word { (unit) }
         } }
         @for (name, value, decimals, unit) in alone { tr {
-            th scope="row" { (name) } td { (number(value, decimals)) } td { (NOTHING) } td.text { (unit) }
+            th scope="row" { (name) } td { (number(value, decimals)) } td { (NOTHING) } td.word { (unit) }
         } }
     };
     table([text_column("quantity"), column("value", ""), column("95 % interval", ""), text_column("unit")], rows)
@@ -142,33 +144,42 @@ fn said(run: &RunCheck) -> String {
     found.chain(run.perturbed()).collect::<Vec<String>>().join("; ")
 }
 
+/// What matters comes first: on a narrow screen the last columns have to be scrolled to.
 fn runs(found: &Check) -> Markup {
     let head = [
         text_column("run"),
-        choice_column("recorder"),
         choice_column("verdict"),
+        text_column("found"),
+        choice_column("recorder"),
         column("rows", ""),
         column("step", "s"),
         column("speed over location", "95 % interval"),
         column("speed older", "s, 95 % interval"),
         column("location noise", "m"),
-        text_column("found"),
     ];
     let rows = html! { @for (at, run) in found.runs.iter().enumerate() { tr {
         th scope="row" { a href=(format!("{RUN_PAGES}/{}", run_pages::name(at))) { (run.name) } }
-        td.word { (called(&run.unit)) }
         td.word { (verdict(run)) }
+        td.text { (said(run)) }
+        td.word { (called(&run.unit)) }
         td { (run.rows) }
         td { (number(run.step_s, 1)) }
         td { (interval(run.scale, 4)) }
         td { (interval(run.skew_s, 2)) }
         td { (number(run.location_noise_m, 1)) }
-        td.text { (said(run)) }
     } } };
     html! {
         (sortable(head, rows))
         p.small { "What is found in all runs of a recorder stands above. Each run has a page in the folder " code { (RUN_PAGES) } "." }
     }
+}
+
+fn unread(failed: &[Failed]) -> Markup {
+    let rows = html! { @for failed in failed { tr {
+        th scope="row" { (failed.file.display()) }
+        td.text { @for line in failed.error.lines() { div { (line) } } }
+    } } };
+    table([text_column("log"), text_column("why")], rows)
 }
 
 fn reading_aids() -> Markup {

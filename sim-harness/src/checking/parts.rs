@@ -27,19 +27,19 @@ pub(super) fn findings(findings: &[Finding], evidence: &BTreeMap<Kind, String>) 
     }
     let head = [
         text_column("found"),
+        text_column("done"),
         column("how much", "95 % interval"),
         column("times", ""),
         column("from line", ""),
-        text_column("done"),
         text_column("what says so"),
         text_column("what helps"),
     ];
     let rows = html! { @for finding in findings { tr {
         th scope="row" { (finding.kind.words()) }
+        td.word { strong class=(class(finding.done)) { (finding.done.words()) } }
         td { (finding.how_much().replace('-', "\u{2212}")) }
         td { (finding.count) }
         td { @if finding.line > 0 { (finding.line) } @else { "all" } }
-        td.text { strong class=(class(finding.done)) { (finding.done.words()) } }
         td.text { (evidence.get(&finding.kind).map_or(NOTHING, String::as_str)) }
         td.text { (finding.kind.remedy().unwrap_or(NOTHING)) }
     } } };

@@ -60,15 +60,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Some(_) => checking::check_with_logs(runs, described).map(|(checked, logs)| (checked, Some(logs)))?,
         None => (checking::check(Runs::Paths(runs.clone()), described, || ())?, None),
     };
-    failed.iter().for_each(|failed| screen::error(&failed.error));
+    screen::errors(&failed);
     notes.iter().for_each(|text| screen::note(text));
     warnings.iter().for_each(|text| screen::warning(text));
     let Some(found) = found else {
         let message = format!("expected at least one run log that can be read, found none of {}", failed.len());
         return Err(Failure::no_runs(message));
     };
-    let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
-    screen::print(&if arguments.json { format!("{json}\n") } else { words(&found) });
+    let json = checking::json(&found, &failed).map_err(Failure::not_written)?;
+    screen::print(&if arguments.json { format!("{json}\n") } else { words(&found, &failed) });
     let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
     let findings = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings)).count();
     let perturbed = found.runs.iter().filter(|run| !run.perturbations.is_empty()).count();

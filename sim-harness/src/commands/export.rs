@@ -10,13 +10,13 @@ const EXAMPLES: &str = "\
 Examples, with what the replay in out/ has learned:
   For simulators:
     rundown replay --train train.toml --track track.toml --out out logs/
-    rundown export --to sumo,trainruns,altrios out --train train.toml --max-speed 140
-    rundown export --to osrd out --train train.toml --traction 1500V --max-speed 140
+    rundown export --to sumo,trainruns,altrios out --train train.toml --max-speed 140 --out simulators
+    rundown export --to osrd out --train train.toml --traction 1500V --max-speed 140 --out osrd
   For a DAS that speaks SFERA:
-    rundown export --to sfera out --train train.toml --company 0084 --traction 1500V --max-speed 140
+    rundown export --to sfera out --train train.toml --company 0084 --traction 1500V --max-speed 140 --out das
   What a board has learned, from what it said:
     rundown display --tcp 127.0.0.1:5475 --text --record run.frames
-    rundown export --to sumo run.frames --train train.toml --max-speed 140
+    rundown export --to sumo run.frames --train train.toml --max-speed 140 --out board
 
 Files in the output folder:
   sfera.xml       TrainCharacteristics of the UIC's SFERA schema 3.00 (IRS 90940)
@@ -64,7 +64,7 @@ pub struct Arguments {
     /// SFERA: major version of the train characteristics
     #[arg(long, value_name = "VERSION", default_value = "1")]
     tc_version: String,
-    /// Folder for the files; made when it does not exist
+    /// Folder for the files; files of other formats that an earlier export wrote there are kept
     #[arg(long, value_name = "DIR", default_value = "learned")]
     out: PathBuf,
 }

@@ -1,6 +1,7 @@
 //! `rundown gap`: recorded runs and the believed model in; which effect is missing, and the model with it, out.
 
 use super::{Failure, RunPagesChoice, Strict, screen};
+use crate::alike::few;
 use clap::builder::PossibleValuesParser;
 use rundown::model::effects::EffectKind;
 use rundown_files::{folder, recording::DirectionChoice};
@@ -123,7 +124,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Input::read(&train, &track, &arguments.runs, arguments.direction, arguments.as_recorded).map_err(failed)?;
     // Refused before the work, not after it.
     folder::try_place("gap", &arguments.out)?;
-    input.notes.iter().for_each(|text| screen::note(text));
+    few(&input.notes).iter().for_each(|text| screen::note(text));
     arguments.strict.check(input.notes.len())?;
     let bar = screen::waiting();
     let tell = |text: &str| {

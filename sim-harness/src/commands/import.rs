@@ -1,6 +1,7 @@
 //! `rundown import`: logs of any recorder in; run logs, their index, and an account of what was done out.
 
 use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
+use crate::alike::few;
 use crate::import::{ImportError, ImportOrder, Imported, Method};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -25,7 +26,7 @@ found by evidence, or asked for: docs/import.md has every key of import.toml.";
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     /// Files, or folders of files; without any those that the mapping names
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", required_unless_present = "mapping")]
     files: Vec<PathBuf>,
     /// What the files do not say, or an import.toml of an earlier import
     #[arg(long, value_name = "import.toml")]
@@ -82,8 +83,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 fn said(done: &Imported, arguments: &Arguments) -> ExitCode {
-    done.errors.iter().for_each(|error| screen::error(&error.to_string()));
-    done.notes.iter().for_each(|note| screen::note(note));
+    few(done.errors.iter().map(ToString::to_string)).iter().for_each(|error| screen::error(error));
+    few(&done.notes).iter().for_each(|note| screen::note(note));
     screen::print(&match &arguments.preview {
         Some(Some(path)) => format!("{}\npicture: {}\n", done.lines.join("\n"), path.display()),
         Some(None) => format!("{}\n--preview=FILE.svg draws the speeds\n", done.lines.join("\n")),

@@ -116,7 +116,10 @@ fn recordings(arguments: &Arguments, track: &TrackFile) -> Result<Vec<Recording>
     let set = RunSet::find(&arguments.runs)?;
     let line = CentreLine::new(&track.centre_line);
     let read = |file| logs::read(file, BadRows::Refuse, line.as_ref(), arguments.direction);
-    set.files.iter().map(|file| read(file).map_err(|failed| Failure::refused(failed.error))).collect()
+    set.files
+        .iter()
+        .map(|file| read(file).map_err(|failed| Failure::no_runs(format!("{}; nothing was played", failed.error))))
+        .collect()
 }
 
 fn play<L: Link>(

@@ -41,10 +41,11 @@ Exit codes:
   0  everything was done
   1  a run could not be used; the others were replayed and written. With --strict: something was to be warned of
   2  wrong arguments
-  3  the train, the track, the configuration, a scenario, or a folder or index of runs was refused
+  3  the train, the track, the configuration, a scenario, a recording, results of a replay, an index of runs, or a folder
+     without runs was refused
   4  an output could not be written
   5  the board did not answer, or refused
-  6  nothing usable came out: no run could be used, and nothing was written, but for the pages of check and study, which
+  6  nothing usable came out: no run could be read or used, and nothing was written, but for the pages of check and study, which
      say why; or a replay learned nothing";
 
 /// Everything was done, but for runs that could not be used.

@@ -216,7 +216,7 @@ fn stream(arguments: &Arguments, opened: Opened, bar: &ProgressBar) -> Result<Ex
 
 fn said(notes: &[String], failed: &[Failed]) {
     notes.iter().for_each(|text| screen::note(text));
-    failed.iter().for_each(|failed| screen::error(&failed.error));
+    screen::errors(failed);
 }
 
 fn code(unused: usize, learned: bool) -> ExitCode {

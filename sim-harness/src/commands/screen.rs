@@ -1,13 +1,18 @@
 //! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
 
 use super::talk::{quiet, say};
-use crate::{output::json::mode_word, report::regime_shares, report::resistance::Resistance};
+use crate::{
+    alike::few,
+    logs::Failed,
+    output::json::mode_word,
+    report::regime_shares,
+    report::resistance::{Resistance, doubt},
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use rundown::estimator::config::{Config, Mode};
 use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::paper::Difference, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::counted;
-use rundown_wire::Learned;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
@@ -58,6 +63,11 @@ pub(super) fn error(message: &str) {
     for line in message.lines() {
         say(format_args!("error: {line}"));
     }
+}
+
+/// Why logs cannot be used; the results have all of it.
+pub(super) fn errors(failed: &[Failed]) {
+    few(failed.iter().map(|failed| &failed.error)).iter().for_each(|text| error(text));
 }
 
 pub(super) fn note(message: &str) {
@@ -158,16 +168,6 @@ pub(super) fn run_table(runs: &[ReplayedRun], all: usize, mode: Mode) -> String 
         text += &format!("... and {more} more runs, see the tables of parameters and features\n");
     }
     text
-}
-
-/// Why a learned resistance is not published as it is.
-fn doubt(learned: Learned) -> &'static str {
-    match learned {
-        Learned::OutOfBounds => ", out of bounds",
-        Learned::PredictsWorse => ", not published: predicts worse than the description",
-        Learned::NotYet => ", not published yet",
-        _ => "",
-    }
 }
 
 /// How the coasts of each unit were foreseen: coasts, squares of the errors by what had been learned and by the description.

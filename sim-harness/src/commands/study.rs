@@ -257,7 +257,7 @@ fn case_study_or_runs(
         )?;
         let (notes, failed) = (&study.gathered.notes, &study.gathered.failed);
         notes.iter().for_each(|text| screen::note(text));
-        failed.iter().take(5).for_each(|failed| screen::error(&failed.error));
+        screen::errors(failed);
         arguments.recorded.strict.check(notes.len() + failed.len())?;
         Ok::<_, Failure>(study)
     })?;

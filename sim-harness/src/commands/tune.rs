@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let found = search(&bench, u64::from(arguments.evaluations), step).map_err(Failure::refused)?;
     let pictures = [profiles(&bench, &found.place, &table1, step), plane(&bench, &found.place, step)];
     bar.finish_and_clear();
-    let score = |place| bench.score(place).ok_or_else(|| Failure::refused("Table 1 is no filter on these runs"));
+    let score = |place| bench.score(place).ok_or_else(|| Failure::no_runs("Table 1 is no filter on these runs"));
     let scores = [score(&table1)?, score(&found.place)?];
     let sensitivity = sensitivity(&base, bench.train, &bench.track, &bench.runs)?;
     let tuned = config(&base, &found.place).map_err(Failure::refused)?;
@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let slopes = [paper_slope(Config::default(), arguments.seed)?, paper_slope(tuned, arguments.seed)?];
     let has_run_pages = arguments.pages.run_pages;
     let runs = runs::scored(&bench, [&table1, &found.place]);
-    let runs = runs.ok_or_else(|| Failure::refused("the optimum is no filter on these runs"))?;
+    let runs = runs.ok_or_else(|| Failure::no_runs("the optimum is no filter on these runs"))?;
     let tuning = Tuning { source, table1, found, scores, pictures, runs, has_run_pages, sensitivity, slopes };
     folder::write("tune", &arguments.out, &provenance, |folder| {
         if has_run_pages {
@@ -135,7 +135,7 @@ fn runs_of(arguments: &Arguments, base: Config) -> Result<TunedRuns, Failure> {
         }
     };
     let provenance = Provenance::begin(&inputs);
-    let (mut cases, mut refused) = (Vec::new(), 0);
+    let (mut cases, mut refused) = (Vec::new(), Vec::new());
     while cases.len() < count
         && let Some(chunk) = source.next_chunk()?
     {
@@ -143,17 +143,15 @@ fn runs_of(arguments: &Arguments, base: Config) -> Result<TunedRuns, Failure> {
             match case {
                 Ok(case) if source.sets_aside(&case) => (),
                 Ok(case) => cases.push(case),
-                Err(failed) => {
-                    refused += 1;
-                    screen::error(&failed.error);
-                }
+                Err(failed) => refused.push(failed),
             }
         }
     }
+    screen::errors(&refused);
     cases.truncate(count);
     let notes = source.notes();
     notes.iter().for_each(|text| screen::note(text));
-    arguments.recorded.strict.check(notes.len() + refused)?;
+    arguments.recorded.strict.check(notes.len() + refused.len())?;
     if cases.is_empty() {
         return Err(Failure::no_runs("no run could be used; nothing was written"));
     }

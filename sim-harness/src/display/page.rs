@@ -242,3 +242,18 @@ fn tell(hub: &Hub, mut browser: impl Write) -> io::Result<()> {
         std::thread::sleep(LEAST_PAUSE);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rundown::features::FeatureConfig;
+
+    #[test]
+    fn the_page_says_at_which_speeds_the_powers_are() {
+        let FeatureConfig { max_power_window_kmh, power_window_kmh, .. } = FeatureConfig::default();
+        let page = include_str!("../../assets/display/index.html");
+        for (name, [from, to]) in [("max", max_power_window_kmh), ("mean", power_window_kmh)] {
+            assert!(page.contains(&format!("{name} power <small>{from}\u{2013}{to}</small>")), "{name}");
+            assert!(page.to_lowercase().contains(&format!("at {from}\u{2013}{to} km/h")), "{name}");
+        }
+    }
+}

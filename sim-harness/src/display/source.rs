@@ -68,6 +68,10 @@ impl FrameSource {
         Ok(match self {
             Self::Board { address, listen_only } => Open::Board(address, listen_only),
             Self::File { path, follow: true } => Open::Growing(path),
+            Self::File { path, .. } if path.is_dir() => {
+                let found = io::Error::new(io::ErrorKind::IsADirectory, "expected a recording, found a folder");
+                return Err(named(&path, found));
+            }
             Self::File { path, follow: false } => {
                 let file = File::open(&path).map_err(|error| named(&path, error))?;
                 Open::Recording(Box::new(file))

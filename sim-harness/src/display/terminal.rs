@@ -255,7 +255,7 @@ fn of_parameters<'a>(state: &State) -> Paragraph<'a> {
         at(100.0),
         row("gain", parameters.and_then(|p| p.gain)),
     ];
-    titled(" resistance, SI per kg ", lines)
+    titled(" r(v) of this run, SI per kg ", lines)
 }
 
 fn of_limits<'a>(state: &State) -> Paragraph<'a> {
@@ -271,8 +271,13 @@ fn of_limits<'a>(state: &State) -> Paragraph<'a> {
         row("most traction", effort.map(|e| e.max_traction_n_per_kg), 4, "N/kg"),
         row("most brake", effort.map(|e| -e.max_brake_n_per_kg), 4, "N/kg"),
         row("gradient", effort.map(|e| e.gradient_n_per_kg), 4, "N/kg"),
-        row("max power", features.and_then(|f| f.max_power_w_per_kg), 2, "W/kg"),
-        row("mean power", features.filter(|f| f.power_w_per_kg.count > 0).map(|f| f.power_w_per_kg.mean), 2, "W/kg"),
+        row("max power", features.and_then(|f| f.max_power_w_per_kg), 2, "W/kg at 50-90 km/h"),
+        row(
+            "mean power",
+            features.filter(|f| f.power_w_per_kg.count > 0).map(|f| f.power_w_per_kg.mean),
+            2,
+            "W/kg at 50-130 km/h",
+        ),
         row("cruise speed", features.and_then(|f| f.cruise_speed_median_mps).map(|v| v * KMH), 1, "km/h"),
     ];
     titled(" effort and limits ", lines)

@@ -144,7 +144,7 @@ fn of_parameters(parameters: &Parameters) -> String {
     let at = parameters.at(100.0 / KMH);
     let term = |name: &str, value: Value| format!("{name} {:.3e} \u{b1}{:.1e}", value.value, HALF_95 * value.sd);
     format!(
-        "r(100 km/h) {:.5} \u{b1}{:.5} N/kg, {}; {}, {}, {}",
+        "this run: r(100 km/h) {:.5} \u{b1}{:.5} N/kg, {}; {}, {}, {}",
         at.value,
         HALF_95 * at.sd,
         learned_words(parameters.learned),

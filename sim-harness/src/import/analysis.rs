@@ -2,6 +2,7 @@
 
 use super::columns::{self, Columns, How};
 use super::evidence::SeenRows;
+use super::letters;
 use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::source::SourceFile;
@@ -9,6 +10,7 @@ use super::source::row::{Header, refused};
 use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
+use rundown_files::run_set::{is_index, without_results};
 use std::path::{Path, PathBuf};
 
 /// Files that are read in the same way.
@@ -51,7 +53,10 @@ impl Group {
     fn decide(&mut self) -> Result<(), String> {
         let Self { sources, mapping, columns, notes, denied, .. } = self;
         if let Some(first) = sources.first() {
-            needed(columns, first)?;
+            let doubt = code_page(first, mapping);
+            needed(columns, first)
+                .map_err(|missing| doubt.as_ref().map_or(missing.clone(), |doubt| format!("{missing}; {doubt}")))?;
+            notes.extend(doubt);
         }
         let mut seen = SeenRows::default();
         for source in &*sources {
@@ -87,6 +92,13 @@ impl Group {
             ..self.mapping.clone()
         }
     }
+}
+
+/// What is said of names that look as if they were read with the wrong code page; nothing where a person named it.
+fn code_page(source: &SourceFile, mapping: &SourceMapping) -> Option<String> {
+    let is_assumed = mapping.layout.encoding.is_none() && source.layout.encoding.as_deref() == Some(letters::ASSUMED);
+    let strange = source.headers.iter().find(|header| is_assumed && letters::are_strange(&header.written))?;
+    Some(format!("column {:?}: {}", strange.written, letters::REMEDY))
 }
 
 fn needed(columns: &Columns, source: &SourceFile) -> Result<(), String> {
@@ -162,11 +174,12 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     notes
 }
 
-/// Files of the arguments; a folder is its files in the order of their names.
+/// Files of the arguments, and what is to be said of those left out: results of Rundown. A folder is its files in the order of their names;
+/// an index beside named files is none of them.
 ///
 /// # Errors
 /// A folder cannot be read.
-pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
+pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadError> {
     const ENDS: [&str; 19] = [
         "csv", "tsv", "txt", "log", "dat", "asc", "xlsx", "xls", "xlsm", "xlsb", "ods", "gpx", "nmea", "nma", "json",
         "jsonl", "ndjson", "parquet", "pq",
@@ -174,7 +187,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
     let is_log = |path: &Path| {
         let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        path.is_file() && ENDS.contains(&&*end) && !["runs.csv", "index.csv", "import.json", MANIFEST].contains(&&*name)
+        path.is_file() && ENDS.contains(&&*end) && !["index.csv", "import.json", MANIFEST].contains(&&*name)
     };
     let mut files = Vec::new();
     for argument in arguments {
@@ -189,21 +202,23 @@ pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
         inside.sort();
         files.extend(inside);
     }
-    Ok(files)
+    files.retain(|path| !is_index(path));
+    let notes = without_results(&mut files);
+    Ok((files, notes))
 }
 
-/// That nothing is there to be read; folders in a folder are not entered.
-pub fn no_files(arguments: &[PathBuf]) -> String {
+/// That nothing is there to be read, and what was left out; folders in a folder are not entered.
+pub fn no_files(arguments: &[PathBuf], mapping: &Path, notes: &[String]) -> ReadError {
+    let expected = |hint: &str| format!("expected files to import, found none{hint}");
     let Some(folder) = arguments.iter().find(|argument| argument.is_dir()) else {
-        return "expected files to import, found none".to_owned();
+        let hint: String = notes.iter().map(|note| format!("; {note}")).collect();
+        return refused(arguments.first().map_or(mapping, PathBuf::as_path), expected(&hint));
     };
     let inside = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut folders: Vec<String> = inside.filter(|path| path.is_dir()).map(|path| path.display().to_string()).collect();
     folders.sort();
-    let hint = if folders.is_empty() {
-        String::new()
-    } else {
-        format!("; folders in it are not entered, name one: {}", folders.join(", "))
-    };
-    format!("{}: expected files to import in this folder, found none{hint}", folder.display())
+    let named =
+        (!folders.is_empty()).then(|| format!("folders in it are not entered, name one: {}", folders.join(", ")));
+    let hint: String = notes.iter().cloned().chain(named).map(|hint| format!("; {hint}")).collect();
+    refused(folder, expected(&hint))
 }

@@ -17,6 +17,7 @@ mod columns;
 mod cut;
 mod evidence;
 mod geo;
+mod letters;
 mod line;
 mod listed;
 mod mapping;
@@ -31,6 +32,7 @@ mod staged;
 mod units;
 mod write;
 
+use crate::alike::few;
 use account::{Account, INVERTED, ROWS, SCALED, SHIFTED};
 use analysis::Group;
 use chainage::{Given, Placed, Placing};
@@ -81,7 +83,7 @@ pub enum ImportError {
 impl ImportError {
     /// Refused files, and what is to be said beside them.
     fn nothing(refused: Vec<ReadError>, more: impl IntoIterator<Item = String>) -> Self {
-        let lines: Vec<String> = refused.iter().map(ToString::to_string).chain(more).collect();
+        let lines: Vec<String> = few(refused.iter().map(ToString::to_string)).into_iter().chain(more).collect();
         Self::Nothing { message: lines.join("\n"), first: refused.into_iter().next().map(Box::new) }
     }
 }
@@ -142,6 +144,15 @@ pub struct ImportOrder {
     pub strict: bool,
 }
 
+/// The files, those that are read alike together.
+struct Grouped {
+    groups: Vec<Group>,
+    /// Files that cannot be read, or of which a person has to say more.
+    errors: Vec<ReadError>,
+    /// On files that are not read.
+    notes: Vec<String>,
+}
+
 impl ImportOrder {
     /// Files to import into the folder `out`, and an `import.toml` that says what they do not.
     ///
@@ -159,15 +170,16 @@ impl ImportOrder {
         said.track = track.or(said.track.take());
     }
 
-    fn groups(&self) -> Result<(Vec<Group>, Vec<ReadError>), ImportError> {
+    fn groups(&self) -> Result<Grouped, ImportError> {
         let given = if self.files.is_empty() { self.mapping.files() } else { self.files.clone() };
-        let files = analysis::files(&given).map_err(|error| ImportError::nothing(vec![error], []))?;
+        let (files, notes) = analysis::files(&given)?;
         if files.is_empty() {
-            return Err(ImportError::nothing(Vec::new(), [analysis::no_files(&given)]));
+            let mapping = self.mapping_file.as_deref().unwrap_or(Path::new("import.toml"));
+            return Err(analysis::no_files(&given, mapping, &notes).into());
         }
         let (groups, mut errors) = alike::analyse(&files, &self.mapping);
         errors.extend(groups.iter().filter_map(Group::asked));
-        if groups.is_empty() { Err(ImportError::nothing(errors, [])) } else { Ok((groups, errors)) }
+        if groups.is_empty() { Err(ImportError::nothing(errors, notes)) } else { Ok(Grouped { groups, errors, notes }) }
     }
 
     /// What would be done, also where a question is still open. Writes nothing.
@@ -175,9 +187,9 @@ impl ImportOrder {
     /// # Errors
     /// No file can be read.
     pub fn preview(&self) -> Result<Preview, ImportError> {
-        let (groups, errors) = self.groups()?;
+        let Grouped { groups, errors, mut notes } = self.groups()?;
         let lines = groups.iter().map(preview::words).collect();
-        let notes = groups.iter().flat_map(|group| group.notes.clone()).collect();
+        notes.extend(groups.iter().flat_map(|group| group.notes.clone()));
         Ok(Preview { found: Imported { lines, notes, errors, ..Imported::default() }, groups })
     }
 
@@ -187,15 +199,16 @@ impl ImportOrder {
     /// Nothing usable came out, or it cannot be written.
     pub fn import(&self) -> Result<Imported, ImportError> {
         let given = self.given()?;
-        let (mut groups, errors) = self.groups()?;
+        let Grouped { mut groups, errors, notes } = self.groups()?;
         groups.retain(|group| group.question.is_none());
         if groups.is_empty() {
             return Err(ImportError::nothing(errors, []));
         }
         write::may_write(&self.out)?;
-        let (track, done) = folder::write("import", &self.out, &self.provenance(&groups), |folder| {
+        let (track, mut done) = folder::write("import", &self.out, &self.provenance(&groups), |folder| {
             self.fill(&groups, errors, given, folder)
         })?;
+        done.notes.splice(0..0, notes);
         if let Some(path) = &self.track_out {
             crate::output::files::whole(path, &track)?;
         }

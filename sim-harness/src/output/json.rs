@@ -127,7 +127,7 @@ pub(crate) fn value(head: &Head<'_>, runs: &[ReplayedRun], end: &End<'_>) -> Val
 impl End<'_> {
     fn fields(&self) -> [(&'static str, Value); 3] {
         [
-            ("failed", self.failed.iter().map(failed).collect()),
+            ("failed", self.failed.iter().map(Failed::json).collect()),
             ("notes", json!(self.notes)),
             ("gradient_doubt", self.gradient_doubt.map_or(Value::Null, gradient_doubt)),
         ]
@@ -246,8 +246,4 @@ fn dropped(dropped: &Dropped) -> Value {
         _ => "other",
     };
     json!({ "line": dropped.line, "time_s": dropped.time_s, "reason": reason })
-}
-
-fn failed(failed: &Failed) -> Value {
-    json!({ "file": failed.file, "errors": failed.error.lines().collect::<Vec<&str>>() })
 }

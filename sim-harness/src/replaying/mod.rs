@@ -502,6 +502,8 @@ impl Replayed {
             mode: mode_word(self.config.mode),
             features: self.config.features,
             vehicles: Vehicle::of_runs(&self.runs),
+            notes: &self.notes,
+            failed: &self.failed,
         }
     }
 }

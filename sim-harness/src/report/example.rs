@@ -102,6 +102,8 @@ pub fn report<'a>(runs: &'a [ReplayedRun], train: &'a Train) -> Report<'a> {
         mode: "gated",
         features: FeatureConfig::default(),
         vehicles: (!runs.is_empty()).then(of_one).into_iter().collect(),
+        notes: &[],
+        failed: &[],
     }
 }
 

@@ -19,6 +19,7 @@ pub mod resistance;
 #[cfg(test)]
 pub(crate) mod example;
 
+use crate::logs::Failed;
 use crate::output::files;
 use rayon::prelude::*;
 use rundown::{
@@ -48,6 +49,9 @@ pub(crate) struct Report<'a> {
     pub features: FeatureConfig,
     /// Each unit with what is learned of it, in the order of their first runs.
     pub vehicles: Vec<Vehicle>,
+    /// What a person should know about all runs, and the logs that are none of them.
+    pub notes: &'a [String],
+    pub failed: &'a [Failed],
 }
 
 /// A unit, and its Davis coefficients after each of its runs.

@@ -6,6 +6,7 @@
 
 use rundown::{Real, filter::gaussian::Gaussian, model::resistance::Davis};
 use rundown_check::agreement::HALF_95;
+use rundown_wire::Learned;
 
 /// Running resistance at a speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,16 @@ impl Resistance {
             deviation: self.mean_n_per_kg / stated - 1.0,
             within: (self.lower()..=self.upper()).contains(&stated),
         }
+    }
+}
+
+/// Why a learned resistance is not published as it is.
+pub(crate) const fn doubt(learned: Learned) -> &'static str {
+    match learned {
+        Learned::OutOfBounds => ", out of bounds",
+        Learned::PredictsWorse => ", not published: predicts worse than the description",
+        Learned::NotYet => ", not published yet",
+        _ => "",
     }
 }
 

@@ -66,6 +66,8 @@ impl RunPages {
             mode: self.mode,
             features: self.features,
             vehicles: Vec::new(),
+            notes: &[],
+            failed: &[],
         };
         write_run_pages(&self.folder, &report)?;
         self.written += runs.len();

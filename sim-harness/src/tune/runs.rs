@@ -86,6 +86,8 @@ pub fn write_pages(folder: &Path, bench: &Bench, truths: &[Option<TruthView>], t
             mode: mode_word(tuned.mode),
             features: tuned.features,
             vehicles: Vec::new(),
+            notes: &[],
+            failed: &[],
         };
         write_run_pages(folder, &report)?;
     }

@@ -307,3 +307,29 @@ fn a_clock_that_jitters_makes_no_wheel_of_speeds_that_are_computed() {
     }
     assert!((by_speed / true_m - 1.0).abs() < 0.001, "{by_speed} {true_m}");
 }
+
+#[test]
+fn a_code_page_that_is_not_found_is_asked_for() {
+    let rows = drive(&STOPS_M[..3], 30.0);
+    let text = table("time_s,location_m,pr\u{119}dko\u{15b}\u{107} (km/h)", &rows, |t, x, v| {
+        format!("{t},{x:.0},{:.1}", 3.6 * v)
+    });
+    // Windows-1250.
+    let bytes: Vec<u8> = text
+        .chars()
+        .map(|c| match c {
+            '\u{119}' => 0xea,
+            '\u{15b}' => 0x9c,
+            '\u{107}' => 0xe6,
+            ascii => u8::try_from(ascii).unwrap(),
+        })
+        .collect();
+    let folder = Folder::new();
+    std::fs::write(folder.path("a.csv"), bytes).unwrap();
+    let said = folder.done(&["import", "a.csv"]);
+    assert!(said.err.contains("layout.encoding = \"windows-1250\""), "{}", said.err);
+    let line = said.err.split("say the code page: ").nth(1).unwrap().split(" (or").next().unwrap();
+    folder.write("m.toml", line);
+    let said = folder.done(&["import", "a.csv", "--mapping", "m.toml"]);
+    assert!(!said.err.contains("layout.encoding") && said.err.contains("pr\u{119}dko\u{15b}\u{107}"), "{}", said.err);
+}

@@ -1,7 +1,7 @@
 //! Tables as text: the encoding, the delimiter and the header are found in the first lines, the rows are streamed.
 
 use super::row::{self, Each, Event, Header, Layout, RowField};
-use crate::import::number;
+use crate::import::{letters, number};
 use encoding_rs_io::DecodeReaderBytesBuilder;
 use rundown_files::refusal::ReadError;
 use std::fs::File;
@@ -34,7 +34,7 @@ fn encoding_of(path: &Path) -> Result<&'static str, ReadError> {
             } else {
                 match std::str::from_utf8(head) {
                     // Cut inside of a character.
-                    Err(error) if error.error_len().is_some() => "windows-1252",
+                    Err(error) if error.error_len().is_some() => letters::ASSUMED,
                     _ => "utf-8",
                 }
             }
@@ -193,8 +193,9 @@ fn header_of(
 
 fn no_header(path: &Path, lines: &[&str]) -> ReadError {
     let first: String = lines.first().unwrap_or(&"").chars().take(60).collect();
+    let remedy = if letters::are_strange(&first) { format!("; {}", letters::REMEDY) } else { String::new() };
     let message = format!(
-        "expected a line with names of columns, found none that is known; the file begins with {first:?}; give header_line in import.toml, 0 where there is no header"
+        "expected a line with names of columns, found none that is known; the file begins with {first:?}; give header_line in import.toml, 0 where there is no header{remedy}"
     );
     row::refused(path, message)
 }

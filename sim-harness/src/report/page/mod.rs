@@ -8,6 +8,7 @@ mod tests;
 
 use super::resistance::Resistance;
 use super::{Report, RunView, Vehicle, figures};
+use crate::alike::few;
 use maud::{Markup, html};
 use run::{lead, learning_words, run_sections};
 use rundown::{Real, filter::gaussian::Gaussian, model::train::Train, model::units::KmPerHour};
@@ -88,6 +89,29 @@ fn summary(report: &Report) -> Markup {
                     "Learned only while coasting was established, when the applied effort is known to be zero; "
                     "everywhere else the resistance stays as it was."
                 }
+            }
+            (notes(report))
+        }
+    }
+}
+
+/// What the screen says, too.
+fn notes(report: &Report) -> Markup {
+    html! {
+        @if !report.failed.is_empty() {
+            div id="failed" {
+                p.note { (counted(report.failed.len(), "log", "logs")) " could not be used:" }
+                ul {
+                    @for error in few(report.failed.iter().map(|failed| &failed.error)) {
+                        li { @for line in error.lines() { div { (line) } } }
+                    }
+                }
+            }
+        }
+        @if !report.notes.is_empty() {
+            div id="notes" {
+                p.note { "What is to be known of these runs:" }
+                ul { @for note in report.notes { li { (note) } } }
             }
         }
     }

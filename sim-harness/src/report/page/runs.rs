@@ -1,14 +1,33 @@
 //! The table of all runs.
 
+use super::super::resistance::{Resistance, doubt};
 use super::super::{Report, RunView, regime_shares};
-use super::KMH;
+use super::{HISTORY_KMH, KMH};
 use maud::{Markup, html};
-use rundown::{filter::ukf::Reading, tick::regime::Regime};
-use rundown_pages::numbers::number;
+use rundown::{Real, filter::ukf::Reading, model::units::KmPerHour, tick::regime::Regime};
+use rundown_pages::numbers::{NOTHING, number};
 use rundown_pages::run_pages;
 use rundown_pages::shell::swatch;
 
+/// Speed of r(v) in the table: 100 km/h as elsewhere, or the fastest that taught where the trains never get there, in whole tens of km/h.
+fn shown_kmh(report: &Report) -> Real {
+    let fastest_kmh = report.learned().speeds_mps.map_or(HISTORY_KMH, |speeds| KMH * speeds.end);
+    (10.0 * (fastest_kmh / 10.0).floor()).clamp(10.0, HISTORY_KMH)
+}
+
+/// `0.03125 ± 0.00042`; in the paper's mode the interval says nothing of the vehicle.
+fn resistance(run: &RunView, report: &Report, speed_kmh: Real) -> String {
+    let Some(r) = Resistance::at(&run.vehicle_after, KmPerHour(speed_kmh).to_mps()) else { return NOTHING.to_owned() };
+    let mean = number(r.mean_n_per_kg, 5);
+    match report.mode {
+        "paper" => mean,
+        _ => format!("{mean} \u{b1} {}{}", number(r.upper() - r.mean_n_per_kg, 5), doubt(run.learned)),
+    }
+}
+
 pub(super) fn run_table(report: &Report) -> Markup {
+    let speed_kmh = shown_kmh(report);
+    let interval = if report.mode == "paper" { "N/kg" } else { "N/kg, 95 % interval" };
     html! {
             @if report.runs.is_empty() {
                 p { "No run." }
@@ -25,6 +44,7 @@ pub(super) fn run_table(report: &Report) -> Markup {
                             th rowspan="2" scope="col" { "power" br; span.unit { "kW" } }
                             th colspan="5" scope="colgroup" { "share of the time, %" }
                             th.text rowspan="2" scope="col" data-choices="resistance" { "resistance" }
+                            th rowspan="2" scope="col" { "r(" (speed_kmh) "\u{a0}km/h)" br; span.unit { (interval) } }
                             th rowspan="2" scope="col" { "learned" br; span.unit { "km" } }
                             th rowspan="2" scope="col" { "not used" br; span.unit { "readings" } }
                         }
@@ -40,12 +60,13 @@ pub(super) fn run_table(report: &Report) -> Markup {
                     }
                     tbody {
                         @for (index, run) in report.runs.iter().enumerate() {
-                            (run_row(index, run, report))
+                            (run_row(index, run, report, speed_kmh))
                         }
                     }
                 } }
                 p.small {
                     "Power is the mean while accelerating, at the wheel, with the rotating mass of the train file. "
+                    "r(" (speed_kmh) "\u{a0}km/h) is the vehicle's after the run. "
                     "A dash stands where a run did not show the feature."
                     @if report.has_run_pages { " Each run has a page in the folder " code { (run_pages::FOLDER) } "." }
                 }
@@ -53,7 +74,7 @@ pub(super) fn run_table(report: &Report) -> Markup {
     }
 }
 
-fn run_row(index: usize, run: &RunView, report: &Report) -> Markup {
+fn run_row(index: usize, run: &RunView, report: &Report, speed_kmh: Real) -> Markup {
     let force_kn = report.train.rotating_mass_kg() / 1000.0;
     let features = &run.summary.features;
     let coast = features.final_coast.as_ref();
@@ -64,7 +85,7 @@ fn run_row(index: usize, run: &RunView, report: &Report) -> Markup {
         tr {
             th scope="row" { (run_pages::linked(&run.name, index, report.has_run_pages)) }
             @if run.estimates.is_empty() {
-                td colspan="15" { (no_samples(run)) }
+                td colspan="17" { (no_samples(run)) }
             } @else {
                 td { (number(run.duration_s() / 60.0, 1)) }
                 td { (number(run.distance_m() / 1000.0, 2)) }
@@ -79,6 +100,7 @@ fn run_row(index: usize, run: &RunView, report: &Report) -> Markup {
                 }
                 @let learned = run.learned();
                 td.word { (if learned.samples > 0 { "learned" } else { "not learned" }) }
+                td { (resistance(run, report, speed_kmh)) }
                 td { (number(learned.distance_m / 1000.0, 1)) }
                 td { (not_used(run)) }
             }

@@ -2,6 +2,7 @@
 
 use super::super::example::{self, report, train};
 use super::*;
+use crate::logs::Failed;
 use rundown::{Real, features::FeatureConfig, filter::gaussian::Gaussian, model::state};
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::assets::SCRIPT;
@@ -141,9 +142,47 @@ fn numbers_that_are_not_finite_leave_gaps() {
         after: None,
         has_run_pages: true,
         vehicles: vec![Vehicle { unit: String::new(), after }],
+        notes: &[],
+        failed: &[],
     });
     check(&page);
     assert!(page.contains("left behind is not finite"));
+}
+
+#[test]
+fn notes_and_logs_that_could_not_be_used_are_on_the_page() {
+    let (runs, train) = ([example::run()], train());
+    let mut report = report(&runs, &train);
+    assert!(!html(&report).contains("id=\"notes\"") && !html(&report).contains("id=\"failed\""));
+    let notes = ["speeds are truncated <1 km/h>".to_owned()];
+    let failed = [Failed { file: "b.csv".into(), error: "b.csv: expected a header".to_owned(), refusal: None }];
+    (report.notes, report.failed) = (&notes, &failed);
+    let page = html(&report);
+    check(&page);
+    assert!(page.contains("<li>speeds are truncated &lt;1 km/h&gt;</li>"));
+    assert!(page.contains("1 log could not be used:") && page.contains("<li><div>b.csv: expected a header</div></li>"));
+}
+
+#[test]
+fn the_table_of_runs_has_the_resistance_at_a_speed_that_was_reached() {
+    let (mut run, train) = (example::run(), train());
+    let cell = |run: &ReplayedRun, speed_kmh: Real| {
+        let r = Resistance::at(&run.vehicle_after, KmPerHour(speed_kmh).to_mps()).unwrap();
+        format!("{} \u{b1} {}", number(r.mean_n_per_kg, 5), number(r.upper() - r.mean_n_per_kg, 5))
+    };
+    let page = html(&report(std::slice::from_ref(&run), &train));
+    assert!(page.contains("r(100\u{a0}km/h)<br><span class=\"unit\">N/kg, 95 % interval"));
+    assert!(page.contains(&cell(&run, 100.0)), "{}", cell(&run, 100.0));
+    // A tram that coasts from 57 km/h.
+    for estimate in &mut run.estimates {
+        let speed_mps = &mut estimate.belief.mean[state::SPEED];
+        *speed_mps = speed_mps.min(57.0 / 3.6);
+    }
+    let page = html(&report(std::slice::from_ref(&run), &train));
+    assert!(page.contains("r(50\u{a0}km/h)<br>") && page.contains(&cell(&run, 50.0)));
+    let mut in_papers = report(std::slice::from_ref(&run), &train);
+    in_papers.mode = "paper";
+    assert!(!html(&in_papers).contains(&cell(&run, 50.0)), "its interval is no measure");
 }
 
 #[test]
