@@ -1,20 +1,22 @@
 //! Which labels may be exchanged, so that what runs share for other reasons stays where it is.
 //!
-//! What the runs of a day share, weather and load, is no matter of who drove them, nor of the unit; and the gradients of a line are described as well as they
-//! are, so that a direction has its own error. Labels of units and drivers are exchanged between the runs of a day and direction; where that leaves too few
-//! orders of the labels, whole days exchange theirs, those of days with runs in the same directions.
+//! What the runs of a day share, weather and load, is no matter of who drove them, nor of the unit. So whole days exchange their labels of units and drivers,
+//! those of days with as many runs, and then the runs of a day theirs: where no unit differs both leave runs as likely as they were. The mean of each direction
+//! has been taken out, for the gradients of a line are described as well as they are.
 
 use super::{Labelled, Level};
 use crate::chance::probability;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rundown::model::direction::Direction;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Pools of groups of runs; the groups of a pool exchange their labels as a whole.
-pub(super) struct Exchange(Vec<Vec<Group>>);
+/// Ways to exchange, one after the other: pools of groups of runs; the groups of a pool exchange their labels as a whole.
+pub(super) struct Exchange(Vec<Pools>);
 
-/// Indices of runs that keep together, in the order of their directions.
+type Pools = Vec<Vec<Group>>;
+
+/// Indices of runs that keep together.
 type Group = Vec<usize>;
 
 /// Labels of a group: one where all have the same, so that groups of unlike size exchange it.
@@ -30,69 +32,29 @@ impl Exchange {
     /// With enough orders of the labels that a probability may come to `least`, else why there are too few.
     pub(super) fn of(level: Level, all: &[Labelled<'_>], least: f64) -> Result<Self, String> {
         let labels: Vec<&str> = all.iter().map(|one| one.label.as_str()).collect();
-        let is_up = |i: usize| all[i].run.direction == Direction::Up;
-        let day = |i: usize| all[i].run.day.map(|day| day.floor() as i64);
-        let days_are_known = (0..all.len()).all(|i| day(i).is_some());
-        let crossed = Self::of_runs(all.len(), |i| (is_up(i), day(i).filter(|_| level != Level::Day)));
-        let ways = if level != Level::Day && days_are_known {
-            let whole = Self::of_days(&labels, is_up, day);
-            // Where each day has one label, nothing is exchanged within it.
-            vec![crossed, whole]
-        } else {
-            vec![Self::of_runs(all.len(), is_up)]
-        };
-        let enough = |way: &Self| probability(0, way.orders(&labels) as usize) <= least;
-        ways.into_iter().find(enough).ok_or_else(|| {
-            let of = level.name();
-            let mut directions: BTreeMap<&str, [bool; 2]> = BTreeMap::new();
-            labels.iter().enumerate().for_each(|(i, label)| {
-                directions.entry(label).or_default()[usize::from(is_up(i))] = true;
-            });
-            if directions.values().all(|both| *both != [true, true]) {
-                format!("each {of} went in one direction only, so a {of} that differs is not distinguished from a direction that does")
-            } else {
-                format!("too few runs of different {of}s share a day and a direction, or go on days with runs in the same directions")
-            }
-        })
-    }
-
-    /// Runs of a block, each for itself.
-    fn of_runs<K: Ord>(count: usize, block: impl Fn(usize) -> K) -> Self {
-        let mut blocks: BTreeMap<K, Vec<Group>> = BTreeMap::new();
-        (0..count).for_each(|i| blocks.entry(block(i)).or_default().push(vec![i]));
-        Self(blocks.into_values().collect())
-    }
-
-    /// Days with the same number of runs in each direction; of days with one label each, those with runs in the same directions.
-    fn of_days(labels: &[&str], is_up: impl Fn(usize) -> bool, day: impl Fn(usize) -> Option<i64>) -> Self {
-        let mut days: BTreeMap<Option<i64>, Group> = BTreeMap::new();
-        (0..labels.len()).for_each(|i| days.entry(day(i)).or_default().push(i));
-        let most = if days.values().all(|runs| pattern(runs, labels).len() == 1) { 1 } else { usize::MAX };
-        let mut alike: BTreeMap<[usize; 2], Vec<Group>> = BTreeMap::new();
-        for mut runs in days.into_values() {
-            runs.sort_by_key(|i| is_up(*i));
-            let up = runs.iter().filter(|i| is_up(**i)).count();
-            alike.entry([up.min(most), (runs.len() - up).min(most)]).or_default().push(runs);
+        let of = level.name();
+        if level != Level::Day && is_of_one_direction(all) {
+            return Err(format!(
+                "each {of} went in one direction only, so a {of} that differs is not distinguished from a direction that does"
+            ));
         }
-        Self(alike.into_values().collect())
-    }
-
-    /// How many orders of the labels there are, at most a million.
-    fn orders(&self, labels: &[&str]) -> f64 {
-        let factorial = |count: usize| (1..=count).map(|i| (i as f64).ln()).sum::<f64>();
-        let of_pool = |pool: &Vec<Group>| {
-            let mut counts: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
-            pool.iter().for_each(|group| *counts.entry(pattern(group, labels)).or_default() += 1);
-            factorial(pool.len()) - counts.into_values().map(factorial).sum::<f64>()
-        };
-        self.0.iter().map(of_pool).sum::<f64>().exp().min(1e6)
+        let day = |i: usize| all[i].run.day.map(|day| day.floor() as i64).filter(|_| level != Level::Day);
+        let mut ways = vec![of_runs(all.len(), day)];
+        if (0..all.len()).all(|i| day(i).is_some()) {
+            // Where days have few runs, hardly anything is exchanged within them.
+            ways.insert(0, of_days(&labels, day));
+        }
+        if ways.iter().any(|way| probability(0, orders(way, &labels) as usize) <= least) {
+            return Ok(Self(ways));
+        }
+        Err(format!("too few runs of different {of}s share a day, or go on days with as many runs"))
     }
 
     /// The labels in another order.
     pub(super) fn draw<'a>(&self, labels: &[&'a str], rng: &mut ChaCha8Rng) -> Vec<&'a str> {
         let mut drawn = labels.to_vec();
-        for pool in &self.0 {
-            let mut patterns: Vec<Vec<&str>> = pool.iter().map(|group| pattern(group, labels)).collect();
+        for pool in self.0.iter().flatten() {
+            let mut patterns: Vec<Vec<&str>> = pool.iter().map(|group| pattern(group, &drawn)).collect();
             patterns.shuffle(rng);
             for (group, pattern) in pool.iter().zip(&patterns) {
                 group.iter().zip(pattern.iter().cycle()).for_each(|(i, label)| drawn[*i] = label);
@@ -100,4 +62,41 @@ impl Exchange {
         }
         drawn
     }
+}
+
+/// Whether each label has runs in one direction, and not all in the same.
+fn is_of_one_direction(all: &[Labelled<'_>]) -> bool {
+    let mut directions: BTreeMap<&str, BTreeSet<bool>> = BTreeMap::new();
+    for one in all {
+        directions.entry(&one.label).or_default().insert(one.run.direction == Direction::Up);
+    }
+    directions.values().all(|of| of.len() == 1) && directions.values().flatten().collect::<BTreeSet<_>>().len() == 2
+}
+
+/// Runs of a block, each for itself.
+fn of_runs<K: Ord>(count: usize, block: impl Fn(usize) -> K) -> Pools {
+    let mut blocks: BTreeMap<K, Vec<Group>> = BTreeMap::new();
+    (0..count).for_each(|i| blocks.entry(block(i)).or_default().push(vec![i]));
+    blocks.into_values().collect()
+}
+
+/// Days with as many runs; days with one label each, all of them.
+fn of_days(labels: &[&str], day: impl Fn(usize) -> Option<i64>) -> Pools {
+    let mut days: BTreeMap<Option<i64>, Group> = BTreeMap::new();
+    (0..labels.len()).for_each(|i| days.entry(day(i)).or_default().push(i));
+    let most = if days.values().all(|runs| pattern(runs, labels).len() == 1) { 1 } else { usize::MAX };
+    let mut alike: BTreeMap<usize, Vec<Group>> = BTreeMap::new();
+    days.into_values().for_each(|runs| alike.entry(runs.len().min(most)).or_default().push(runs));
+    alike.into_values().collect()
+}
+
+/// How many orders of the labels there are, at most a million.
+fn orders(way: &Pools, labels: &[&str]) -> f64 {
+    let factorial = |count: usize| (1..=count).map(|i| (i as f64).ln()).sum::<f64>();
+    let of_pool = |pool: &Vec<Group>| {
+        let mut counts: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
+        pool.iter().for_each(|group| *counts.entry(pattern(group, labels)).or_default() += 1);
+        factorial(pool.len()) - counts.into_values().map(factorial).sum::<f64>()
+    };
+    way.iter().map(of_pool).sum::<f64>().exp().min(1e6)
 }

@@ -8,13 +8,14 @@ mod exchange;
 
 use crate::candidate::Fitted;
 use crate::chance::{Ground, OfRun, beyond_noise, probability};
-use crate::config::GapConfig;
+use crate::config::{EvidenceConfig, GapConfig};
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::noise::{calibrate::Calibrated, habits::regime};
 use crate::trials::column;
 use exchange::Exchange;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rundown::model::direction::Direction;
 use rundown_check::agreement::Figure;
 use rundown_files::effect_file::date_of;
 use rundown_pages::numbers::counted;
@@ -158,6 +159,13 @@ fn labels(level: Level, runs: &[&Run]) -> Vec<String> {
     runs.iter().map(|run| level.of(run)).filter(|label| !label.is_empty()).collect()
 }
 
+/// The coasting rows, with their noise.
+fn coasting(rows: &[Row], calibrated: &Calibrated, config: &EvidenceConfig) -> (Vec<Row>, Calibrated) {
+    let coasts = |(row, _): &(&Row, &f64)| regime(row, config) == 0;
+    let (rows, spread) = rows.iter().zip(&calibrated.spread).filter(coasts).map(|(row, s)| (row.clone(), *s)).unzip();
+    (rows, Calibrated { spread, ..calibrated.clone() })
+}
+
 /// The believed resistance of a row, N/kg.
 fn believed(context: &Context<'_>, row: &Row) -> f64 {
     let davis = context.believed.train().davis();
@@ -207,14 +215,18 @@ pub fn standouts(
     if !Level::ALL.iter().any(may_differ) {
         return Default::default();
     }
-    let calibrated = noise(all_columns(context, rows, runs));
+    // Only what coasts is compared: another constant of a run that its efforts have, too, would hide what its coasting has.
+    let (rows, calibrated) = coasting(rows, &noise(all_columns(context, rows, runs)), evidence);
+    let (rows, of_rows) = (rows.as_slice(), runs_of(&rows, runs));
+    if rows.is_empty() {
+        return Default::default();
+    }
     let ground = Ground::of_terms(context, rows, &calibrated);
     let of_terms = |terms: &mut dyn Iterator<Item = &Fitted>| {
         let columns: Vec<Vec<f64>> = terms.map(|fitted| column(context, rows, fitted)).collect();
         ground.beside(&columns)
     };
-    let coasting = |row: &Row| if regime(row, evidence) == 0 { believed(context, row) } else { 0.0 };
-    let believed: Vec<f64> = rows.iter().map(coasting).collect();
+    let believed: Vec<f64> = rows.iter().map(|row| believed(context, row)).collect();
     // Of places the description is compared by others; what is the same all along the line stays in the comparison with it.
     let bases = (of_terms(&mut model.iter()), of_terms(&mut model.iter().filter(|fitted| fitted.term.by_place())));
     let (Some(base), Some(places)) = bases else {
@@ -223,7 +235,8 @@ pub fn standouts(
     let [of_runs, described] = [base, places].map(|base| ground.of_runs(&base, &believed));
     let all = of_runs.iter().zip(&described).zip(of_rows);
     let all = all.map(|((of_run, described), run)| One { of_run: *of_run, described: *described, run });
-    let all: Vec<One<'_>> = all.filter(|one| one.of_run.information > 0.0).collect();
+    let mut all: Vec<One<'_>> = all.filter(|one| one.of_run.information > 0.0).collect();
+    without_directions(&mut all);
     let (mut found, mut not_compared) = (Vec::new(), Vec::new());
     let mut tried = Vec::new();
     let least = context.config.certainty.chance / Level::ALL.len() as f64;
@@ -250,6 +263,17 @@ struct Labelled<'a> {
     described: OfRun,
     label: String,
     run: &'a Run,
+}
+
+/// Takes the mean of each direction out of the comparison.
+fn without_directions(all: &mut [One<'_>]) {
+    for direction in [Direction::Up, Direction::Down] {
+        let those = || all.iter().filter(|one| one.run.direction == direction).map(|one| one.of_run);
+        let mean = those().map(|run| run.score).sum::<f64>() / those().map(|run| run.information).sum::<f64>();
+        for one in all.iter_mut().filter(|one| one.run.direction == direction) {
+            one.of_run.score -= mean * one.of_run.information;
+        }
+    }
 }
 
 /// Runs that have a label.
@@ -344,7 +368,6 @@ mod tests {
     use crate::data::runs::Recorded;
     use crate::noise::whitening::Noise;
     use rand_distr::{Distribution, StandardNormal};
-    use rundown::model::direction::Direction;
     use rundown::model::effects::EffectKind;
 
     const RUNS: usize = 40;
