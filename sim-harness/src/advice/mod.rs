@@ -3,6 +3,7 @@
 //! In: the estimator, the runs as replayed. Out: notes, one line each.
 
 pub(crate) mod coasts;
+mod unlike;
 pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
@@ -26,6 +27,8 @@ pub struct Advice {
     with_effort: NamedRuns,
     /// By unit.
     vehicles: BTreeMap<String, vehicle::After>,
+    /// What each run taught by itself.
+    taught: Vec<unlike::Taught>,
     /// What coasts teach of each beside its efforts.
     pub coasts: BTreeMap<String, vehicle::After>,
 }
@@ -40,6 +43,7 @@ impl Advice {
             self.without_speed.add(run, rows().all(|measurement| measurement.speed_mps.is_none()));
             self.without_effort.add(run, rows().all(|measurement| measurement.effort_n_per_kg.is_none()));
             self.with_effort.add(run, rows().any(|measurement| measurement.effort_n_per_kg.is_some()));
+            self.taught.extend(unlike::Taught::of(run).filter(|_| run.is_used));
             self.vehicles.insert(run.unit.clone(), vehicle::After::of(run));
         }
     }
@@ -80,6 +84,7 @@ impl Advice {
             notes.push(format!("nothing was learned about the resistance: it takes {what}{slopes}"));
         }
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
+        notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
         notes.extend(vehicle::notes(estimator, &self.vehicles, look_wrong));
         notes
     }
