@@ -79,6 +79,7 @@ pub const FIELDS: &[[&str; 4]] = &[
 ];
 
 pub const ROWS: &str = "rows";
+pub const ROWS_TOO_SHORT: &str = "rows of pieces too short, left out";
 pub const SHIFTED: &str = "runs shifted onto the chainage";
 pub const INVERTED: &str = "runs inverted";
 pub const SCALED: &str = "runs with distances of another wheel, put right by the stops of the track";

@@ -1,6 +1,6 @@
 //! Rows of a day as runs: cut at gaps, long standing, turns and jumps, each with its reason.
 
-use super::account::Account;
+use super::account::{Account, ROWS_TOO_SHORT};
 use super::geo;
 use super::mapping::RunCuts;
 use super::rows::Record;
@@ -11,6 +11,8 @@ use std::ops::Range;
 
 /// Rows that are held at most before a stretch is cut without another reason.
 const MOST_ROWS: usize = 500_000;
+/// What no row has continued for so many is over.
+const LEFT_ROWS: u64 = 20_000;
 /// A train that is slower stands, m/s.
 pub const STANDS_MPS: f64 = 0.3;
 const WALKS_MPS: f64 = 1.5;
@@ -83,49 +85,98 @@ fn far_readings(rows: &mut [Sample]) -> usize {
     beyond.count()
 }
 
-/// Makes stretches of rows as they come.
+/// Makes stretches of rows as they come. Rows of several units or runs may take turns, as where a fleet writes one file: each has a stretch of its own until it
+/// has not been continued for long.
 #[derive(Debug)]
 pub struct Cutter {
     settings: RunCuts,
-    held: Stretch,
+    rows: u64,
+    last_unit: String,
+    /// In the order in which they began.
+    held: Vec<Held>,
+}
+
+#[derive(Debug)]
+struct Held {
+    stretch: Stretch,
+    /// Which rows of the file its first and last were.
+    first: u64,
+    last: u64,
 }
 
 impl Cutter {
-    pub fn new(settings: RunCuts) -> Self {
-        Self { settings, held: Stretch { reason: "the file begins".to_owned(), is_head: true, ..Stretch::default() } }
+    pub const fn new(settings: RunCuts) -> Self {
+        Self { settings, rows: 0, last_unit: String::new(), held: Vec::new() }
     }
 
-    /// Takes a row; gives the stretch that ends before it.
-    pub fn push(&mut self, record: Record) -> Option<Stretch> {
-        let held = &mut self.held;
-        let reason = held.rows.last().and_then(|last| {
-            let gap_s = record.sample.time_s - last.time_s;
-            if record.unit != held.unit {
-                Some(format!("the unit changes to {:?}", record.unit))
-            } else if record.run != held.run {
-                Some(format!("the run changes to {:?}", record.run))
-            } else if gap_s > self.settings.gap_s && !went_on(last, &record.sample) {
-                Some(format!("a gap of {gap_s:.0} s"))
-            } else if held.rows.len() >= MOST_ROWS {
-                Some(format!("{MOST_ROWS} rows without another place to cut"))
-            } else {
-                None
+    /// Takes a row; gives the stretches that end before it.
+    pub fn push(&mut self, record: Record) -> Vec<Stretch> {
+        self.rows += 1;
+        let is_of = |held: &Held| held.stretch.unit == record.unit && held.stretch.run == record.run;
+        let found = self.held.iter().position(is_of);
+        let cut = found.and_then(|at| Some((at, self.cut(&self.held[at].stretch, &record)?)));
+        // What is over, and what was over before that began.
+        let mut ended_before = self.rows.saturating_sub(LEFT_ROWS);
+        let mut over = None;
+        let at = match (found, cut) {
+            (_, Some((at, reason))) => {
+                let held = self.held.remove(at);
+                ended_before = ended_before.max(held.first);
+                over = Some(held.stretch);
+                self.begin(&record, reason, false)
             }
-        });
-        let done = reason.map(|reason| {
-            let is_head = record.unit != held.unit || record.run != held.run;
-            std::mem::replace(held, Stretch { reason, is_head, ..Stretch::default() })
-        });
-        if held.rows.is_empty() {
-            (held.unit, held.run, held.is_dated) = (record.unit, record.run, record.is_dated);
+            (Some(at), None) => at,
+            (None, None) => {
+                let reason = self.reason(&record);
+                self.begin(&record, reason, true)
+            }
+        };
+        let held = &mut self.held[at];
+        held.last = self.rows;
+        held.stretch.rows.push(record.sample);
+        held.stretch.altitudes_m.push(record.altitude_m);
+        if self.last_unit != record.unit {
+            self.last_unit = record.unit;
         }
-        held.rows.push(record.sample);
-        held.altitudes_m.push(record.altitude_m);
-        done
+        let (before, held) = self.held.drain(..).partition(|held: &Held| held.last < ended_before);
+        self.held = held;
+        let before: Vec<Held> = before;
+        before.into_iter().map(|held| held.stretch).chain(over).collect()
     }
 
-    pub fn end(self) -> Stretch {
-        self.held
+    /// Why a stretch does not go on with this row of its unit and run.
+    fn cut(&self, stretch: &Stretch, record: &Record) -> Option<String> {
+        let last = stretch.rows.last()?;
+        let gap_s = record.sample.time_s - last.time_s;
+        if gap_s > self.settings.gap_s && !went_on(last, &record.sample) {
+            Some(format!("a gap of {gap_s:.0} s"))
+        } else if stretch.rows.len() >= MOST_ROWS {
+            Some(format!("{MOST_ROWS} rows without another place to cut"))
+        } else {
+            None
+        }
+    }
+
+    /// Why the rows of a unit and run begin.
+    fn reason(&self, record: &Record) -> String {
+        if self.rows == 1 {
+            "the file begins".to_owned()
+        } else if self.last_unit == record.unit {
+            format!("the run changes to {:?}", record.run)
+        } else {
+            format!("the unit changes to {:?}", record.unit)
+        }
+    }
+
+    fn begin(&mut self, record: &Record, reason: String, is_head: bool) -> usize {
+        let (unit, run, is_dated) = (record.unit.clone(), record.run.clone(), record.is_dated);
+        let stretch = Stretch { unit, run, is_dated, reason, is_head, ..Stretch::default() };
+        self.held.push(Held { stretch, first: self.rows, last: self.rows });
+        self.held.len() - 1
+    }
+
+    pub fn end(self) -> impl Iterator<Item = Stretch> {
+        self.held.into_iter().map(|held| held.stretch)
     }
 }
 
@@ -426,7 +477,7 @@ impl Stretch {
             account.place("pieces too short for a run, left out", || {
                 format!("lines {} to {}: expected {} m and {} s or more, found {length_m:.0} m in {seconds:.0} s; begins because {}", first.line, last.line, settings.min_length_m, settings.min_duration_s, self.reason)
             });
-            account.count("rows of pieces too short, left out", self.rows.len() as u64);
+            account.count(ROWS_TOO_SHORT, self.rows.len() as u64);
             return None;
         }
         Some(self)

@@ -33,7 +33,7 @@ mod units;
 mod write;
 
 use crate::alike::few;
-use account::{Account, INVERTED, ROWS, SCALED, SHIFTED};
+use account::{Account, INVERTED, ROWS, ROWS_TOO_SHORT, SCALED, SHIFTED};
 use analysis::Group;
 use chainage::{Given, Placed, Placing};
 use cut::{Cutter, Odometer, Stretch};
@@ -49,7 +49,7 @@ use serde_json::{Value, json};
 use source::SourceFile;
 use source::row::Event;
 use staged::Staged;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -293,11 +293,13 @@ impl ImportOrder {
     ) -> Result<Vec<Staged>, ImportError> {
         let mut cutter = Cutter::new(self.mapping.runs);
         let mut converter = Converter::new(&source.path, &group.columns);
+        let before = [ROWS, ROWS_TOO_SHORT].map(|what| account.times(what));
         let mut runs = Vec::new();
         let mut failure = None;
-        let mut odometer = Odometer::default();
+        let mut odometers: HashMap<(String, String), Odometer> = HashMap::new();
         let mut take = |stretch: Stretch, account: &mut Account| -> Result<(), WriteError> {
-            for piece in stretch.pieces(&self.mapping.runs, &mut odometer, account) {
+            let odometer = odometers.entry((stretch.unit.clone(), stretch.run.clone())).or_default();
+            for piece in stretch.pieces(&self.mapping.runs, odometer, account) {
                 let name = name_of(&source.path, &piece.run, names);
                 let run = Staged::new(&piece, name, &source.path, folder);
                 runs.push(run.map_err(|error| crate::output::files::failed(folder, error))?);
@@ -309,9 +311,8 @@ impl ImportOrder {
                 Event::Row(line, fields) => {
                     account.count(ROWS, 1);
                     let record = converter.record(line, fields, account);
-                    if let Some(stretch) = record.and_then(|record| cutter.push(record)) {
-                        failure = take(stretch, account).err();
-                    }
+                    let done = record.map(|record| cutter.push(record)).into_iter().flatten();
+                    failure = done.map(|stretch| take(stretch, account)).find_map(Result::err);
                 }
                 Event::Bad(line, message) => {
                     account.place("lines that cannot be read, left out", || {
@@ -322,7 +323,12 @@ impl ImportOrder {
             failure.is_none()
         })?;
         failure.map_or(Ok(()), Err)?;
-        take(cutter.end(), account)?;
+        cutter.end().try_for_each(|stretch| take(stretch, account))?;
+        let [rows, too_short] =
+            [(ROWS, before[0]), (ROWS_TOO_SHORT, before[1])].map(|(what, n)| account.times(what) - n);
+        if 2 * too_short > rows && rows > MIXED_ROWS {
+            account.place(MIXED, || format!("{}: {too_short} of {rows} rows", source.path.display()));
+        }
         Ok(runs)
     }
 
@@ -403,6 +409,11 @@ impl ImportOrder {
         Ok(format!("# Repeats this import: rundown import --mapping import.toml --out FOLDER\n{text}"))
     }
 }
+
+/// From so many rows they may be those of several trains.
+const MIXED_ROWS: u64 = 100;
+const MIXED: &str = "files of which most rows are in pieces too short for a run (where several trains write into one file, \
+                     name the column that tells them apart: unit or run, in [source.columns])";
 
 fn pretty(json: &Value) -> String {
     format!("{json:#}\n")

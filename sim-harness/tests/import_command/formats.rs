@@ -333,3 +333,41 @@ fn a_code_page_that_is_not_found_is_asked_for() {
     let said = folder.done(&["import", "a.csv", "--mapping", "m.toml"]);
     assert!(!said.err.contains("layout.encoding") && said.err.contains("pr\u{119}dko\u{15b}\u{107}"), "{}", said.err);
 }
+
+/// Two trains that follow each other, their rows in the order of their times.
+fn taking_turns(header: &str, line: impl Fn(&str, f64, f64, f64) -> String) -> String {
+    let mut rows: Vec<(f64, &str, f64, f64)> = Vec::new();
+    for (train, begin_s) in [("4011", 0.0), ("4013", 300.5)] {
+        rows.extend(drive(&STOPS_M, 30.0).iter().map(|(t, x, v)| (begin_s + t, train, *x, *v)));
+    }
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let lines: Vec<String> = rows.into_iter().map(|(t, train, x, v)| line(train, t, x, v)).collect();
+    format!("{header}\n{}\n", lines.join("\n"))
+}
+
+#[test]
+fn trains_whose_rows_take_turns_in_one_file_are_told_apart_by_their_column() {
+    let text = taking_turns("time_s,train,location_m,speed_kmh", |train, t, x, v| {
+        format!("{t},{train},{x:.1},{:.2}", 3.6 * v)
+    });
+    let folder = Folder::new().with("fleet.csv", &text);
+    let said = folder.done(&["import", "fleet.csv", "--chainage", "as-is"]);
+    assert!(said.out.contains("2 runs in"), "{}", said.out);
+    let driven = drive(&STOPS_M, 30.0);
+    for train in ["4011", "4013"] {
+        let rows = csv(&folder, &format!("runs/fleet_{train}_01.csv"));
+        assert_eq!(rows.len(), driven.len(), "{}", said.out);
+        for (row, (_, x, v)) in rows.iter().zip(&driven) {
+            near(row[1], *x, 0.1);
+            near(row[2], 3.6 * v, 0.02);
+        }
+    }
+}
+
+#[test]
+fn trains_whose_rows_take_turns_without_a_column_are_said() {
+    let text = taking_turns("time_s,location_m,speed_kmh", |_, t, x, v| format!("{t},{x:.1},{:.2}", 3.6 * v));
+    let folder = Folder::new().with("fleet.csv", &text);
+    let said = folder.done(&["import", "fleet.csv", "--chainage", "as-is"]);
+    assert!(said.out.contains("name the column that tells them apart"), "{}", said.out);
+}
