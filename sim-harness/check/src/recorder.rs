@@ -70,7 +70,9 @@ pub(crate) fn of(
 ) -> RecorderCheck {
     let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
     let sought = lost_seconds::put_right(&of_unit, recordings, runs);
-    let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
+    // Readings in another unit have another step.
+    let of_usable = || of_unit.iter().filter(|i| runs[**i].refusal().is_none());
+    let rows = || of_usable().flat_map(|i| &recordings[*i].rows);
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
@@ -186,8 +188,12 @@ impl RecorderCheck {
             Shown::Exact | Shown::NotKnown => all.values[1],
         };
         let of_run = |at: &usize| OfRun::at(agreements[*at].as_ref()?, offset_mps);
+        order.retain(|at| of_run(at).is_some());
         let of_runs: Vec<OfRun> = order.iter().filter_map(of_run).collect();
-        let found = wheel_change::between(&of_runs)?;
+        // Nobody turns a wheel between two runs of a day.
+        let date = |from: usize| day(order[from]).map(f64::floor);
+        let may_change = |from: usize| date(from).is_none() || date(from) != date(from - 1);
+        let found = wheel_change::between(&of_runs, may_change)?;
         let after = order.split_off(found.from);
         self.found(Kind::WheelChange, found.ratio(), "", put_right(!known.scale));
         let [first, since] = found.sides.map(|side| side.with_interval(4));

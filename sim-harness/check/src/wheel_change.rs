@@ -142,9 +142,9 @@ impl OfRun {
     }
 }
 
-/// Scales of runs in the order in which they were made: from which on they are others; none where they scatter around one.
-pub(crate) fn between(runs: &[OfRun]) -> Option<Between> {
-    let places = LEAST_RUNS..(runs.len() + 1).saturating_sub(LEAST_RUNS);
+/// Scales of runs in the order in which they were made: from which on they are others; none where they scatter around one. `may_change`: before which run.
+pub(crate) fn between(runs: &[OfRun], may_change: impl Fn(usize) -> bool) -> Option<Between> {
+    let places = (LEAST_RUNS..(runs.len() + 1).saturating_sub(LEAST_RUNS)).filter(|from| may_change(*from));
     let apart = |found: &Between| found.ratio().away_from(1.0);
     let split = |from: usize| Between { from, sides: sides(runs, from) };
     let best = places.map(split).max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
@@ -202,21 +202,22 @@ mod tests {
     #[test]
     fn a_change_from_one_run_on_is_found_and_a_single_other_run_is_none() {
         let turned = runs(&[vec![1.0; 7], vec![0.99; 5]].concat());
-        let found = between(&turned).unwrap();
+        let found = between(&turned, |_| true).unwrap();
         assert!(found.from == 7 && (found.ratio().value - 0.99).abs() < 1e-3, "{found:?}");
+        assert_eq!(between(&turned, |_| false), None);
         let mut one = runs(&[1.0; 12]);
         one[10].scale.value = 1.02;
-        assert_eq!((between(&runs(&[1.0; 12])), between(&one)), (None, None));
+        assert_eq!((between(&runs(&[1.0; 12]), |_| true), between(&one, |_| true)), (None, None));
     }
 
     /// 80.4 km/h read 80 in the runs before, and 79.6 after.
     #[test]
     fn what_the_rounding_of_one_held_speed_makes_of_all_runs_is_no_change() {
         let mut held = runs(&[vec![0.996; 12], vec![1.004; 12]].concat());
-        assert!(between(&held).is_some());
+        assert!(between(&held, |_| true).is_some());
         for run in &mut held {
             (run.scale.sd, run.held) = (3.6e-3, vec![(80, 3.6e-3)]);
         }
-        assert_eq!(between(&held), None);
+        assert_eq!(between(&held, |_| true), None);
     }
 }

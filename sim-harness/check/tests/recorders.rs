@@ -394,6 +394,19 @@ fn there_and_back_other_units_and_missing_standstill_are_said() {
     assert!((finding.figure.value - standing as f64).abs() < 90.0, "{finding} {standing}");
 }
 
+/// Their readings have another step, which is none of the others'.
+#[test]
+fn logs_in_another_unit_do_not_hide_what_the_recorder_did() {
+    let mut recordings = Recorder { truncates: true, ..Recorder::default() }.runs(4711, 12, 5);
+    for row in &mut recordings[3].rows {
+        row.speed_mps = row.speed_mps.map(|mps| (100.0 * mps).round() / 360.0);
+    }
+    let found = check(&mut recordings);
+    assert!(found.runs[3].refusal().is_some_and(|finding| finding.kind == Kind::OtherUnit), "{:?}", found.notes());
+    assert_eq!(found.recorders[0].speed_step_kmh, Some(1.0));
+    assert!(found.has(Kind::TruncatedSpeed) && !found.has(Kind::SpeedOffset), "{:?}", found.notes());
+}
+
 /// Rounding is off by the same as long as a speed is held: a few held speeds are no wheel, however well they are located.
 #[test]
 fn held_speeds_that_are_rounded_are_no_wheel() {

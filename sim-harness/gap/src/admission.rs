@@ -20,7 +20,8 @@ pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> 
     let config = given.config;
     let (runs, least) = (input.runs.len(), config.holdout.least_training);
     if runs < least {
-        return Err(Refusal::TooFew { runs, left_out: input.left_out, least });
+        let first = input.notes.iter().find(|note| note.contains("left out")).cloned();
+        return Err(Refusal::TooFew { runs, left_out: input.left_out, first, least });
     }
     let most = most_held_out(runs, &config.holdout);
     if let Some(wanted) = hold_out.filter(|wanted| *wanted > most) {

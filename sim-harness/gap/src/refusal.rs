@@ -5,7 +5,14 @@ use rundown::model::effects::EffectError;
 use rundown_check::gradients::Doubt;
 use rundown_files::off_track::OffTrack;
 use rundown_files::refusal::ReadError;
+use rundown_pages::numbers::counted;
 use thiserror::Error;
+
+/// ` (2 logs were left out: a.csv: ...)`
+fn left_out_words(count: usize, first: Option<&str>) -> String {
+    let why = first.map_or_else(String::new, |first| format!(": {first}"));
+    if count > 0 { format!(" ({} left out{why})", counted(count, "log was", "logs were")) } else { String::new() }
+}
 
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -22,13 +29,15 @@ pub enum Refusal {
     /// Too few runs.
     #[error(
         "{runs} usable runs{}, expected at least {least}: what one driver or one day does would pass for an effect; nothing was written",
-        if *left_out > 0 { format!(" ({left_out} logs were left out)") } else { String::new() }
+        left_out_words(*left_out, first.as_deref())
     )]
     TooFew {
         /// How many runs there are.
         runs: usize,
         /// How many logs could not be used.
         left_out: usize,
+        /// Of the first of them why.
+        first: Option<String>,
         /// How many an analysis needs.
         least: usize,
     },

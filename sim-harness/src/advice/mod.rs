@@ -3,6 +3,7 @@
 //! In: the estimator, the runs as replayed. Out: notes, one line each.
 
 pub(crate) mod coasts;
+pub(crate) mod foreseen;
 mod unlike;
 pub(crate) mod vehicle;
 
@@ -27,6 +28,7 @@ pub struct Advice {
     with_effort: NamedRuns,
     /// By unit.
     vehicles: BTreeMap<String, vehicle::After>,
+    foreseen: foreseen::Foreseen,
     /// What each run taught by itself.
     taught: Vec<unlike::Taught>,
     /// What coasts teach of each beside its efforts.
@@ -35,6 +37,7 @@ pub struct Advice {
 
 impl Advice {
     pub fn add(&mut self, runs: &[ReplayedRun]) {
+        self.foreseen.add(runs);
         for run in runs {
             self.runs += 1;
             self.learned |= run.is_used && run.summary.learned_s > 0.0;
@@ -84,6 +87,7 @@ impl Advice {
             notes.push(format!("nothing was learned about the resistance: it takes {what}{slopes}"));
         }
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
+        notes.extend(self.foreseen.notes());
         notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
         notes.extend(vehicle::notes(estimator, &self.vehicles, look_wrong));
         notes

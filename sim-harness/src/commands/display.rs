@@ -9,7 +9,7 @@ use crate::{display::demo, display::page::PageServer, display::setup::Setup, dis
 use rundown_files::{track_file::TrackFile, train_file::TrainFile};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::{fs::File, process::ExitCode, sync::Arc, time::Duration};
+use std::{process::ExitCode, sync::Arc, time::Duration};
 
 /// Speed of a demonstration without `--speed`: a run in a minute.
 const DEMO_SPEED: f64 = 20.0;
@@ -186,7 +186,7 @@ impl Arguments {
             None => None,
             Some(path) => {
                 let at = |error: io::Error| Failure::not_written(format!("{}: {error}", path.display()));
-                let log = Log::new(File::create(path).map_err(at)?).map_err(at)?;
+                let log = Log::new(crate::output::files::fresh(path)?).map_err(at)?;
                 log::info!("writing {}", path.display());
                 Some(log)
             }

@@ -69,6 +69,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let done = if let Some(path) = &arguments.preview {
         let looked = order.preview()?;
         if let Some(path) = path {
+            if path.extension().is_none_or(|extension| extension != "svg") {
+                return Err(Failure {
+                    message: format!("--preview: expected a name that ends in .svg, found {}", path.display()),
+                    code: super::WRONG_ARGUMENTS,
+                });
+            }
             crate::output::files::whole(path, &looked.picture())?;
         }
         looked.found

@@ -1,7 +1,8 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
-use super::screen::{self, Foreseen};
+use super::screen;
 use super::{Failure, NOTHING_USABLE, RunPagesChoice, SOME_RUNS_FAILED, Strict};
+use crate::advice::foreseen::Foreseen;
 use crate::logs::Failed;
 use crate::output::tables::{Format, Tables};
 use crate::replaying::{Opened, PERIOD, Request, Runs, StreamError, is_period};
@@ -168,7 +169,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         let mut foreseen = Foreseen::default();
         foreseen.add(&replayed.runs);
         screen::print(&screen::run_table(&replayed.runs, replayed.runs.len(), replayed.config.mode));
-        screen::print(&foreseen.lines());
+        screen::print(&foreseen.lines(screen::RUNS_PRINTED));
         let (runs, mode) = (replayed.runs.len(), screen::mode_words(&replayed.config));
         let report = arguments.out.join("report.html");
         let report = report.display();
@@ -207,7 +208,7 @@ fn stream(arguments: &Arguments, opened: Opened, bar: &ProgressBar) -> Result<Ex
         screen::print_file(&arguments.out.join("replay.json")).map_err(Failure::not_written)?;
     } else {
         screen::print(&screen::run_table(&first, summary.runs, config.mode));
-        screen::print(&foreseen.lines());
+        screen::print(&foreseen.lines(screen::RUNS_PRINTED));
         let results = arguments.out.display();
         screen::print(&format!("\nruns: {}, mode: {mode}, results: {results}\n", summary.runs));
     }

@@ -12,8 +12,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rundown::estimator::config::{Config, Mode};
 use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::paper::Difference, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
-use rundown_pages::numbers::counted;
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -25,7 +23,7 @@ const FEW_RUNS: usize = 3;
 /// Warnings that are printed of one run; `replay.json` has all.
 const WARNINGS_PRINTED: usize = 5;
 /// Runs that are printed; `parameters.csv` has all.
-const RUNS_PRINTED: usize = 20;
+pub(super) const RUNS_PRINTED: usize = 20;
 
 /// Why stdout took less than was printed.
 static STDOUT_FAILED: OnceLock<String> = OnceLock::new();
@@ -168,39 +166,6 @@ pub(super) fn run_table(runs: &[ReplayedRun], all: usize, mode: Mode) -> String 
         text += &format!("... and {more} more runs, see the tables of parameters and features\n");
     }
     text
-}
-
-/// How the coasts of each unit were foreseen: coasts, squares of the errors by what had been learned and by the description.
-#[derive(Debug, Default)]
-pub(super) struct Foreseen(BTreeMap<String, [f64; 3]>);
-
-impl Foreseen {
-    pub(super) fn add(&mut self, runs: &[ReplayedRun]) {
-        for run in runs {
-            let foresight = &run.summary.foresight;
-            let of_run = [foresight.trust.coasts, foresight.learned_mps, foresight.described_mps];
-            let sums = self.0.entry(run.unit.clone()).or_default();
-            sums.iter_mut().zip(of_run).for_each(|(sum, more)| *sum += more);
-        }
-    }
-
-    /// A line a unit; nothing where nobody coasted.
-    pub(super) fn lines(&self) -> String {
-        let line = |(unit, [coasts, learned, described]): (&String, &[f64; 3])| {
-            let rms_kmh = |squares_mps: &f64| 3.6 * (squares_mps / coasts).sqrt();
-            (*coasts > 0.0).then(|| {
-                format!(
-                    "{}: {}, the speed at {} end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
-                    crate::advice::vehicle::named(unit),
-                    counted(*coasts as usize, "coast", "coasts"),
-                    if *coasts > 1.0 { "their" } else { "its" },
-                    rms_kmh(learned),
-                    rms_kmh(described)
-                )
-            })
-        };
-        self.0.iter().take(RUNS_PRINTED).filter_map(line).collect()
-    }
 }
 
 /// The first runs, as many as are printed.

@@ -11,6 +11,8 @@ use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
 use rundown_files::run_set::{is_index, without_results};
+use rundown_pages::numbers::counted;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Files that are read in the same way.
@@ -203,7 +205,13 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
         files.extend(inside);
     }
     files.retain(|path| !is_index(path));
-    let notes = without_results(&mut files);
+    let mut notes = without_results(&mut files);
+    let (before, mut seen) = (files.len(), HashSet::new());
+    files.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
+    let again = before - files.len();
+    if again > 0 {
+        notes.push(format!("{} given again, read once", counted(again, "file is", "files are")));
+    }
     Ok((files, notes))
 }
 

@@ -205,6 +205,7 @@ impl ImportOrder {
             return Err(ImportError::nothing(errors, []));
         }
         write::may_write(&self.out)?;
+        self.track_out.as_deref().map_or(Ok(()), skeleton::may_replace)?;
         let (track, mut done) = folder::write("import", &self.out, &self.provenance(&groups), |folder| {
             self.fill(&groups, errors, given, folder)
         })?;

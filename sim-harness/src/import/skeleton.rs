@@ -1,8 +1,10 @@
 //! A track from runs: its length, where trains stop, the centre line, and gradients by the altitudes with their doubt.
 
 use super::evidence::middle;
+use rundown_files::WriteError;
 use rundown_files::track_file::CentreLinePoint;
 use std::fmt::Write;
+use std::path::Path;
 
 /// Stops nearer than this are one station, m.
 const STATION_M: f64 = 200.0;
@@ -12,6 +14,17 @@ const MOST_SECTIONS: f64 = 500.0;
 const BIN_M: f64 = 100.0;
 /// Altitudes of satellites drift by so much over a section where only one run has them, m.
 const DRIFT_M: f64 = 5.0;
+
+/// How a skeleton begins.
+const MADE: &str = "# Made from ";
+
+/// A track that a person has described is not replaced.
+pub fn may_replace(path: &Path) -> Result<(), WriteError> {
+    let is_described = std::fs::read_to_string(path).is_ok_and(|text| !text.starts_with(MADE));
+    let error =
+        || std::io::Error::new(std::io::ErrorKind::AlreadyExists, "is there and no skeleton; choose another name");
+    if is_described { Err(crate::output::files::failed(path, error())) } else { Ok(()) }
+}
 
 /// What a run says of the track, on its chainage.
 #[derive(Clone, Debug, Default)]
@@ -26,7 +39,7 @@ pub fn track_toml(runs: &[Passed], line: &[CentreLinePoint]) -> String {
     let furthest = runs.iter().map(|run| run.ends_m.1).fold(0.0, f64::max);
     let length_m = line.last().map_or(furthest, |last| last.at_m.max(furthest)).ceil().max(1.0);
     let mut text = format!(
-        "# Made from {} runs by `rundown import --track-out`. A skeleton: look at it.\nname = \"imported\"\nlength_m = {length_m:.1}\n",
+        "{MADE}{} runs by `rundown import --track-out`. A skeleton: look at it.\nname = \"imported\"\nlength_m = {length_m:.1}\n",
         runs.len()
     );
     let sections = gradients(runs, length_m);

@@ -38,6 +38,17 @@ pub fn whole(path: &Path, content: &str) -> Result<(), WriteError> {
     Ok(())
 }
 
+/// A file that is not there yet: what it keeps cannot be had again. Devices and pipes are written to.
+pub fn fresh(path: &Path) -> Result<File, WriteError> {
+    let file = if path.exists() && !path.is_file() { File::create(path) } else { File::create_new(path) };
+    file.map_err(|source| match source.kind() {
+        io::ErrorKind::AlreadyExists => {
+            failed(path, io::Error::new(source.kind(), "is there already; choose another name"))
+        }
+        _ => failed(path, source),
+    })
+}
+
 pub fn records(path: &Path, records: &[Record]) -> Result<(), WriteError> {
     file(path, |file| table::write_csv(file, records))
 }

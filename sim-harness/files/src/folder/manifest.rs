@@ -53,6 +53,11 @@ impl Provenance {
         Self { started, inputs: inputs.par_iter().map(listed).collect() }
     }
 
+    /// The files that were read.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = PathBuf> {
+        self.inputs.iter().filter_map(|input| input["file"].as_str().map(PathBuf::from))
+    }
+
     /// With what was read for something before, too.
     #[must_use]
     pub fn and(mut self, before: &Self) -> Self {

@@ -74,6 +74,7 @@ impl Staged {
         let Self { command, out, folder, is_there, .. } = self;
         let old = Listed::read(out)?.unwrap_or_default();
         let own = old.files(command).unwrap_or_default();
+        let listed = old.files_but_of(&[]);
         let manifest = provenance.manifest(command, folder, files, old.others(command, files))?;
         fs::write(folder.join(MANIFEST), manifest)?;
         if !out.exists() {
@@ -82,6 +83,7 @@ impl Staged {
             return Ok(());
         }
         in_the_way(out, files)?;
+        not_ours(out, files, &listed, provenance)?;
         fs::set_permissions(&*folder, fs::metadata(&*out)?.permissions())?;
         // The old folder gets the name of the new one, and is locked under it until it is gone.
         if is_all_of_it(out, &own)?
@@ -235,6 +237,27 @@ fn in_the_way(out: &Path, files: &BTreeSet<PathBuf>) -> io::Result<()> {
             let message = format!("{} is {found} and lies in the way", wrong.display());
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
         }
+    }
+    Ok(())
+}
+
+/// A file of the new results takes the place of earlier results alone: of none that was read for them, and of none that no manifest lists.
+fn not_ours(
+    out: &Path,
+    files: &BTreeSet<PathBuf>,
+    listed: &BTreeSet<PathBuf>,
+    provenance: &Provenance,
+) -> io::Result<()> {
+    let read: BTreeSet<PathBuf> = provenance.inputs().filter_map(|path| fs::canonicalize(path).ok()).collect();
+    for file in files {
+        let path = out.join(file);
+        let why = match fs::canonicalize(&path) {
+            Ok(there) if read.contains(&there) => "was read for the results",
+            Ok(_) if !listed.contains(file) => "is there and no result of rundown",
+            _ => continue,
+        };
+        let message = format!("{} {why}, which would take its place; choose another folder", path.display());
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
     }
     Ok(())
 }

@@ -310,3 +310,21 @@ fn people_are_shown_the_place_of_the_results() {
         assert_eq!(shown(Path::new(path)), Path::new(place));
     }
 }
+
+#[test]
+fn what_was_read_and_what_nobody_listed_is_not_replaced() {
+    let place = TempDir::new().unwrap();
+    let out = place.path().join("out");
+    fs::create_dir_all(&out).unwrap();
+    fs::write(out.join("a.csv"), "a log of mine").unwrap();
+    let refused = |provenance: &Provenance| begun(&out, &[("a.csv", "new")]).done(provenance).unwrap_err().to_string();
+    assert!(refused(&Provenance::begin(&[])).contains("a.csv is there and no result of rundown"));
+    assert!(refused(&Provenance::begin(&[out.join("a.csv")])).contains("a.csv was read for the results"));
+    assert_eq!(content(&out), expected(&[("a.csv", "a log of mine")]));
+    // Its own result is no input of the next one, until it is read for it.
+    fs::remove_file(out.join("a.csv")).unwrap();
+    written(&out, &[("a.csv", "old")]);
+    assert!(refused(&Provenance::begin(&[out.join("a.csv")])).contains("was read for the results"));
+    written(&out, &[("a.csv", "new")]);
+    assert_eq!(content(&out), expected(&[("a.csv", "new")]));
+}
