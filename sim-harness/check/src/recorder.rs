@@ -188,8 +188,8 @@ impl RecorderCheck {
             Shown::Exact | Shown::NotKnown => all.values[1],
         };
         let of_run = |at: &usize| OfRun::at(agreements[*at].as_ref()?, offset_mps);
-        order.retain(|at| of_run(at).is_some());
-        let of_runs: Vec<OfRun> = order.iter().filter_map(of_run).collect();
+        let (mut order, of_runs): (Vec<usize>, Vec<OfRun>) =
+            order.into_iter().filter_map(|at| Some((at, of_run(&at)?))).unzip();
         // Nobody turns a wheel between two runs of a day.
         let date = |from: usize| day(order[from]).map(f64::floor);
         let may_change = |from: usize| date(from).is_none() || date(from) != date(from - 1);

@@ -8,9 +8,10 @@
 //! away = run / vehicle - 1, by its median over the runs, in units of 1.4826 x the median distance from it
 //! ```
 
-use nalgebra::Vector3;
+use crate::report::resistance::Resistance;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::state::R0;
+use rundown::tick::estimate::Estimate;
 use rundown_check::agreement::Figure;
 use rundown_files::{replay::ReplayedRun, units::median};
 
@@ -38,28 +39,29 @@ pub(super) struct Taught {
     r_n_per_kg: Figure,
 }
 
-/// Mean and variance of r at a speed.
-fn at(mean: &Vector3<f64>, covariance: &nalgebra::Matrix3<f64>, speed_mps: f64) -> [f64; 2] {
-    let powers = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
-    [powers.dot(mean), powers.dot(&(covariance * powers))]
+/// The resistance of an estimate, as the train has it on this run.
+fn davis(estimate: &Estimate) -> Gaussian<3> {
+    let Gaussian { mean, covariance } = &estimate.belief;
+    Gaussian {
+        mean: mean.fixed_rows::<3>(R0).into_owned(),
+        covariance: covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
+    }
 }
 
 impl Taught {
     /// `None`: too little.
     pub(super) fn of(run: &ReplayedRun) -> Option<Self> {
-        let (first, last) = (run.estimates.first()?, run.estimates.last()?);
-        let of = |speed_mps: f64| {
-            let [[prior, wide], [posterior, narrow]] = [first, last].map(|estimate| {
-                let Gaussian { mean, covariance } = &estimate.belief;
-                let (mean, covariance) = (mean.fixed_rows::<3>(R0), covariance.fixed_view::<3, 3>(R0, R0));
-                at(&mean.into_owned(), &covariance.into_owned(), speed_mps)
-            });
-            let taught = 1.0 - narrow / wide;
-            (taught, Figure { value: prior + (posterior - prior) / taught, sd: (narrow / taught).max(0.0).sqrt() })
+        let ends = [davis(run.estimates.first()?), davis(run.estimates.last()?)];
+        let of = |kmh: f64| {
+            let speed_mps = kmh / 3.6;
+            let [prior, posterior] = ends.map(|belief| Resistance::at(&belief, speed_mps));
+            let (prior, posterior) = (prior?, posterior?);
+            let taught = 1.0 - (posterior.sd_n_per_kg / prior.sd_n_per_kg).powi(2);
+            let value = prior.mean_n_per_kg + (posterior.mean_n_per_kg - prior.mean_n_per_kg) / taught;
+            Some((taught, speed_mps, Figure { value, sd: posterior.sd_n_per_kg / taught.sqrt() }))
         };
-        let all = ASKED_KMH.map(|kmh| (kmh / 3.6, of(kmh / 3.6)));
-        let most = all.into_iter().filter(|(_, (taught, _))| taught.is_finite()).max_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        let (speed_mps, (_, r_n_per_kg)) = most.filter(|(_, (taught, _))| *taught > LEAST_TAUGHT)?;
+        let taught = ASKED_KMH.into_iter().filter_map(of).filter(|(taught, ..)| *taught > LEAST_TAUGHT);
+        let (_, speed_mps, r_n_per_kg) = taught.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(Self { name: run.name.clone(), unit: run.unit.clone(), speed_mps, r_n_per_kg })
     }
 }
@@ -67,8 +69,7 @@ impl Taught {
 /// Runs far from all others, the farthest first. `vehicle`: the coefficients of a unit after all runs.
 pub(super) fn note(runs: &[Taught], vehicle: impl Fn(&str) -> Option<Gaussian<3>>) -> Option<String> {
     let away = |run: &Taught| {
-        let davis = vehicle(&run.unit)?;
-        let [r_n_per_kg, _] = at(&davis.mean, &davis.covariance, run.speed_mps);
+        let r_n_per_kg = Resistance::at(&vehicle(&run.unit)?, run.speed_mps)?.mean_n_per_kg;
         Some(Figure { value: run.r_n_per_kg.value / r_n_per_kg - 1.0, sd: run.r_n_per_kg.sd / r_n_per_kg })
     };
     let shares: Vec<(Figure, &Taught)> = runs.iter().filter_map(|run| Some((away(run)?, run))).collect();
@@ -109,7 +110,7 @@ mod tests {
     /// The note on runs with so much of the vehicle's resistance each.
     fn said(factors: &[f64]) -> Option<String> {
         let davis = Gaussian::independent([0.01, 1e-4, 3e-5], [1e-4, 1e-6, 1e-7]);
-        let [vehicle, _] = at(&davis.mean, &davis.covariance, 25.0);
+        let vehicle = Resistance::at(&davis, 25.0).unwrap().mean_n_per_kg;
         let run = |(i, factor): (usize, &f64)| Taught {
             name: format!("run{i}"),
             unit: String::new(),

@@ -138,10 +138,8 @@ impl Cutter {
         if self.last_unit != record.unit {
             self.last_unit = record.unit;
         }
-        let (before, held) = self.held.drain(..).partition(|held: &Held| held.last < ended_before);
-        self.held = held;
-        let before: Vec<Held> = before;
-        before.into_iter().map(|held| held.stretch).chain(over).collect()
+        let before = self.held.extract_if(.., |held| held.last < ended_before);
+        before.map(|held| held.stretch).chain(over).collect()
     }
 
     /// Why a stretch does not go on with this row of its unit and run.

@@ -16,7 +16,7 @@ use crate::config::BetweenRunsConfig;
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::mixed_share;
 use crate::noise::calibrate::{Calibrated, Deviations, Own, left, own_columns, whitening};
-use crate::noise::dragging_units::{choice, dragging_units};
+use crate::noise::dragging_units::{Units, choice};
 use core::ops::Range;
 use nalgebra::DVector;
 
@@ -88,7 +88,6 @@ fn step(runs: &[RunDrag], of: impl Fn(&RunDrag) -> Option<f64>) -> f64 {
 struct Dragging {
     gain: f64,
     dragging: Vec<usize>,
-    of_runs: Vec<RunDrag>,
 }
 
 impl Dragging {
@@ -98,7 +97,7 @@ impl Dragging {
         let Mixture { drag, share, gain } = if found[1].gain > found[0].gain { found[1] } else { found[0] };
         let odds = |run: &&RunDrag| share * run.gain(drag).clamp(-500.0, 500.0).exp() > 1.0 - share;
         let dragging = of_runs.iter().filter(odds).map(|run| run.run).collect();
-        Self { gain, dragging, of_runs: of_runs.to_vec() }
+        Self { gain, dragging }
     }
 
     /// Those of a unit, all alike.
@@ -107,7 +106,7 @@ impl Dragging {
         let (score, information) =
             (those().map(|run| run.score).sum::<f64>(), those().map(|run| run.information).sum());
         let gain = 0.5 * score.max(0.0).powi(2) / f64::max(information, 1e-12) - choice(&unit, rows);
-        Self { gain, dragging: unit, of_runs: of_runs.to_vec() }
+        Self { gain, dragging: unit }
     }
 }
 
@@ -125,7 +124,8 @@ pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, mo
         (whitening, e, reached)
     };
     let (.., plain) = whitened(calibrated.own);
-    let mut best: Option<(f64, Dragging)> = None;
+    let units = Units::of(context, rows);
+    let mut best: Option<(f64, Dragging, Vec<RunDrag>)> = None;
     for constant in SHARES {
         for wind in SHARES {
             let own = Own {
@@ -139,16 +139,16 @@ pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, mo
                 run.score *= freedom;
                 run.information *= freedom;
             }
-            let units = dragging_units(context, rows, |column| whitening.whiten(column), &e);
-            let units = units.into_iter().map(|unit| Dragging::of_unit(unit, &runs, rows));
+            let units = units.dragging(|column| whitening.whiten(column), &e).into_iter();
+            let units = units.map(|unit| Dragging::of_unit(unit, &runs, rows));
             for found in units.chain([Dragging::of_runs(&runs, config)]) {
-                if best.as_ref().is_none_or(|(reached, _)| without + found.gain > *reached) {
-                    best = Some((without + found.gain, found));
+                if best.as_ref().is_none_or(|(reached, ..)| without + found.gain > *reached) {
+                    best = Some((without + found.gain, found, runs.clone()));
                 }
             }
         }
     }
-    let (reached, Dragging { gain, dragging, of_runs }) = best?;
+    let (reached, Dragging { gain, dragging }, of_runs) = best?;
     // From a day on, or on cold days, is another law.
     let at =
         |run: &RunDrag, of: fn(&Row) -> Option<f64>| rows.iter().find(|row| row.interval.run == run.run).and_then(of);

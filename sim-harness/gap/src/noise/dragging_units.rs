@@ -32,43 +32,52 @@ pub fn choice(chosen: &[usize], rows: &[Row]) -> f64 {
     choices(chosen.len(), rows.last().map_or(1, |row| row.interval.run + 1))
 }
 
-/// The runs of each unit of which a brake that drags explains more than anything else that units differ by.
-///
-/// `white`: whitens a column, beside the model. `left`: what the model leaves, whitened.
-pub fn dragging_units(
-    context: &Context<'_>,
-    rows: &[Row],
-    white: impl Fn(&[f64]) -> DVector<f64>,
-    left: &DVector<f64>,
-) -> Vec<Vec<usize>> {
-    let config = context.config;
-    let units = runs_of_units(rows);
-    let all: usize = units.iter().map(Vec::len).sum();
-    let davis = context.believed.train().davis();
-    let believed = rows.iter().map(|row| row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps)));
-    let [constant, wind, mass] = own_columns(context, rows);
-    let others = [wind, mass, believed.collect()];
-    // Gain of log-likelihood by a column, with the sign of its coefficient.
-    let gain = |column: &[f64]| {
-        let column = white(column);
-        let score = column.dot(left);
-        score * score.abs() / (2.0 * column.norm_squared().max(1e-12))
-    };
-    // Of more runs than these it is the train.
-    let most_runs = config.between_runs.most_dragging * all as f64;
-    let drags = |runs: &Vec<usize>| {
-        let by_brake = gain(&braked(context, rows, runs));
-        let in_unit = |column: &Vec<f64>| -> Vec<f64> {
-            let of_row = |(row, value): (&Row, &f64)| if runs.contains(&row.interval.run) { *value } else { 0.0 };
-            rows.iter().zip(column).map(of_row).collect()
+/// The runs of each unit, and by what units may differ, whatever the noise is.
+pub struct Units<'a> {
+    context: &'a Context<'a>,
+    rows: &'a [Row],
+    runs: Vec<Vec<usize>>,
+    constant: Vec<f64>,
+    others: [Vec<f64>; 3],
+}
+
+impl<'a> Units<'a> {
+    pub fn of(context: &'a Context<'a>, rows: &'a [Row]) -> Self {
+        let davis = context.believed.train().davis();
+        let believed = rows.iter().map(|row| row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps)));
+        let [constant, wind, mass] = own_columns(context, rows);
+        Self { context, rows, runs: runs_of_units(rows), constant, others: [wind, mass, believed.collect()] }
+    }
+
+    /// The runs of each unit of which a brake that drags explains more than anything else that units differ by.
+    ///
+    /// `white`: whitens a column, beside the model. `left`: what the model leaves, whitened.
+    pub fn dragging(&self, white: impl Fn(&[f64]) -> DVector<f64>, left: &DVector<f64>) -> Vec<Vec<usize>> {
+        let Self { context, rows, runs: units, constant, others } = self;
+        let config = context.config;
+        let all: usize = units.iter().map(Vec::len).sum();
+        // Gain of log-likelihood by a column, with the sign of its coefficient.
+        let gain = |column: &[f64]| {
+            let column = white(column);
+            let score = column.dot(left);
+            score * score.abs() / (2.0 * column.norm_squared().max(1e-12))
         };
-        runs.len() >= config.evidence.least_runs
-            && runs.len() as f64 <= most_runs
-            && by_brake > config.between_runs.drag_gain
-            && by_brake > gain(&in_unit(&constant)) - config.certainty.near
-            && others.iter().all(|other| by_brake > gain(&in_unit(other)).abs() + config.certainty.near)
-    };
-    units.into_iter().filter(drags).collect()
+        // Of more runs than these it is the train.
+        let most_runs = config.between_runs.most_dragging * all as f64;
+        let drags = |runs: &&Vec<usize>| {
+            let by_brake = gain(&braked(context, rows, runs));
+            let in_unit = |column: &Vec<f64>| -> Vec<f64> {
+                let of_row = |(row, value): (&Row, &f64)| if runs.contains(&row.interval.run) { *value } else { 0.0 };
+                rows.iter().zip(column).map(of_row).collect()
+            };
+            runs.len() >= config.evidence.least_runs
+                && runs.len() as f64 <= most_runs
+                && by_brake > config.between_runs.drag_gain
+                && by_brake > gain(&in_unit(constant)) - config.certainty.near
+                && others.iter().all(|other| by_brake > gain(&in_unit(other)).abs() + config.certainty.near)
+        };
+        units.iter().filter(drags).cloned().collect()
+    }
 }
 
 #[cfg(test)]
@@ -101,7 +110,7 @@ mod tests {
         on_a_level_line(30, |context| {
             let white = |column: &[f64]| DVector::from_iterator(column.len(), column.iter().map(|value| value / 0.012));
             let left: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-            dragging_units(context, &rows, white, &white(&left))
+            Units::of(context, &rows).dragging(white, &white(&left))
         })
     }
 

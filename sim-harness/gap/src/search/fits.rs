@@ -5,6 +5,7 @@ use crate::candidates::{self, sensors};
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::{Base, Gain};
 use crate::noise::calibrate::{Calibrated, effort};
+use crate::noise::dragging_units::Units;
 use crate::noise::whitening::Whitening;
 use crate::search::scan::Scan;
 use nalgebra::DVector;
@@ -25,6 +26,8 @@ pub struct Search<'a> {
     pub(super) unsearched: Vec<Family>,
     /// Of those families that are sections.
     pub scans: Vec<Scan>,
+    /// What units may differ by.
+    pub(super) units: Units<'a>,
     /// Whitened columns of terms that were tried, by their text.
     known: RefCell<HashMap<String, Rc<Vec<DVector<f64>>>>>,
 }
@@ -53,7 +56,8 @@ impl<'a> Search<'a> {
         };
         let scans = families.iter().filter_map(scan).collect();
         let sensors = sensors(context, rows, &whitening);
-        Self { context, rows, whitening, y, sensors, families, unsearched, scans, known: RefCell::default() }
+        let units = Units::of(context, rows);
+        Self { context, rows, whitening, y, sensors, families, unsearched, scans, units, known: RefCell::default() }
     }
 
     pub fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {

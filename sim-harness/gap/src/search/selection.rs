@@ -5,10 +5,7 @@
 
 use crate::candidate::{Family, Shape, Size, Term};
 use crate::fit::{Base, Gain, choices};
-use crate::noise::{
-    dragging::RunDrag,
-    dragging_units::{choice, dragging_units},
-};
+use crate::noise::{dragging::RunDrag, dragging_units::choice};
 use crate::search::{fits::Search, shape};
 
 /// A term with what was found of it.
@@ -169,7 +166,7 @@ impl Search<'_> {
             }
         }
         let white = |column: &[f64]| base.beside(&self.whitening.whiten(column));
-        for runs in dragging_units(self.context, self.rows, white, &base.residual) {
+        for runs in self.units.dragging(white, &base.residual) {
             let chosen: Vec<&RunDrag> = of_runs.iter().filter(|run| runs.contains(&run.run)).collect();
             let (g, i) = sums(&chosen);
             let value = 0.5 * g * g / i - choice(&runs, self.rows);
