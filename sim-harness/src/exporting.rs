@@ -19,6 +19,9 @@ pub use crate::learned_train::Results;
 /// Largest speeds that a train may have, km/h.
 pub const MAX_SPEED_KMH: RangeInclusive<u16> = 1..=600;
 
+/// The learned train, in each export.
+const TRAIN: &str = "train.toml";
+
 /// What is to be exported: the arguments of `rundown export`.
 #[derive(Clone, Debug)]
 pub struct ExportOrder {
@@ -92,8 +95,9 @@ impl ExportOrder {
             written.push((name, content.map_err(|why| ExportError::NoPlace(format!("{name}: {why}")))?));
         }
         let text = toml::to_string(train).map_err(|error| files::failed(out, std::io::Error::other(error)))?;
-        written.push(("train.toml", text.into_bytes()));
+        written.push((TRAIN, text.clone().into_bytes()));
         let kept = earlier(out, &written)?;
+        of_one_origin(out, &kept, &text)?;
         folder::write("export", out, &begun, |folder| -> Result<(), WriteError> {
             for (name, content) in &written {
                 files::file(&folder.join(name), |file| Write::write_all(file, content))?;
@@ -145,6 +149,17 @@ impl ExportOrder {
             max_speed_kmh: self.max_speed_kmh,
         })
     }
+}
+
+/// What stays is of these results, too: then the earlier export wrote the same train.
+fn of_one_origin(out: &Path, kept: &[PathBuf], train: &str) -> Result<(), WriteError> {
+    let before = std::fs::read_to_string(out.join(TRAIN));
+    if kept.is_empty() || before.is_ok_and(|before| before == train) {
+        return Ok(());
+    }
+    let names: Vec<String> = kept.iter().map(|name| name.display().to_string()).collect();
+    let message = format!("{} there: of an export of other results, whose {TRAIN} is another one", names.join(", "));
+    Err(files::failed(out, std::io::Error::new(std::io::ErrorKind::AlreadyExists, message)))
 }
 
 /// Files of earlier exports that this one does not write: another format is no reason to lose them.

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | r0, r1, r2 | the vehicle after the unit's last run, where the board would publish it as learned |
 //! | largest tractive effort, largest power | the described capability, or what drivers used where that is more: a [`Limit`] |
-//! | all else | the description: mass, rotating mass factor, length, brake |
+//! | all else | the description: mass, rotating mass factor, length, brake; it must be that with which the results were made |
 //!
 //! What drivers used is their habit: the median over the runs of the largest effort at low speed, and of the largest power. It is no bound of the train:
 //! what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show no habit. Runs that the replay set aside count nowhere.
@@ -18,6 +18,7 @@ use rundown_files::refusal::{Place, ReadError};
 use rundown_files::train_file::TrainFile;
 use rundown_wire::Learned;
 use serde::Deserialize;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Runs that must have shown a limit before it counts as a habit.
@@ -65,6 +66,9 @@ pub struct LearnedTrain {
 #[derive(Debug, Deserialize)]
 struct ReplayJson {
     train: String,
+    /// The train file; a version before this field did not write it.
+    #[serde(default)]
+    described: Option<Value>,
     carried: bool,
     runs: Vec<Run>,
 }
@@ -167,11 +171,46 @@ fn at(results: &Path, described: TrainFile, unit: Option<&str>) -> Result<Learne
 
 /// Of the text of a `replay.json`; `path` is for the messages.
 fn of_json(path: &Path, text: &str, described: TrainFile, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
-    let results = serde_json::from_str(text).map_err(|error| {
+    let results: ReplayJson = serde_json::from_str(text).map_err(|error| {
         let place = Place { file: path.to_owned(), line: Some(error.line()), column: Some(error.column()) };
         place.refuse("", format!("expected the results of `rundown replay`, found {error}"))
     })?;
-    learn(described, results, unit).map_err(|(field, message)| Place::of_file(path).refuse(field, message).into())
+    let wrong = |(field, message): Wrong| ReadError::from(Place::of_file(path).refuse(field, message));
+    let replayed = results.described.clone();
+    let unsaid = "it does not say which values the train had, of which it knows the name; the train file is believed";
+    let mut learned = learn(described.clone(), results, unit).map_err(wrong)?;
+    match replayed {
+        Some(replayed) => is_same_train(&described, &replayed).map_err(wrong)?,
+        None => learned.notes.push(format!("{}: {unsaid}", path.display())),
+    }
+    Ok(learned)
+}
+
+/// A train of the same name with other values would make other forces of what was learned per mass.
+fn is_same_train(described: &TrainFile, replayed: &Value) -> Result<(), Wrong> {
+    let failed = |error: serde_json::Error| ("described", error.to_string());
+    // Read back as the results were: the last bit of a number may move on that way.
+    let text = serde_json::to_string(described).map_err(failed)?;
+    let expected: Value = serde_json::from_str(&text).map_err(failed)?;
+    let differing = differing("", &expected, replayed).join("; ");
+    let expected = "expected the train of the train file, found another one";
+    if differing.is_empty() { Ok(()) } else { Err(("described", format!("{expected}: {differing}"))) }
+}
+
+/// `davis.r0 is 0.0074 there and 0.0070 in the train file`.
+fn differing(name: &str, here: &Value, there: &Value) -> Vec<String> {
+    let (Value::Object(mine), Value::Object(theirs)) = (here, there) else {
+        let said = |value: &Value| if value.is_null() { "missing".to_owned() } else { value.to_string() };
+        let text = || format!("{name} is {} there and {} in the train file", said(there), said(here));
+        return if here == there { Vec::new() } else { vec![text()] };
+    };
+    let keys = mine.keys().chain(theirs.keys().filter(|key| !mine.contains_key(*key)));
+    let of = |key: &String| {
+        let dot = if name.is_empty() { "" } else { "." };
+        let value = |of: &serde_json::Map<String, Value>| of.get(key).cloned().unwrap_or_default();
+        differing(&format!("{name}{dot}{key}"), &value(mine), &value(theirs))
+    };
+    keys.flat_map(of).collect()
 }
 
 #[cfg(not(feature = "link"))]
@@ -206,7 +245,7 @@ fn of_board(path: PathBuf, described: TrainFile, unit: Option<&str>) -> Result<L
         ));
     }
     let runs = ends.iter().map(Run::of_board).collect();
-    let results = ReplayJson { train: described.name.clone(), carried: true, runs };
+    let results = ReplayJson { train: described.name.clone(), described: None, carried: true, runs };
     let learned = learn(described, results, unit);
     let learned = learned.map_err(|(field, message)| Place::of_file(path).refuse(field, message))?;
     Ok(LearnedTrain { notes, ..learned })

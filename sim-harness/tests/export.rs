@@ -185,6 +185,48 @@ fn another_train_another_unit_and_no_replay_are_refused() {
     assert!(!folder.path("learned").exists());
 }
 
+#[test]
+fn a_train_of_the_same_name_with_other_values_is_refused() {
+    let folder = replayed(&[]);
+    let heavier: String = folder
+        .read("train.toml")
+        .lines()
+        .map(|line| {
+            let is_mass = line.starts_with("mass_kg");
+            if is_mass { "mass_kg = 400000.0\n".to_owned() } else { format!("{line}\n") }
+        })
+        .collect();
+    folder.write("heavier.toml", &heavier);
+    let Said { code, err, .. } = exported(&folder, "heavier.toml", &[]);
+    assert_eq!(code, Some(3), "{err}");
+    let expected = "out/replay.json: described: expected the train of the train file, found another one: mass_kg is ";
+    assert!(err.contains(expected) && err.contains("and 400000.0 in the train file"), "{err}");
+    assert!(!folder.path("learned").exists());
+    // Results of a version that did not write the values.
+    let mut json = folder.json("out/replay.json");
+    json.as_object_mut().unwrap().remove("described").unwrap();
+    folder.write("out/replay.json", &json.to_string());
+    let Said { code, err, .. } = exported(&folder, "train.toml", &[]);
+    assert!(code == Some(0) && err.contains("does not say which values the train had"), "{err}");
+}
+
+#[test]
+fn files_of_an_export_of_other_results_are_not_mixed_with_its_own() {
+    let folder = replayed(&[]);
+    folder.done(&["replay", "--train", "train.toml", "--track", "track.toml", "--out", "one", "logs/a.csv"]);
+    let export = |format, results| {
+        folder.rundown(&["export", "--to", format, results, "--train", "train.toml", "--max-speed", "140"])
+    };
+    assert_eq!(export("sumo", "one").code, Some(0));
+    let before = folder.read("learned/train.toml");
+    let said = export("altrios", "out");
+    assert_eq!(said.code, Some(4), "{said:?}");
+    assert!(said.err.contains("sumo.add.xml there: of an export of other results"), "{said:?}");
+    assert!(folder.read("learned/train.toml") == before && !folder.path("learned/altrios.yaml").exists());
+    // Where all is written again nothing is mixed.
+    assert_eq!(export("sumo,altrios", "out").code, Some(0));
+}
+
 const SIMULATORS: [&str; 8] =
     ["export", "--to", "sumo,sumo-table,osrd,trainruns,altrios", "out", "--train", "train.toml", "--max-speed", "140"];
 

@@ -64,7 +64,7 @@ pub struct Arguments {
     /// SFERA: major version of the train characteristics
     #[arg(long, value_name = "VERSION", default_value = "1")]
     tc_version: String,
-    /// Folder for the files; files of other formats that an earlier export wrote there are kept
+    /// Folder for the files; files of other formats that an earlier export of the same results wrote there are kept
     #[arg(long, value_name = "DIR", default_value = "learned")]
     out: PathBuf,
 }

@@ -9,6 +9,7 @@ use rundown_check::gradients::Doubt;
 use rundown_files::column::{Column, record};
 use rundown_files::replay::{Dropped, ReplayedRun, Tick};
 use rundown_files::table::to_json;
+use rundown_files::train_file::TrainFile;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 
@@ -17,6 +18,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["rundown", "", "version of the writer", ""],
     ["mode", "", "`paper`, `gated` or `measured`", ""],
     ["train", "", "name of the train", ""],
+    ["described.*", "", "the train as its file described it, in the fields of that file", ""],
     ["track", "", "name of the track", ""],
     ["carried", "", "whether a unit's vehicle was carried from run to run", ""],
     ["tick_s", "s", "period of the ticks", "every sample is a tick"],
@@ -92,7 +94,7 @@ const NOT_WRONG: &str = "they do not look wrong: `gradient_doubt` is null";
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Head<'a> {
     pub config: &'a Config,
-    pub train: &'a str,
+    pub train: &'a TrainFile,
     pub track: &'a str,
     pub carried: bool,
     pub tick: Tick,
@@ -156,7 +158,8 @@ impl Head<'_> {
         let fields = [
             ("rundown", json!(env!("CARGO_PKG_VERSION"))),
             ("mode", json!(mode_word(self.config.mode))),
-            ("train", json!(self.train)),
+            ("train", json!(self.train.name)),
+            ("described", json!(self.train)),
             ("track", json!(self.track)),
             ("carried", json!(self.carried)),
             ("tick_s", json!(tick_s)),

@@ -381,7 +381,7 @@ impl Opened {
     fn head(&self) -> json::Head<'_> {
         json::Head {
             config: &self.config,
-            train: &self.train.name,
+            train: &self.train,
             track: &self.track.name,
             carried: self.request.carried,
             tick: self.request.tick,
@@ -440,7 +440,7 @@ impl Replayed {
     pub fn json(&self) -> Value {
         let head = json::Head {
             config: &self.config,
-            train: &self.train.name,
+            train: &self.train,
             track: &self.track.name,
             carried: self.carried,
             tick: self.tick,
