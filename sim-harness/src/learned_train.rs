@@ -222,7 +222,7 @@ fn of_board(path: PathBuf, _: TrainFile, _: Option<&str>) -> Result<LearnedTrain
 
 #[cfg(feature = "link")]
 fn of_board(path: PathBuf, described: TrainFile, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
-    let crate::recorded_board::BoardRecording { ends, train, missing, .. } = crate::recorded_board::read(&path)?;
+    let crate::recorded_board::BoardRecording { ends, train, missing, cut, .. } = crate::recorded_board::read(&path)?;
     let mut notes = Vec::new();
     let is_described = |sent: TrainFile| {
         TrainFile { name: described.name.clone(), effect: described.effect.clone(), ..sent } == described
@@ -237,6 +237,12 @@ fn of_board(path: PathBuf, described: TrainFile, unit: Option<&str>) -> Result<L
             "{}: it does not say which train was described to the board; the train file is believed",
             path.display()
         )),
+    }
+    if let Some(cut) = cut {
+        notes.push(format!(
+            "{}: it is cut off, the last {cut} were left out; the last run that ended counts",
+            path.display()
+        ));
     }
     if missing > 0 {
         notes.push(format!(

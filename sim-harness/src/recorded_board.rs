@@ -7,6 +7,7 @@ use crate::display::sent::SentSetup;
 use crate::link::record::{self, Way};
 use rundown_files::refusal::{Place, ReadError};
 use rundown_files::train_file::TrainFile;
+use rundown_pages::numbers::counted;
 use rundown_wire::{Body, Features, Learned, Reader, Received, RunSummary};
 use std::path::Path;
 
@@ -20,6 +21,8 @@ pub struct BoardRecording {
     pub train: Option<TrainFile>,
     /// Frames that never arrived, or cannot be understood.
     pub missing: u64,
+    /// What is there of a last line or frame that was cut off, and was left out.
+    pub cut: Option<String>,
     published: Option<Learned>,
     features: Option<Features>,
 }
@@ -43,7 +46,9 @@ pub fn read(path: &Path) -> Result<BoardRecording, ReadError> {
     let refused = |message: String| ReadError::from(Place::of_file(path).refuse("", message));
     let (mut recorded, mut reader, mut sent) = (BoardRecording::default(), Reader::new(), SentSetup::default());
     if bytes.starts_with(TEXT) {
-        for row in record::read(&bytes[..]).map_err(|error| refused(error.to_string()))? {
+        let (rows, cut) = record::read_whole_lines(&bytes).map_err(|error| refused(error.to_string()))?;
+        recorded.cut = cut.map(|cut| format!("{} bytes of line {}", cut.bytes, cut.line));
+        for row in rows {
             match row.way {
                 Way::Received => recorded.hear(reader.message(&row.message)),
                 Way::Sent => {
@@ -53,6 +58,9 @@ pub fn read(path: &Path) -> Result<BoardRecording, ReadError> {
         }
     } else {
         bytes.iter().for_each(|byte| recorded.hear(reader.byte(*byte)));
+        // A zero ends each frame.
+        let rest = bytes.iter().rev().take_while(|byte| **byte != 0).count();
+        recorded.cut = (rest > 0).then(|| format!("{} of a frame", counted(rest, "byte", "bytes")));
     }
     let tally = reader.tally();
     recorded.missing = u64::from(tally.lost) + u64::from(tally.damaged) + u64::from(tally.unknown);

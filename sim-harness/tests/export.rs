@@ -360,6 +360,23 @@ fn what_a_board_has_learned_goes_out_from_its_recording() {
     assert_ne!(r0, train.davis.r0);
     assert_eq!(folder.read("a/sumo.add.xml"), folder.read("b/sumo.add.xml"));
 
+    // Cut off in mid-line and in mid-frame, behind the end of the last run or before it.
+    let whole = text(&heard);
+    for (torn, file, said) in [
+        (
+            whole.as_bytes()[..whole.len() - 6].to_vec(),
+            "torn.csv",
+            format!("of line {} were left out", heard.len() + 1),
+        ),
+        (bytes[..bytes.len() - 3].to_vec(), "torn.frames", "of a frame were left out".to_owned()),
+    ] {
+        std::fs::write(folder.path(file), torn).unwrap();
+        let Said { code, out, err } = of(file, "torn", "train.toml");
+        assert_eq!(code, Some(0), "{file}: {err}");
+        assert!(err.contains("it is cut off, the last ") && err.contains(&said), "{file}: {err}");
+        assert!(out.contains("learned by Rundown from ") && out.contains(" runs"), "{out}");
+    }
+
     // Torn off before its first run ended, and a file that is none.
     folder.write("none.csv", &text(&heard[..20]));
     for (file, found) in [("none.csv", "found none in 20 frames"), ("train.toml", "found none in 0 frames")] {

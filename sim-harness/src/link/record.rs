@@ -161,6 +161,30 @@ pub fn read(reader: impl Read) -> Result<Vec<RecordedMessage>, RecordError> {
     csv.records().map(|row| recorded(&row?)).collect()
 }
 
+/// The rest of a recording that was cut off while its last line was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CutLine {
+    /// Its line.
+    pub line: usize,
+    /// How much of it is there.
+    pub bytes: usize,
+}
+
+/// The messages of a recording that may have been cut off: what is whole, and what is not.
+///
+/// # Errors
+/// [`RecordError`] at the first line that cannot be read, but for a last one without its end.
+pub fn read_whole_lines(bytes: &[u8]) -> Result<(Vec<RecordedMessage>, Option<CutLine>), RecordError> {
+    let end = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+    let (whole, rest) = bytes.split_at(end);
+    // Written by hand, a last line may be whole without its end.
+    if end == 0 || rest.is_empty() || recorded_line(rest).is_ok() {
+        return Ok((read(bytes)?, None));
+    }
+    let line = 1 + whole.iter().filter(|byte| **byte == b'\n').count();
+    Ok((read(whole)?, Some(CutLine { line, bytes: rest.len() })))
+}
+
 /// The message of one line of a recording, which may still be growing; none in an empty line or a comment.
 pub fn recorded_line(line: &[u8]) -> Result<Option<RecordedMessage>, RecordError> {
     let mut csv = csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).from_reader(line);
@@ -225,6 +249,18 @@ mod tests {
             assert_eq!(read(text.as_bytes()).unwrap_err().to_string(), cause);
         }
         assert!(read(&b"time,way\n"[..]).is_err());
+    }
+
+    #[test]
+    fn a_last_line_that_was_cut_off_is_left_out_and_said() {
+        let text = b"time_us,direction,message\n10,sent,00ab\n20,received,6f6b\n";
+        let cut = |bytes: usize| read_whole_lines(&text[..bytes]).map(|(messages, cut)| (messages.len(), cut)).unwrap();
+        assert_eq!(cut(text.len()), (2, None));
+        // Whole but for its end.
+        assert_eq!(cut(text.len() - 1), (2, None));
+        assert_eq!(cut(text.len() - 2), (1, Some(CutLine { line: 3, bytes: 15 })));
+        assert_eq!(cut(40), (1, Some(CutLine { line: 3, bytes: 1 })));
+        assert!(read_whole_lines(b"time_us,direction,message\n10,se\n20,sent,00\n").is_err(), "not the last line");
     }
 
     #[test]
