@@ -303,6 +303,9 @@ pub fn words(found: &Check, failed: &[Failed]) -> String {
     let clean = found.runs.iter().filter(is_clean).count();
     let refused = found.refused().count();
     let runs = found.runs.len();
+    if refused == runs {
+        text += "nothing could be judged: no log can be used\n";
+    }
     let also = if failed.is_empty() { String::new() } else { format!("; {}", unread(failed, runs + failed.len())) };
     text + &format!("{}, nothing found in {clean}, {refused} cannot be used{also}\n", counted(runs, "run", "runs"))
 }

@@ -66,6 +66,27 @@ fn a_folder_gets_a_page_for_each_run_and_a_name_in_json_the_diagnosis_alone() {
 }
 
 #[test]
+fn where_no_log_can_be_read_or_used_page_and_json_say_why_and_that_nothing_could_be_judged() {
+    let unread = [("logs/a.csv", "a,b\n1,2\n"), ("logs/b.csv", "")];
+    let folder = unread.iter().fold(Folder::new(), |folder, (name, text)| folder.with(name, text));
+    let folder = folder.with("unit.csv", &log(|kmh| kmh / 3.6));
+    let said = folder.rundown(&["check", "--json", "logs", "--out", "found"]);
+    assert_eq!(said.code, Some(6), "{}", said.err);
+    let printed: Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!(printed, folder.json("found/check.json"));
+    let failed = printed["failed"].as_array().unwrap();
+    let of = |at: usize| (failed[at]["file"].as_str().unwrap(), failed[at]["errors"][0].as_str().unwrap());
+    assert!(of(0).0 == "logs/a.csv" && of(0).1.contains("expected a header"), "{printed}");
+    assert!(of(1).0 == "logs/b.csv" && printed["runs"].as_array().unwrap().is_empty(), "{printed}");
+    assert_eq!(folder.rundown(&["check", "unit.csv", "--out", "refused"]).code, Some(6));
+    for page in ["found/report.html", "refused/report.html"] {
+        let page = folder.read(page);
+        assert!(page.contains("Nothing could be judged") && !page.contains("Nothing was found"), "{page:.3000}");
+    }
+    assert!(folder.rundown(&["check", "logs"]).out.starts_with("nothing could be judged: no log can be used\n"));
+}
+
+#[test]
 fn a_log_that_cannot_be_read_is_counted_and_named_on_the_screen_in_json_and_on_the_page() {
     let folder = Folder::new().with("logs/a.csv", &log(f64::floor)).with("logs/none.csv", "a,b\n1,2\n");
     let said = folder.rundown(&["check", "logs", "--out", "found"]);

@@ -193,7 +193,7 @@ impl Default for Correction {
 }
 
 /// The diagnosis of a set of runs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Check {
     /// By recorder, in the order in which the units appear.
     pub recorders: Vec<RecorderCheck>,

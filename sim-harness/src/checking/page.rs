@@ -41,7 +41,9 @@ fn first(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
         Section::new(format!("recorder-{}", at + 1), heading, recorder_section(recorder, found, logs))
     };
     let mut sections: Vec<Section> = found.recorders.iter().enumerate().map(of_recorder).collect();
-    sections.push(Section::new("runs", "Runs", runs(found)));
+    if !found.runs.is_empty() {
+        sections.push(Section::new("runs", "Runs", runs(found)));
+    }
     if !failed.is_empty() {
         sections.push(Section::new("unread", "Logs that cannot be read", unread(failed)));
     }
@@ -53,6 +55,9 @@ fn lead(found: &Check, failed: &[Failed]) -> Markup {
     let clean = found.runs.iter().filter(|run| run.findings.is_empty()).count();
     let refused = found.refused().count();
     html! {
+        @if refused == found.runs.len() {
+            p.lead { strong { "Nothing could be judged: no log can be used." } }
+        }
         p.lead {
             (counted(found.runs.len(), "run", "runs")) " of " (counted(found.recorders.len(), "recorder", "recorders"))
             ": in " (clean) " nothing of their own was found, " (refused) " cannot be used."
@@ -68,6 +73,14 @@ fn recorder_section(recorder: &RecorderCheck, found: &Check, logs: &Logs) -> Mar
     let usable = || of_unit.iter().filter(|i| found.runs[**i].refusal().is_none());
     let windows: Vec<ComparedWindow> =
         usable().flat_map(|i| compared(&found.runs[*i], recorder, &logs.right[*i])).collect();
+    if usable().next().is_none() {
+        let runs = counted(of_unit.len(), "run", "runs");
+        return html! {
+            p { "Nothing could be judged: of " (runs) " none can be used." }
+            @if !recorder.findings.is_empty() { (findings(&recorder.findings, &recorder.evidence)) }
+            p { "What is wrong with each stands " a href="#runs" { "in the table of runs" } "." }
+        };
+    }
     let runs: Vec<&RunCheck> = of_unit.iter().map(|i| &found.runs[*i]).collect();
     let recorded: Vec<&[Sample]> = of_unit.iter().map(|i| logs.recorded[*i].as_slice()).collect();
     let drawn = if windows.len() > MOST_DOTS { ", of which some are drawn" } else { "" };

@@ -63,10 +63,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     screen::errors(&failed);
     notes.iter().for_each(|text| screen::note(text));
     warnings.iter().for_each(|text| screen::warning(text));
-    let Some(found) = found else {
-        let message = format!("expected at least one run log that can be read, found none of {}", failed.len());
-        return Err(Failure::no_runs(message));
-    };
+    let is_any_read = found.is_some();
+    let found = found.unwrap_or_default();
     let json = checking::json(&found, &failed).map_err(Failure::not_written)?;
     screen::print(&if arguments.json { format!("{json}\n") } else { words(&found, &failed) });
     let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
@@ -82,6 +80,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         })?,
         (Some(file), None) => files::whole(file, &json)?,
         (None, _) => (),
+    }
+    if !is_any_read {
+        let message = format!("expected at least one run log that can be read, found none of {}", failed.len());
+        return Err(Failure::no_runs(message));
     }
     let unusable = found.refused().count();
     if unusable == found.runs.len() {
