@@ -399,3 +399,25 @@ fn results_of_rundown_and_an_index_are_no_logs() {
     folder.write("mine/runs.csv", RUN);
     assert!(folder.done(&["import", "mine", "--out", "mine-out"]).out.contains("1 run in mine-out"));
 }
+
+#[test]
+fn results_that_were_copied_without_their_manifest_are_recognised_by_their_columns() {
+    let folder = Folder::new().with("logs/a.csv", RUN);
+    let (train, track) = (reference("train.toml"), reference("track.toml"));
+    folder.done(&["replay", "--train", &train, "--track", &track, "--out", "out", "logs"]);
+    std::fs::create_dir_all(folder.path("copied")).unwrap();
+    for name in ["a.estimates.csv", "features.csv", "parameters.csv", "switching_points.csv"] {
+        std::fs::copy(folder.path(&format!("out/{name}")), folder.path(&format!("copied/{name}"))).unwrap();
+    }
+    let nothing = folder.rundown(&["import", "copied", "--out", "imported"]);
+    assert_eq!(nothing.code, Some(3), "{}", nothing.err);
+    std::fs::copy(folder.path("logs/a.csv"), folder.path("copied/a.csv")).unwrap();
+    let said = folder.done(&["import", "copied", "--out", "imported"]);
+    assert!(said.out.contains("1 run in imported"), "{}{}", said.out, said.err);
+    for words in [
+        "4 results of Rundown are left out",
+        "a.estimates.csv: expected a log, found the columns of a result of `rundown replay: <run>.estimates`",
+    ] {
+        assert!(said.err.contains(words), "{}", said.err);
+    }
+}

@@ -5,6 +5,7 @@ use super::evidence::SeenRows;
 use super::letters;
 use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
+use super::results;
 use super::source::SourceFile;
 use super::source::row::{Header, refused};
 use super::units;
@@ -206,6 +207,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
     }
     files.retain(|path| !is_index(path));
     let mut notes = without_results(&mut files);
+    notes.extend(results::left_out(&mut files));
     let (before, mut seen) = (files.len(), HashSet::new());
     files.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
     let again = before - files.len();

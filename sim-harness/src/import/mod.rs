@@ -25,6 +25,7 @@ mod meaning;
 mod number;
 mod odometer;
 mod preview;
+mod results;
 mod rows;
 mod skeleton;
 mod source;
