@@ -421,3 +421,14 @@ fn results_that_were_copied_without_their_manifest_are_recognised_by_their_colum
         assert!(said.err.contains(words), "{}", said.err);
     }
 }
+
+#[test]
+fn a_date_of_the_index_that_cannot_be_read_is_said_and_a_warning_where_none_may_be() {
+    let index = "file,departure_utc\na.csv,01.03.2025 08:00\n";
+    let folder = Folder::new().with("logs/a.csv", RUN).with("logs/runs.csv", index);
+    let said = folder.done(&["import", "logs", "--out", "imported"]);
+    let place = "logs/runs.csv:2:2: departure_utc: expected a date as 2025-03-01T08:00:00Z, found \"01.03.2025 08:00\"";
+    assert!(said.err.contains(place), "{}", said.err);
+    let strict = folder.rundown(&["import", "--strict", "logs", "--out", "strict"]);
+    assert!(strict.code == Some(1) && strict.err.contains(place), "{}", strict.err);
+}

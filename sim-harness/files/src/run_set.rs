@@ -7,6 +7,7 @@
 //! when every run stands in an index the runs go in the order of departure, otherwise as given. `runs.csv` and `index.csv` are never
 //! taken for logs, so that `logs/*.csv` works; neither are the results that a `manifest.json` beside the logs lists.
 
+use crate::effect_file::day_of;
 use crate::folder::{MANIFEST, results_in};
 use crate::refusal::{Place, ReadError, Refusal};
 use crate::run_log::STDIN;
@@ -18,6 +19,10 @@ use std::path::{Path, PathBuf};
 
 /// Name of the index beside the logs.
 pub const INDEX: &str = "runs.csv";
+/// Its column of dates.
+const DEPARTURE: &str = "departure_utc";
+/// How one looks.
+const DATE: &str = "2025-03-01T08:00:00Z";
 /// Tables that lie beside logs and are none.
 const NOT_LOGS: [&str; 2] = [INDEX, "index.csv"];
 
@@ -43,8 +48,10 @@ pub struct RunFile {
 pub struct RunSet {
     /// The runs.
     pub files: Vec<RunFile>,
-    /// What a person may want to know about the order.
+    /// What a person may want to know: about the order, dates that cannot be read, files that are no logs.
     pub notes: Vec<String>,
+    /// Of these, the dates of an index that cannot be read.
+    pub undated: Vec<String>,
 }
 
 /// A row of the index.
@@ -81,11 +88,14 @@ impl RunSet {
         for path in paths {
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
             if !indexes.contains_key(&folder) {
-                indexes.insert(folder.clone(), read_index(&folder.join(INDEX))?);
+                let (rows, undated) = read_index(&folder.join(INDEX))?;
+                set.undated.extend(undated.map(|refusal| refusal.to_string()));
+                indexes.insert(folder.clone(), rows);
             }
             let row = indexes[&folder].get(&file_name(&path));
             set.files.push(RunFile::new(path, row));
         }
+        set.notes.extend_from_slice(&set.undated);
         for folder in arguments.iter().filter(|argument| argument.is_dir()) {
             set.notes.extend(indexes.get(folder).and_then(|index| set.missing(folder, index)));
         }
@@ -212,19 +222,22 @@ fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     Ok(logs)
 }
 
-/// The rows of an index by the name of their file; none when there is no index.
-fn read_index(path: &Path) -> Result<HashMap<String, IndexRow>, ReadError> {
+/// The rows of an index by the name of their file, and the dates that cannot be read.
+type Index = (HashMap<String, IndexRow>, Option<Refusal>);
+
+/// An index; nothing when there is none.
+fn read_index(path: &Path) -> Result<Index, ReadError> {
     match std::fs::read(path) {
         Ok(bytes) => {
             log::info!("read {}", path.display());
             parse_index(path, &bytes)
         }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(HashMap::new()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Index::default()),
         Err(source) => Err(ReadError::io(path, source)),
     }
 }
 
-fn parse_index(path: &Path, bytes: &[u8]) -> Result<HashMap<String, IndexRow>, ReadError> {
+fn parse_index(path: &Path, bytes: &[u8]) -> Result<Index, ReadError> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes);
     let mut rows = HashMap::new();
     let place = |position: Option<&csv::Position>| match position {
@@ -233,14 +246,26 @@ fn parse_index(path: &Path, bytes: &[u8]) -> Result<HashMap<String, IndexRow>, R
     };
     let refused = |error: csv::Error| -> Refusal { place(error.position()).refuse("", error.to_string()) };
     let header = reader.headers().map_err(refused)?.clone();
+    let (mut undated, mut unread): (Option<Refusal>, usize) = (None, 0);
     for record in reader.records() {
         let record = record.map_err(refused)?;
         let row: IndexRow = record.deserialize(Some(&header)).map_err(refused)?;
         direction(&row.direction).map_err(|message| place(record.position()).refuse("direction", message))?;
+        if !row.departure_utc.is_empty() && day_of(&row.departure_utc).is_none() {
+            unread += 1;
+            let column = header.iter().position(|name| name == DEPARTURE).map(|at| at + 1);
+            let found = format!("expected a date as {DATE}, found {:?}", row.departure_utc);
+            let here = Place { column, ..place(record.position()) };
+            undated.get_or_insert_with(|| here.refuse(DEPARTURE, found));
+        }
         // Only the name counts: an index may lie beside its logs and still name their folder.
         rows.insert(file_name(Path::new(&row.file)), row);
     }
-    Ok(rows)
+    if let Some(undated) = &mut undated {
+        let more = if unread > 1 { format!(", and {} more like this", unread - 1) } else { String::new() };
+        undated.message += &format!("{more}; the run has no date, and is ordered by what stands there");
+    }
+    Ok((rows, undated))
 }
 
 /// Runs of one name get their folder's name before it, and a number when that is not enough: no output overwrites another.
@@ -364,6 +389,17 @@ mod tests {
         let folder_b = folder(&[("a.csv", ""), ("runs.csv", "name\na\n")]);
         let error = RunSet::find(&[folder_b.path().to_owned()]).unwrap_err().to_string();
         assert!(error.contains("missing field `file`"), "{error}");
+    }
+
+    #[test]
+    fn a_date_that_cannot_be_read_is_said_with_its_place() {
+        let index = "file,unit,departure_utc\na.csv,7,2025-03-01T08:00:00Z\nb.csv,7,01.03.2025 09:00\nc.csv,7,noon\n";
+        let folder = folder(&[("a.csv", ""), ("b.csv", ""), ("c.csv", ""), ("runs.csv", index)]);
+        let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
+        let expected = "runs.csv:3:3: departure_utc: expected a date as 2025-03-01T08:00:00Z, \
+            found \"01.03.2025 09:00\", and 1 more like this; the run has no date, and is ordered by what stands there";
+        assert_eq!(set.notes.len(), 1, "{:?}", set.notes);
+        assert!(set.notes[0].ends_with(expected), "{:?}", set.notes);
     }
 
     #[test]

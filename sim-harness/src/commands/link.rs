@@ -114,6 +114,7 @@ fn read_effects(path: &Path) -> Result<Effects, Failure> {
 
 fn recordings(arguments: &Arguments, track: &TrackFile) -> Result<Vec<Recording>, Failure> {
     let set = RunSet::find(&arguments.runs)?;
+    set.notes.iter().for_each(|text| screen::note(text));
     let line = CentreLine::new(&track.centre_line);
     let read = |file| logs::read(file, BadRows::Refuse, line.as_ref(), arguments.direction);
     set.files

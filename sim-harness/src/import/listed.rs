@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Default)]
 pub struct Indexes {
     files: HashMap<PathBuf, RunFile>,
+    /// Dates that cannot be read.
+    pub undated: Vec<String>,
 }
 
 impl Indexes {
@@ -24,7 +26,10 @@ impl Indexes {
         let (mut listed, mut errors) = (Self::default(), Vec::new());
         for paths in folders.into_values() {
             match RunSet::find(&paths) {
-                Ok(set) => listed.files.extend(set.files.into_iter().map(|file| (file.path.clone(), file))),
+                Ok(set) => {
+                    listed.undated.extend(set.undated);
+                    listed.files.extend(set.files.into_iter().map(|file| (file.path.clone(), file)));
+                }
                 Err(error) => errors.push(error),
             }
         }

@@ -258,7 +258,9 @@ impl ImportOrder {
             return Err(ImportError::nothing(errors, account.lines().chain(places).chain([none])));
         }
         let placed = chainage::place(&staged, self.mapping.chainage.method, given);
-        let (track, done) = self.write(groups, &staged, &placed, &account, folder)?;
+        let (track, mut done) = self.write(groups, &staged, &placed, &account, folder)?;
+        done.notes.extend_from_slice(&listed.undated);
+        done.warnings.extend(listed.undated);
         if self.strict {
             // Notes are the evidence for units and clocks.
             let errors = errors.iter().map(ToString::to_string);
