@@ -19,6 +19,10 @@ use std::path::{Path, PathBuf};
 
 /// Name of the index beside the logs.
 pub const INDEX: &str = "runs.csv";
+/// How the names of compressed files end.
+const PACKED: [&str; 8] = ["gz", "tgz", "zip", "bz2", "xz", "zst", "7z", "rar"];
+/// Skipped files of a kind that are named.
+const NAMED: usize = 3;
 /// Its column of dates.
 const DEPARTURE: &str = "departure_utc";
 /// How one looks.
@@ -76,14 +80,17 @@ impl RunSet {
     pub fn find(arguments: &[PathBuf]) -> Result<Self, ReadError> {
         let arguments: Vec<PathBuf> = arguments.iter().map(|path| log_folder(path)).collect();
         let mut paths = Vec::new();
+        let mut skipped = Vec::new();
         for argument in &arguments {
             if argument.is_dir() {
                 paths.extend(logs_of(argument)?);
+                skipped.extend(skipped_in(argument));
             } else if !is_table(argument) {
                 paths.push(argument.clone());
             }
         }
         let mut set = Self { notes: without_results(&mut paths), ..Self::default() };
+        set.notes.extend(skipped);
         let mut indexes: HashMap<PathBuf, HashMap<String, IndexRow>> = HashMap::new();
         for path in paths {
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -201,6 +208,30 @@ fn log_folder(path: &Path) -> PathBuf {
     if is_data_set { runs } else { path.to_owned() }
 }
 
+/// What looks like a log in a folder and cannot be read as one: compressed files, and links to nothing.
+pub fn skipped_in(folder: &Path) -> Option<String> {
+    let (mut packed, mut dangling) = (Vec::new(), Vec::new());
+    for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
+        let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        if path.is_symlink() && !path.exists() {
+            dangling.push(file_name(&path));
+        } else if PACKED.contains(&&*end) && path.is_file() {
+            packed.push(file_name(&path));
+        }
+    }
+    let count = packed.len() + dangling.len();
+    let of = |mut names: Vec<String>, what: &str| {
+        names.sort();
+        let more = if names.len() > NAMED { ", ..." } else { "" };
+        let first = names[..names.len().min(NAMED)].join(", ");
+        (!names.is_empty()).then(|| format!("{} {what} ({first}{more})", names.len()))
+    };
+    let parts = [of(packed, "compressed, to be unpacked first"), of(dangling, "linked to nothing")];
+    let parts = parts.into_iter().flatten().collect::<Vec<String>>().join(", ");
+    let files = if count == 1 { "file" } else { "files" };
+    (count > 0).then(|| format!("{}: skipped {count} {files}: {parts}", folder.display()))
+}
+
 /// The logs of a folder in the order of their names.
 fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     let error = |source| ReadError::io(folder, source);
@@ -217,7 +248,9 @@ fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     }
     logs.sort();
     if logs.is_empty() {
-        return Err(ReadError::of_file(folder, "expected run logs (*.csv) in this folder, found none"));
+        let skipped = skipped_in(folder).map(|skipped| format!("; {skipped}")).unwrap_or_default();
+        let message = format!("expected run logs (*.csv) in this folder, found none{skipped}");
+        return Err(ReadError::of_file(folder, message));
     }
     Ok(logs)
 }
@@ -408,6 +441,20 @@ mod tests {
         let set =
             RunSet::find(&[folder.path().join("x"), folder.path().join("y"), folder.path().join("y/run.csv")]).unwrap();
         assert_eq!(names(&set), ["x_run", "y_run", "y_run_2"]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn compressed_logs_and_links_to_nothing_are_counted_and_named() {
+        let folder = folder(&[("a.csv", ""), ("b.csv.gz", ""), ("c.CSV.ZIP", ""), ("read.me", "")]);
+        std::os::unix::fs::symlink("nowhere.csv", folder.path().join("d.csv")).unwrap();
+        let said =
+            "skipped 3 files: 2 compressed, to be unpacked first (b.csv.gz, c.CSV.ZIP), 1 linked to nothing (d.csv)";
+        let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
+        assert!(names(&set) == ["a"] && set.notes.len() == 1 && set.notes[0].ends_with(said), "{:?}", set.notes);
+        std::fs::remove_file(folder.path().join("a.csv")).unwrap();
+        let error = RunSet::find(&[folder.path().to_owned()]).unwrap_err().to_string();
+        assert!(error.contains("found none; ") && error.ends_with(said), "{error}");
     }
 
     #[test]

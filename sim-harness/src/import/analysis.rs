@@ -11,7 +11,7 @@ use super::source::row::{Header, refused};
 use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
-use rundown_files::run_set::{is_index, without_results};
+use rundown_files::run_set::{is_index, skipped_in, without_results};
 use rundown_pages::numbers::counted;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -192,12 +192,13 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
         path.is_file() && ENDS.contains(&&*end) && !["index.csv", "import.json", MANIFEST].contains(&&*name)
     };
-    let mut files = Vec::new();
+    let (mut files, mut skipped) = (Vec::new(), Vec::new());
     for argument in arguments {
         if !argument.is_dir() {
             files.push(argument.clone());
             continue;
         }
+        skipped.extend(skipped_in(argument));
         let entries = std::fs::read_dir(argument)
             .and_then(|entries| entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>());
         let mut inside = entries.map_err(|source| ReadError::Io { path: argument.clone(), source })?;
@@ -207,6 +208,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
     }
     files.retain(|path| !is_index(path));
     let mut notes = without_results(&mut files);
+    notes.extend(skipped);
     notes.extend(results::left_out(&mut files));
     let (before, mut seen) = (files.len(), HashSet::new());
     files.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));

@@ -63,7 +63,8 @@ pub fn left_out(files: &mut Vec<PathBuf>) -> Vec<String> {
         result.is_none()
     });
     let count = said.len();
-    let all = (count > 0).then(|| format!("{} left out", counted(count, "result of Rundown is", "results of Rundown are")));
+    let all =
+        (count > 0).then(|| format!("{} left out", counted(count, "result of Rundown is", "results of Rundown are")));
     few(&said).into_iter().chain(all).collect()
 }
 
