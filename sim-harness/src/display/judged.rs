@@ -54,9 +54,23 @@ struct Coast {
     at_m: f32,
     first: [f32; 2],
     last_mps: f32,
+    /// One that came before the estimate of its time: the train may have begun to brake there.
+    unconfirmed: Option<(f64, f32)>,
     /// When the newest was made, s: a frame that comes again is no further prediction.
     from_time_s: f64,
     predictions: u32,
+}
+
+impl Coast {
+    /// The train coasts at this time.
+    fn confirm(&mut self, time_s: f64) {
+        if let Some((from_time_s, speed_mps)) = self.unconfirmed.filter(|(from_time_s, _)| *from_time_s <= time_s) {
+            self.last_mps = speed_mps;
+            self.from_time_s = from_time_s;
+            self.predictions += 1;
+            self.unconfirmed = None;
+        }
+    }
 }
 
 impl Conclusion {
@@ -79,6 +93,8 @@ impl Conclusion {
         self.regime = estimate.regime;
         if self.regime != Regime::Coast {
             self.end_coast();
+        } else if let Some(coast) = &mut self.coast {
+            coast.confirm(estimate.time_s);
         }
     }
 
@@ -92,9 +108,9 @@ impl Conclusion {
         let speed = arrival.speed_mps;
         match &mut self.coast {
             Some(coast) if coast.at_m == target.at_m => {
-                coast.last_mps = speed.value;
-                coast.predictions += u32::from(coast.from_time_s != ahead.from_time_s);
-                coast.from_time_s = ahead.from_time_s;
+                if coast.from_time_s != ahead.from_time_s {
+                    coast.unconfirmed = Some((ahead.from_time_s, speed.value));
+                }
             }
             _ => {
                 self.end_coast();
@@ -103,6 +119,7 @@ impl Conclusion {
                     at_m: target.at_m,
                     first,
                     last_mps: speed.value,
+                    unconfirmed: None,
                     from_time_s: ahead.from_time_s,
                     predictions: 1,
                 });
@@ -226,10 +243,13 @@ mod tests {
         let mut coast = |predictions: &[(f32, f32)]| {
             judged.estimate(&estimate(Regime::Coast));
             for (i, (mps, sd)) in predictions.iter().enumerate() {
-                // The board repeats its newest prediction.
+                // The board repeats its newest prediction; each comes before the estimate of its time.
                 (0..3).for_each(|_| judged.coast_ahead(&ahead(10.0 * i as f64, 9e3, *mps, *sd)));
+                judged.estimate(&Estimate { time_s: 10.0 * i as f64, ..estimate(Regime::Coast) });
             }
-            judged.estimate(&estimate(Regime::Brake));
+            // What is foreseen from the first sample of the brake is not of the coast.
+            judged.coast_ahead(&ahead(10.0 * predictions.len() as f64, 9e3, 3.0, 0.1));
+            judged.estimate(&Estimate { time_s: 10.0 * predictions.len() as f64, ..estimate(Regime::Brake) });
             judged.coasts
         };
         assert_eq!(coast(&[(20.0, 1.0)]).count, 0, "nothing to compare");
