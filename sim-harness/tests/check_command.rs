@@ -33,6 +33,15 @@ fn a_truncating_recorder_is_named() {
 }
 
 #[test]
+fn rounded_speeds_are_no_defect_and_truncated_ones_are() {
+    let folder = Folder::new().with("rounded.csv", &log(f64::round)).with("truncated.csv", &log(f64::floor));
+    let said = folder.rundown(&["check", "--strict", "rounded.csv"]);
+    assert!(said.out.contains("speeds are rounded to the nearest step"), "{}", said.out);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+    assert_eq!(folder.rundown(&["check", "--strict", "truncated.csv"]).code, Some(1));
+}
+
+#[test]
 fn speeds_in_other_units_are_refused() {
     let folder = Folder::new().with("run.csv", &log(|kmh| kmh / 3.6));
     let said = folder.rundown(&["check", "run.csv"]);

@@ -219,6 +219,11 @@ impl Done {
 }
 
 impl Finding {
+    /// It is a defect of the log. That speeds are rounded to the nearest step is none: every display does, and their mean is right.
+    pub fn is_defect(&self) -> bool {
+        self.kind != Kind::RoundedSpeed
+    }
+
     /// The figure with its 95 % interval, where it has one, and its unit.
     pub fn how_much(&self) -> String {
         let Self { figure, unit, .. } = self;

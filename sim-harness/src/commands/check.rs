@@ -68,7 +68,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let json = checking::json(&found, &failed).map_err(Failure::not_written)?;
     screen::print(&if arguments.json { format!("{json}\n") } else { words(&found, &failed) });
     let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
-    let findings = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings)).count();
+    let all = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings));
+    let findings = all.filter(|finding| finding.is_defect()).count();
     let perturbed = found.runs.iter().filter(|run| !run.perturbations.is_empty()).count();
     arguments
         .strict
