@@ -15,7 +15,7 @@ use rundown_check::agreement::Figure;
 use rundown_check::finding::Finding;
 use rundown_check::gradients::Coasts;
 use rundown_check::limits;
-use rundown_check::{Check, Known, RecorderCheck, RunCheck, check_beside};
+use rundown_check::{Check, Known, RecorderCheck, check_beside};
 use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
@@ -292,15 +292,8 @@ pub fn words(found: &Check, failed: &[Failed]) -> String {
             }
         }
     }
-    if found.not_compared > 0 {
-        let (count, all) = (found.not_compared, found.runs.len());
-        text += &format!(
-            "{count} of {all} runs: perturbed ones not recognised, as fewer than 5 others pass or most differ\n"
-        );
-    }
-    text.extend(found.gradients.map(|doubt| format!("{doubt}\n")));
-    let is_clean = |run: &&RunCheck| run.findings.is_empty() && run.perturbations.is_empty();
-    let clean = found.runs.iter().filter(is_clean).count();
+    text.extend(of_all(found).map(|line| format!("{line}\n")));
+    let clean = found.clean();
     let refused = found.refused().count();
     let runs = found.runs.len();
     if refused == runs {
@@ -308,6 +301,14 @@ pub fn words(found: &Check, failed: &[Failed]) -> String {
     }
     let also = if failed.is_empty() { String::new() } else { format!("; {}", unread(failed, runs + failed.len())) };
     text + &format!("{}, nothing found in {clean}, {refused} cannot be used{also}\n", counted(runs, "run", "runs"))
+}
+
+/// What is to be said of all runs together.
+fn of_all(found: &Check) -> impl Iterator<Item = String> {
+    let (count, all) = (found.not_compared, found.runs.len());
+    let not_compared =
+        || format!("{count} of {all} runs: perturbed ones not recognised, as fewer than 5 others pass or most differ");
+    (count > 0).then(not_compared).into_iter().chain(found.gradients.map(|doubt| doubt.to_string()))
 }
 
 /// How many of all logs cannot be read, and the first of them.

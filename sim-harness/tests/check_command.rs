@@ -96,6 +96,47 @@ fn where_no_log_can_be_read_or_used_page_and_json_say_why_and_that_nothing_could
 }
 
 #[test]
+fn screen_and_page_count_the_same_runs_and_both_have_the_reasons() {
+    // Seven runs with a stop of two minutes in one, and one in another unit.
+    let mut folder = Folder::new().with("logs/unit.csv", &log(|kmh| kmh / 3.6));
+    for i in 0..8 {
+        let text = log_from(0.3 * f64::from(i), f64::round);
+        folder = folder.with(&format!("logs/{i}.csv"), &if i == 3 { held_up(&text) } else { text });
+    }
+    let said = folder.rundown(&["check", "logs", "--out", "found"]);
+    let page = folder.read("found/report.html");
+    let found = folder.json("found/check.json");
+    let held_up = found["runs"].as_array().unwrap().iter().filter(|run| run["perturbations"] != serde_json::json!([]));
+    assert_eq!(held_up.count(), 1, "{}", said.out);
+    let screen = said.out.lines().last().unwrap();
+    let count = screen.split("nothing found in ").nth(1).unwrap().split(',').next().unwrap();
+    assert!(page.contains(&format!("in {count} nothing of their own was found")), "{screen}: {page:.3000}");
+    let why = said.out.lines().find(|line| line.contains("another unit")).unwrap();
+    assert!(page.contains(why.split(": ").nth(1).unwrap()) && page.contains("does with a --mapping"), "{why}");
+}
+
+/// The same run, with a stop in its middle.
+fn held_up(text: &str) -> String {
+    let (mut made, mut stood_s) = (String::new(), 0.0);
+    for (at, line) in text.lines().enumerate() {
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if at > 0 {
+            let time_s: f64 = fields[0].parse().unwrap();
+            fields[0] = (time_s + stood_s).to_string();
+            if at == 1000 {
+                for second in 0..120 {
+                    writeln!(made, "{},{},0", time_s + f64::from(second), fields[1]).unwrap();
+                }
+                stood_s = 120.0;
+                fields[0] = (time_s + stood_s).to_string();
+            }
+        }
+        made += &(fields.join(",") + "\n");
+    }
+    made
+}
+
+#[test]
 fn a_log_that_cannot_be_read_is_counted_and_named_on_the_screen_in_json_and_on_the_page() {
     let folder = Folder::new().with("logs/a.csv", &log(f64::floor)).with("logs/none.csv", "a,b\n1,2\n");
     let said = folder.rundown(&["check", "logs", "--out", "found"]);

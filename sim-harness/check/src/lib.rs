@@ -214,6 +214,11 @@ impl Check {
         self.runs.iter().filter(|run| run.refusal().is_some())
     }
 
+    /// Runs of which nothing of their own was found, and that nothing outside the train held up.
+    pub fn clean(&self) -> usize {
+        self.runs.iter().filter(|run| run.findings.is_empty() && run.perturbations.is_empty()).count()
+    }
+
     /// The perturbed runs with their reasons, as one line; none where there are none.
     pub fn perturbed_note(&self) -> Option<String> {
         let perturbed: Vec<&RunCheck> = self.runs.iter().filter(|run| !run.perturbations.is_empty()).collect();

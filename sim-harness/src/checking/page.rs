@@ -4,7 +4,7 @@
 
 use super::parts::{called, findings, interval};
 use super::pictures::{ComparedWindow, MOST_DOTS, compared, digits_and_runs, speed_against_location};
-use super::{Logs, run_page};
+use super::{Logs, of_all, run_page};
 use crate::logs::Failed;
 use crate::output::files;
 use maud::{Markup, html};
@@ -22,20 +22,20 @@ use std::path::Path;
 /// Folder of the pages of the runs.
 const RUN_PAGES: &str = "report";
 
-/// Writes `report.html` and a page for each run into a folder, which is made when it does not exist.
+/// Writes `report.html` and a page for each run into a folder, which is made when it does not exist. `notes`: what else the screen says.
 ///
 /// # Errors
 /// [`WriteError`] names the file.
-pub fn write(folder: &Path, found: &Check, logs: &Logs, failed: &[Failed]) -> Result<(), WriteError> {
+pub fn write(folder: &Path, found: &Check, logs: &Logs, failed: &[Failed], notes: &[String]) -> Result<(), WriteError> {
     let pages = folder.join(RUN_PAGES);
     files::folder(&pages)?;
-    files::text(&folder.join("report.html"), &first(found, logs, failed))?;
+    files::text(&folder.join("report.html"), &first(found, logs, failed, notes))?;
     files::text(&pages.join(run_pages::SCRIPT_FILE), SCRIPT)?;
     let write = |at| files::text(&pages.join(run_pages::name(at)), &run_page::page(found, logs, at));
     (0..found.runs.len()).into_par_iter().try_for_each(write)
 }
 
-fn first(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
+fn first(found: &Check, logs: &Logs, failed: &[Failed], notes: &[String]) -> String {
     let of_recorder = |(at, recorder): (usize, &RecorderCheck)| {
         let heading = if recorder.unit.is_empty() { "The recorder".to_owned() } else { recorder.unit.clone() };
         Section::new(format!("recorder-{}", at + 1), heading, recorder_section(recorder, found, logs))
@@ -47,12 +47,20 @@ fn first(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
     if !failed.is_empty() {
         sections.push(Section::new("unread", "Logs that cannot be read", unread(failed)));
     }
+    let notes: Vec<String> = of_all(found).chain(notes.iter().cloned()).collect();
+    if !notes.is_empty() {
+        sections.push(Section::new(
+            "notes",
+            "What else is to be known",
+            html! { ul { @for note in &notes { li { (note) } } } },
+        ));
+    }
     sections.push(Section::new("reading-aids", "How to read this", reading_aids()));
     shell::document("What the recorders did to their logs", &lead(found, failed), &sections)
 }
 
 fn lead(found: &Check, failed: &[Failed]) -> Markup {
-    let clean = found.runs.iter().filter(|run| run.findings.is_empty()).count();
+    let clean = found.clean();
     let refused = found.refused().count();
     html! {
         @if refused == found.runs.len() {
@@ -151,9 +159,12 @@ fn verdict(run: &RunCheck) -> &'static str {
     }
 }
 
-/// What was found in a run, and what held it up.
+/// What was found in a run, why it is not used, and what held it up.
 fn said(run: &RunCheck) -> String {
-    let found = run.findings.iter().map(|finding| finding.kind.words().to_owned());
+    let found = run.findings.iter().map(|finding| match finding.done {
+        Done::Refused => run.said(finding),
+        Done::PutRight | Done::LeftOut | Done::Said => finding.kind.words().to_owned(),
+    });
     found.chain(run.perturbed()).collect::<Vec<String>>().join("; ")
 }
 

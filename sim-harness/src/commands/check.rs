@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .check(findings + perturbed + failed.len() + warnings.len() + usize::from(found.gradients.is_some()))?;
     match (&arguments.out, logs) {
         (Some(out), Some(logs)) => folder::write("check", out, &Provenance::begin(&logs.inputs), |folder| {
-            checking::write(folder, &found, &logs, &failed)?;
+            checking::write(folder, &found, &logs, &failed, &[notes, warnings].concat())?;
             files::text(&folder.join("check.json"), &json)
         })?,
         (Some(file), None) => files::whole(file, &json)?,

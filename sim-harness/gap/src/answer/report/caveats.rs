@@ -3,6 +3,7 @@
 use crate::answer::whole::Answer;
 use crate::data::runs::EffortReading;
 use maud::{Markup, html};
+use rundown_files::refusal::MAX_LISTED;
 use rundown_pages::numbers::{counted, number, percent};
 
 pub(super) fn caveats(answer: &Answer) -> Markup {
@@ -11,8 +12,19 @@ pub(super) fn caveats(answer: &Answer) -> Markup {
         ul {
             @for item in &items { li { p { (item) } } }
             @for item in names(answer) { li { p { (item) } } }
+            @for item in of_reading(answer) { li { p { (item) } } }
         }
     }
+}
+
+/// What was said as the logs were read: which were left out, and why.
+fn of_reading(answer: &Answer) -> Vec<String> {
+    let elsewhere = answer.input.check.as_ref().map(|check| check.notes()).unwrap_or_default();
+    let mut notes: Vec<String> = answer.input.notes.iter().filter(|note| !elsewhere.contains(note)).cloned().collect();
+    let more = notes.len().saturating_sub(MAX_LISTED);
+    notes.truncate(MAX_LISTED);
+    notes.extend((more > 0).then(|| format!("{more} more notes on the logs")));
+    notes
 }
 
 fn data(answer: &Answer) -> String {
