@@ -37,6 +37,7 @@ fn of_size(
     assert!(!folder.path().join("truth").exists());
     let score = Score::of(&set, &outcome);
     let answer = outcome.unwrap();
+    assert_eq!(score.left_out, 0, "nothing is wrong with these logs");
     let trials: Vec<_> = answer.found.named.iter().chain(&answer.found.candidates).map(|one| &one.trial).collect();
     println!("{:?}, seed {seed}: {score:?}, trials {trials:?}", set.scenario.effects);
     (set, score, answer)

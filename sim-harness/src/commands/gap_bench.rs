@@ -316,6 +316,9 @@ fn line(done: &Done) -> String {
         score.intervals,
         score.found.join(" + "),
     ));
+    if score.left_out > 0 {
+        text.push_str(&format!("; {} of {} runs left out", score.left_out, request.runs));
+    }
     if !score.rivals.is_empty() {
         text.push_str(&format!(" or {}", score.rivals.join(", ")));
     }

@@ -14,6 +14,7 @@ pub const DRAWN: &[[&str; 4]] = &[
     ["[].data", "", "mass of the train, drivers, directions and sampling, for people", ""],
     ["[].score.verdict", "", "the verdict in one word, as in `gap.json`", "the set was refused"],
     ["[].score.refused", "", "why the set was not investigated", "it was"],
+    ["[].score.left_out", "", "runs that were left out, though nothing is wrong with the logs of a drawn set", ""],
     ["[].score.key[]", "", "names of the hidden effects, sorted; `unknown` for what is in no catalogue", ""],
     ["[].score.found[]", "", "names that were given, sorted", ""],
     [

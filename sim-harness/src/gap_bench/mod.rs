@@ -52,15 +52,7 @@ pub type Outcome = Result<Answer, Refusal>;
 pub fn blind(set: &Set, folder: &Path) -> Result<Outcome, BenchError> {
     set.write(folder).map_err(|error| BenchError::new(set, error))?;
     fs::remove_dir_all(folder.join("truth")).map_err(|error| BenchError::new(set, error))?;
-    let input = match Input::of_set(folder) {
-        Ok(input) => input,
-        Err(refusal) => return Ok(Err(refusal)),
-    };
-    if input.runs.len() != set.request.runs {
-        let (read, notes) = (input.runs.len(), input.notes.join("; "));
-        return Err(BenchError::new(set, format!("{read} of {} runs could be read: {notes}", set.request.runs)));
-    }
-    Ok(answer(input))
+    Ok(Input::of_set(folder).and_then(answer))
 }
 
 fn answer(input: Input) -> Outcome {

@@ -25,6 +25,8 @@ pub struct Score {
     pub verdict: Option<&'static str>,
     /// Why it was.
     pub refused: Option<String>,
+    /// Runs that were left out, though nothing is wrong with the logs of a drawn set.
+    pub left_out: usize,
     /// Names of the key, sorted; `unknown` for what is in no catalogue.
     pub key: Vec<&'static str>,
     /// Names found, sorted.
@@ -85,6 +87,7 @@ impl Score {
         let mut score = Self {
             verdict: found.map(|f| f.verdict.name()),
             refused: outcome.as_ref().err().map(ToString::to_string),
+            left_out: answer.map_or(0, |answer| set.request.runs.saturating_sub(answer.input.runs.len())),
             exact: answer.is_some() && names == key,
             shared: found.is_some_and(|found| {
                 let named_as_reading = |key: &&'static str| found.nuisances.iter().any(|one| is_reading(key, one));

@@ -28,7 +28,18 @@ pub struct Done {
 pub fn tables(done: &[Done]) -> String {
     let names: Vec<(f64, bool)> = done.iter().flat_map(|done| done.score.sure.clone()).collect();
     let confusion = [true, false].map(|effort| confusion(done, effort)).concat();
-    [false_alarms(done), nuisances(done), sizes(done), confusion, reliability(&names)].concat()
+    [left_out(done), false_alarms(done), nuisances(done), sizes(done), confusion, reliability(&names)].concat()
+}
+
+/// Which sets were judged without some of their runs, in a sentence. Nothing where none was.
+fn left_out(done: &[Done]) -> String {
+    let lacking: Vec<&Done> = done.iter().filter(|done| done.score.left_out > 0).collect();
+    if lacking.is_empty() {
+        return String::new();
+    }
+    let runs: usize = lacking.iter().map(|done| done.score.left_out).sum();
+    let seeds: Vec<String> = lacking.iter().map(|done| done.request.seed.to_string()).collect();
+    format!("Of {} of {} sets {runs} runs were left out: seeds {}.\n\n", lacking.len(), done.len(), seeds.join(", "))
 }
 
 /// From these confidences on names are counted together.

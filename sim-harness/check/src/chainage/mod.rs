@@ -8,7 +8,8 @@
 //! ```
 //!
 //! Stops alone may agree by chance on a line with regular ones, and speeds alone on a line without restrictions: both must agree, the speeds in both halves of
-//! the run. Nothing is said of runs with fewer than two stops, nor where a shift is more than half of the run.
+//! the run. Nothing is said of runs with fewer than two stops, nor where a shift is more than half of the
+//! run, nor of one that begins and ends where the others do, nor where no three runs in ten stop at the same places and none where the track has stops.
 
 mod speeds;
 mod stops;
@@ -23,6 +24,8 @@ use stops::{Group, Match, groups, shift, turned};
 const OUTNUMBERS: usize = 2;
 /// ... and have so many runs, unless the described stops decide.
 const LEAST_REFERENCE: usize = 3;
+/// Nor is it a reference with a smaller share of the runs: where each stops elsewhere, some stops of two lie together by chance for one of many shifts.
+const REFERENCE_SHARE: f64 = 0.34;
 /// Share of the stops that lie where the track describes them, of those who are on its chainage and those who are not.
 const AT_DESCRIBED: [f64; 2] = [0.8, 0.5];
 /// With fewer described stops these decide nothing.
@@ -60,6 +63,7 @@ pub fn find(recordings: &[Recording], is_usable: &[bool], stops_m: &[f64]) -> Ve
 /// The groups of one direction that are off.
 fn compare(profiles: &[Profile], described_m: &[f64], sign: f64) -> Vec<(Group, Off)> {
     let mut groups = groups(profiles);
+    let all = groups.iter().map(|group| group.runs.len()).sum::<usize>() as f64;
     let at_described = |group: &Group| group.share_at(described_m);
     let is_described = described_m.len() >= LEAST_DESCRIBED;
     let rank = |group: &Group| {
@@ -72,6 +76,9 @@ fn compare(profiles: &[Profile], described_m: &[f64], sign: f64) -> Vec<(Group, 
         return Vec::new();
     };
     let is_on_track = is_described && at_described(&reference) >= AT_DESCRIBED[0];
+    if !is_on_track && (reference.runs.len() as f64) < REFERENCE_SHARE * all {
+        return Vec::new();
+    }
     let mut off = Vec::new();
     for group in groups {
         let Some(matched) = explained(profiles, &reference, &group) else { continue };

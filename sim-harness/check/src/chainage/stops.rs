@@ -93,10 +93,12 @@ impl Group {
         }
     }
 
-    /// Where at least half of them stop, m.
+    /// Where at least half of them stop, m, from the first to the last.
     fn stations_m(&self) -> Vec<f64> {
         let usual = |place: &&Vec<f64>| 2 * place.len() >= self.runs.len();
-        self.places_m.iter().filter(usual).map(|place| median(place)).collect()
+        let mut stations_m: Vec<f64> = self.places_m.iter().filter(usual).map(|place| median(place)).collect();
+        stations_m.sort_by(f64::total_cmp);
+        stations_m
     }
 
     /// Share of the stops of one that the other makes, too, where both pass: of that one of the two that stops less.
@@ -146,9 +148,20 @@ fn is_near(places_m: &[f64], at_m: f64, near_m: f64) -> bool {
     places_m.iter().any(|place_m| (place_m - at_m).abs() <= near_m)
 }
 
+/// The first and the last stop of one group are those of the other: moved, it would be as long, and yet from other places.
+fn has_ends_of(there_m: &[f64], here_m: &[f64], near_m: f64) -> bool {
+    let is_same = |end: fn(&[f64]) -> Option<&f64>| {
+        end(there_m).zip(end(here_m)).is_some_and(|(there, here)| (there - here).abs() <= near_m)
+    };
+    is_same(<[f64]>::first) && is_same(<[f64]>::last)
+}
+
 /// Shifts that bring the stops of a group onto those of the reference.
 pub fn shift(reference: &Group, group: &Group) -> Vec<Match> {
     let (there_m, here_m) = (reference.stations_m(), group.stations_m());
+    if has_ends_of(&there_m, &here_m, group.near_m) {
+        return Vec::new();
+    }
     let unmoved = here_m.iter().filter(|at_m| is_near(&there_m, **at_m, group.near_m)).count();
     let candidates = here_m.iter().flat_map(|here| there_m.iter().map(move |there| there - here));
     let tried = candidates.filter(|by_m| (SHIFTS_M[0]..=SHIFTS_M[1]).contains(&by_m.abs()));
