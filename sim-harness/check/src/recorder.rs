@@ -182,10 +182,10 @@ impl RecorderCheck {
             order.sort_by(|a, b| day(*a).partial_cmp(&day(*b)).unwrap_or(Ordering::Equal));
         }
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
-        let offset_mps = match shown(self.speed_step_kmh, all.offset_kmh()) {
-            Shown::Rounded => 0.0,
-            Shown::Truncated => 0.5 * step_kmh / 3.6,
-            Shown::Exact | Shown::NotKnown => all.values[1],
+        let (offset_mps, offset_is_free) = match shown(self.speed_step_kmh, all.offset_kmh()) {
+            Shown::Rounded => (0.0, false),
+            Shown::Truncated => (0.5 * step_kmh / 3.6, false),
+            Shown::Exact | Shown::NotKnown => (all.values[1], true),
         };
         let of_run = |at: &usize| OfRun::at(agreements[*at].as_ref()?, offset_mps);
         let (mut order, of_runs): (Vec<usize>, Vec<OfRun>) =
@@ -195,9 +195,22 @@ impl RecorderCheck {
         let may_change = |from: usize| date(from).is_none() || date(from) != date(from - 1);
         let found = wheel_change::between(&of_runs, may_change)?;
         let after = order.split_off(found.from);
+        let named = &recordings[of_unit[after[0]]].name;
+        let of_side =
+            |side: &[usize]| pooled(&side.iter().filter_map(|at| agreements[*at].clone()).collect::<Vec<_>>());
+        let [before, since] = [of_side(&order)?, of_side(&after)?];
+        // A step's offset is that of the recorder. Where nothing decides it, it may change as the scale may.
+        if offset_is_free && !wheel_change::is_wheel(&before, &since) {
+            if let Some(offset_kmh) = wheel_change::other_offset_kmh(&before, &since) {
+                self.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
+                let first = before.offset_kmh().with_interval(2);
+                let text = format!("from {named} on, {first} before: no wheel, but speeds that are found otherwise");
+                self.evidence.insert(Kind::SpeedOffset, text);
+            }
+            return None;
+        }
         self.found(Kind::WheelChange, found.ratio(), "", put_right(!known.scale));
         let [first, since] = found.sides.map(|side| side.with_interval(4));
-        let named = &recordings[of_unit[after[0]]].name;
         let (runs, before) = (after.len(), order.len());
         let text = format!("from {named} on: {since} in {runs} runs, {first} in {before} before");
         self.evidence.insert(Kind::WheelChange, text);
@@ -229,7 +242,7 @@ impl RecorderCheck {
         };
         self.scale = Some(scale);
         let odd = !decided && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
-        if odd {
+        if odd && !self.has(Kind::SpeedOffset) {
             self.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
         }
         let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;

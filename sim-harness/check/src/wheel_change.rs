@@ -7,7 +7,7 @@
 //! Within a run the place is the one that explains most, with scale, offset and skew beside it. Between runs it is where the scales before and after are the furthest
 //! apart for how surely they are known. Both are said; what comes after is brought to the scale from before, and then the runs are judged as those of one wheel.
 
-use crate::agreement::{Agreement, Figure, pooled};
+use crate::agreement::{Agreement, Figure, Pooled, pooled};
 use crate::compared::{Compared, spread};
 use crate::{LEAST_SCALE, SURE, rounding};
 use rundown_files::sample::Sample;
@@ -28,6 +28,9 @@ const WITHIN_SURE: f64 = 6.0;
 const LEAST_RUNS: usize = 2;
 /// So few of the runs may be nearer to the scale of the other side.
 const MOST_ASTRAY: f64 = 0.1;
+
+/// By so much, in squares of standard deviations, a change of the scale must fit better than one of the offset.
+const OUTWEIGHS: f64 = 9.0;
 
 /// Where the scale of a run changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,6 +162,23 @@ pub(crate) fn between(runs: &[OfRun], may_change: impl Fn(usize) -> bool) -> Opt
     (is_sure && astray as f64 <= MOST_ASTRAY * fewer).then_some(best)
 }
 
+/// What changed is the scale, not the offset: each alone leaves what the other one had to explain. On phones the offset changes with how the speed is smoothed.
+pub(crate) fn is_wheel(before: &Pooled, after: &Pooled) -> bool {
+    let [by_scale, by_offset] = [0, 1].map(|which| grown(before, after, which)).map(|grown| grown.away_from(0.0));
+    by_scale * by_scale - by_offset * by_offset > OUTWEIGHS
+}
+
+/// The offset after, km/h, where it is another one beyond doubt.
+pub(crate) fn other_offset_kmh(before: &Pooled, after: &Pooled) -> Option<Figure> {
+    (grown(before, after, 1).away_from(0.0) > SURE).then(|| after.offset_kmh())
+}
+
+/// By how much one of 1/s - 1 and o/s grows, whatever the other one does.
+fn grown(before: &Pooled, after: &Pooled, which: usize) -> Figure {
+    let variance = before.covariance[(which, which)] + after.covariance[(which, which)];
+    Figure { value: after.values[which] - before.values[which], sd: variance.sqrt() }
+}
+
 /// Mean scales of both sides, each run weighed by its doubt and by how much runs of one side differ.
 fn sides(runs: &[OfRun], from: usize) -> [Figure; 2] {
     let parts = [&runs[..from], &runs[from..]];
@@ -208,6 +228,21 @@ mod tests {
         let mut one = runs(&[1.0; 12]);
         one[10].scale.value = 1.02;
         assert_eq!((between(&runs(&[1.0; 12]), |_| true), between(&one, |_| true)), (None, None));
+    }
+
+    /// A phone that smooths otherwise since: 1.8 km/h less at any speed, and at the usual offset a scale of 0.975.
+    #[test]
+    fn an_offset_that_changes_is_no_wheel() {
+        let side = |scale: f64, offset_mps: f64| Pooled {
+            values: nalgebra::Vector2::new(scale.recip() - 1.0, offset_mps),
+            covariance: nalgebra::Matrix2::new(9e-6, 2.2e-4, 2.2e-4, 6e-3),
+            runs: 8,
+        };
+        let usual = side(1.0, 0.05);
+        let changed = side(1.005, 0.5);
+        assert!(!is_wheel(&usual, &changed) && !is_wheel(&usual, &side(0.99, 0.5)));
+        assert!((other_offset_kmh(&usual, &changed).unwrap().value - 1.8).abs() < 0.02);
+        assert!(is_wheel(&usual, &side(0.98, 0.1)) && other_offset_kmh(&usual, &side(0.98, 0.1)).is_none());
     }
 
     /// 80.4 km/h read 80 in the runs before, and 79.6 after.
