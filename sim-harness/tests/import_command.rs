@@ -313,6 +313,19 @@ fn unreadable_fields_are_counted_with_their_places() {
     assert_eq!(json["counts"]["rows with a time that was there before, left out"], 1);
 }
 
+/// Sums of the way there and back differ in their last digits.
+#[test]
+fn rows_that_are_written_newest_first_are_all_in_a_run() {
+    let folder = Folder::new();
+    for (file, offset_m) in (0..8).map(|file| (file, 0.1 + 3.7 * f64::from(file))) {
+        let rows: Vec<_> = drive(&STOPS_M, 30.0 + 0.1 * offset_m).into_iter().rev().collect();
+        let text = |t: f64, x: f64, v: f64| format!("{t},{:.1},{:.1}", x + offset_m + (t * 7.0) % 1.3, 3.6 * v);
+        folder.write(&format!("in/{file}.csv"), &table("time_s,location_m,speed_kmh", &rows, text));
+    }
+    folder.done(&["import", "in"]);
+    assert_eq!(std::fs::read_to_string(folder.path("runs/runs.csv")).unwrap().lines().count(), 9);
+}
+
 #[test]
 fn a_file_with_nothing_usable_leaves_nothing() {
     let standing: Vec<_> = (0..500).map(|t| (f64::from(t), 5.0, 0.0)).collect();
@@ -327,6 +340,12 @@ fn a_file_with_nothing_usable_leaves_nothing() {
     );
     let left: Vec<_> = std::fs::read_dir(folder.path("")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left, ["a.csv"]);
+    // Beside others it is named.
+    let rows = drive(&STOPS_M, 30.0);
+    folder.write("c.csv", &table("time_s,location_m,speed_kmh", &rows, |t, x, v| format!("{t},{x:.0},{:.1}", 3.6 * v)));
+    folder.write("d.csv", &table("time_s,location_m,speed_kmh", &standing[..90], |t, x, v| format!("{t},{x},{v}")));
+    folder.done(&["import", "c.csv", "d.csv", "--out", "both"]);
+    assert_eq!(folder.json("both/import.json")["places"]["files of which no row is in a run"][0], "d.csv: 90 rows");
     // What is not of an import stays.
     folder.write("runs/mine.csv", "x");
     let rows = drive(&STOPS_M, 30.0);

@@ -186,6 +186,7 @@ impl Kind {
                 Some("compare the wheel diameter of the recorder, or the length of the track")
             }
             Self::WheelChange => Some("look when the wheels were turned, or their diameter was entered"),
+            Self::SpeedOffset => Some("r(v) is learned at speeds that are off by as much"),
             Self::CoarseClock => Some("write the times as fine as the rows"),
             Self::SharedRows => Some("cut what is there twice: it teaches twice"),
             Self::StuckSpeed | Self::StuckLocation => Some("look at the sensor"),
@@ -196,7 +197,9 @@ impl Kind {
             }
             Self::EffortZeros => Some("leave the field empty where no effort is recorded"),
             Self::EffortApart => Some("look at the column: which train's, which sign, which clock"),
-            Self::EffortUnlike => Some("look at the column: was it halved, cut off, frozen, another train's?"),
+            Self::EffortUnlike => {
+                Some("look at the column: is it in another unit, halved, cut off, frozen, another train's?")
+            }
             Self::EffortSteps => Some("record the effort with more digits"),
             Self::OtherChainage | Self::TurnedChainage => {
                 Some("bring the runs onto one chainage: `rundown import --chainage align`")

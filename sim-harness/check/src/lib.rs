@@ -468,9 +468,10 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
             recorder.found(Kind::LocationScale, scaled.scale, "", Done::PutRight);
             recorder.evidence.insert(Kind::LocationScale, scaled.evidence());
         }
+        // First the single runs: one in another unit spoils what all say together.
+        recorder.unlike_efforts(recordings, &mut runs);
         recorder.exceeds(recordings, &runs, known);
         recorder.unfit_efforts(recordings, &runs);
-        recorder.unlike_efforts(recordings, &mut runs);
         recorder.effort_zero(recordings, &runs);
         recorder.effort_age(recordings, &runs, known);
         recorder

@@ -326,9 +326,6 @@ impl RecorderCheck {
 
     /// Leaves out the efforts of runs in which the train answers otherwise to them than in the others.
     pub(crate) fn unlike_efforts(&self, recordings: &mut [Recording], runs: &mut [RunCheck]) {
-        if self.has(Kind::EffortApart) {
-            return;
-        }
         let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
         let answers: Vec<Option<Figure>> = own.iter().map(|i| effort_unlike::of_run(&recordings[*i].rows)).collect();
         for (place, figure) in effort_unlike::unlike(&answers) {

@@ -2,24 +2,32 @@
 
 use rundown_files::sample::Sample;
 
-/// Steps of a speed, km/h, the largest first; among them a metre per second, a knot, a mile per hour and a tenth of the first.
-const SPEED_STEPS_KMH: [f64; 9] = [5.0, 3.6, 2.0, 1.852, 1.609_344, 1.0, 0.5, 0.36, 0.1];
+/// Steps of a speed, km/h, the largest first; among them a metre per second, a knot, a mile per hour, their halves and a tenth of the first.
+const SPEED_STEPS_KMH: [f64; 12] = [5.0, 3.6, 2.0, 1.852, 1.8, 1.609_344, 1.0, 0.926, 0.804_672, 0.5, 0.36, 0.1];
 /// Steps of a location, m.
 const LOCATION_STEPS_M: [f64; 6] = [1000.0, 100.0, 50.0, 10.0, 5.0, 1.0];
 /// Share of the readings that are multiples of the step; a few may have been put in by hand.
 const MOST: f64 = 0.98;
 /// Fewer different readings say nothing.
 const LEAST: usize = 8;
+/// A step may be such a multiple of one of the list; by chance all readings are once in 2¹² for the double.
+const MULTIPLES: std::ops::RangeInclusive<u8> = 2..=12;
+const LEAST_OF_MULTIPLE: usize = 12;
 
 fn step(mut values: Vec<f64>, steps: &[f64]) -> Option<f64> {
     let is_multiple = |step: f64| {
         let whole = values.iter().filter(|value| (*value / step - (*value / step).round()).abs() < 2e-3).count();
         whole as f64 >= MOST * values.len() as f64
     };
-    let found = steps.iter().copied().find(|step| is_multiple(*step));
+    let found = steps.iter().copied().find(|step| is_multiple(*step))?;
+    let times = MULTIPLES.rev().map(f64::from).find(|times| is_multiple(times * found)).unwrap_or(1.0);
     values.sort_by(f64::total_cmp);
     values.dedup();
-    found.filter(|_| values.len() >= LEAST)
+    match values.len() {
+        0..LEAST => None,
+        LEAST..LEAST_OF_MULTIPLE => Some(found),
+        _ => Some(times * found),
+    }
 }
 
 /// The step of the speeds, km/h.
@@ -103,8 +111,10 @@ mod tests {
 
     #[test]
     fn the_largest_step_that_fits_is_found_and_few_readings_say_nothing() {
-        for step_kmh in SPEED_STEPS_KMH {
-            assert_eq!(of_speed_kmh(rows(step_kmh, 40).iter()), Some(step_kmh));
+        // A quarter of a metre per second, and three km/h, are multiples of one of the list.
+        for step_kmh in SPEED_STEPS_KMH.into_iter().chain([0.9, 3.0]) {
+            let found = of_speed_kmh(rows(step_kmh, 40).iter()).unwrap_or_default();
+            assert!((found / step_kmh - 1.0).abs() < 1e-9, "{step_kmh}: {found}");
         }
         assert_eq!(of_speed_kmh(rows(0.0137, 40).iter()), None);
         assert_eq!(of_speed_kmh(rows(1.0, 5).iter()), None);

@@ -14,10 +14,14 @@ fn train() -> Train {
     Train::try_new(TrainDescription::CASE_STUDY).unwrap()
 }
 
-/// Four runs with the efforts that change their speeds, in terms of the described train.
 fn runs(seed: u64) -> Vec<Recording> {
+    with_efforts(seed, 4)
+}
+
+/// So many runs with the efforts that change their speeds, in terms of the described train.
+fn with_efforts(seed: u64, runs: usize) -> Vec<Recording> {
     let davis: Davis = train().davis();
-    let mut recordings = Recorder { quantum_kmh: 0.1, noise_m: 1.0, ..Recorder::default() }.runs(seed, 4, 5);
+    let mut recordings = Recorder { quantum_kmh: 0.1, noise_m: 1.0, ..Recorder::default() }.runs(seed, runs, 5);
     for recording in &mut recordings {
         for i in 1..recording.rows.len() {
             let [before, now] = [i - 1, i].map(|i| recording.rows[i].speed_mps.unwrap());
@@ -98,6 +102,22 @@ fn an_effort_column_that_is_not_the_trains_is_said() {
             let notes = found.notes();
             assert!(notes.iter().any(|note| note.contains("acceleration") && note.contains(evidence)), "{notes:?}");
         }
+    }
+}
+
+/// Newtons in one of ten runs hide how the efforts of all go with the accelerations.
+#[test]
+fn the_efforts_of_one_run_in_another_unit_cost_no_other_run_its_own() {
+    for seed in 0..5 {
+        let mut recordings = with_efforts(57_000 + seed, 10);
+        let rows = &mut recordings[3].rows;
+        rows.iter_mut().for_each(|row| row.effort_n_per_kg = row.effort_n_per_kg.map(|effort| 4.7e4 * effort));
+        let found = check_beside(&mut recordings, &Known { moves_locations: true, ..Known::default() });
+        let unlike = |i: &usize| found.runs[*i].findings.iter().any(|finding| finding.kind == Kind::EffortUnlike);
+        assert_eq!((0..10).filter(unlike).collect::<Vec<_>>(), [3], "{seed}: {:?}", found.notes());
+        assert!(!kinds(&found).contains(&Kind::EffortApart), "{seed}: {:?}", found.notes());
+        let has_efforts = |i: &usize| recordings[*i].rows.iter().any(|row| row.effort_n_per_kg.is_some());
+        assert_eq!((0..10).filter(has_efforts).count(), 9, "{seed}");
     }
 }
 

@@ -332,6 +332,8 @@ impl ImportOrder {
             [(ROWS, before[0]), (ROWS_TOO_SHORT, before[1])].map(|(what, n)| account.times(what) - n);
         if 2 * too_short > rows && rows > MIXED_ROWS {
             account.place(MIXED, || format!("{}: {too_short} of {rows} rows", source.path.display()));
+        } else if runs.is_empty() && rows > 0 {
+            account.place(WITHOUT_RUN, || format!("{}: {rows} rows", source.path.display()));
         }
         Ok(runs)
     }
@@ -418,6 +420,8 @@ impl ImportOrder {
 const MIXED_ROWS: u64 = 100;
 const MIXED: &str = "files of which most rows are in pieces too short for a run (where several trains write into one file, \
                      name the column that tells them apart: unit or run, in [source.columns])";
+
+const WITHOUT_RUN: &str = "files of which no row is in a run";
 
 fn pretty(json: &Value) -> String {
     format!("{json:#}\n")
