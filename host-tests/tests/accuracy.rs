@@ -3,7 +3,7 @@
 //! The limits are the goals of the project where they are met, rounded up for another set of seeds, and elsewhere what was reached; the full table is printed by
 //! `rundown accuracy-bench`.
 
-use host_tests::accuracy::{FleetFigures, judge, replay};
+use host_tests::accuracy::{BAND_KMH, FleetFigures, JudgedVehicle, NOMINAL, judge, replay};
 use host_tests::prelude::*;
 use rundown::tick::sensor::Rounding;
 use rundown_truth::sensors::SpeedReading;
@@ -81,6 +81,26 @@ fn an_effort_column_teaches_however_it_was_made_and_whatever_its_gain() {
     }
 }
 
+/// 5 % low at 140 km/h and right at standstill. Rows that were doubted by white noise alone taught an r(v) that was 15 % too large at 20 km/h and 7 % (rms) off in
+/// all, seven standard deviations; now it is 2.8 %, and still two of them, because all runs are off alike.
+#[test]
+fn a_gain_that_changes_with_the_speed_makes_no_other_resistance() {
+    let sensors = Sensors { sampling_s: 1.0, effort_noise_share: 0.02, ..Sensors::default() };
+    let scenario = Scenario { sensors, ..Scenario::default() };
+    let estimator = host_tests::accuracy::estimator(Config::with_mode(Mode::Measured), &scenario);
+    let mut table = FleetFigures::default();
+    for (index, scale) in vehicles(4).into_iter().enumerate() {
+        let mut runs = rundown_truth::scenario::fleet(&scenario, scale, 10, 6000 + 100 * index as u64);
+        for sample in runs.iter_mut().flat_map(|run| &mut run.samples) {
+            sample.effort_n_per_kg *= 1.0 - 0.05 * sample.speed_kmh.unwrap_or_default() / 140.0;
+        }
+        let truth = Davis { r0: NOMINAL.r0 * scale[0], r1: NOMINAL.r1 * scale[1], r2: NOMINAL.r2 * scale[2] };
+        table.judge_vehicle(&JudgedVehicle { estimator: &estimator, truth, band_kmh: BAND_KMH }, &runs);
+    }
+    table.print("gain 5 % low at 140 km/h");
+    assert!(table.vehicle[1].rmse_percent() < 3.5 && table.vehicle[1].deviations() < 3.0);
+}
+
 /// A late column was learned from with a bias of 2 to 3 %, and the intervals held a third to a half of the truths after 67 runs (74 % after 10).
 #[test]
 fn the_interval_of_a_late_column_holds() {
@@ -117,7 +137,7 @@ fn gain_and_age_of_an_effort_column_are_carried_and_a_swapped_recorder_is_believ
     };
     let [(gain, gain_variance), (share, share_variance)] = after(&old, 710..714);
     assert!((gain - 1.0 / 1.05).abs() < 0.012 && gain_variance.sqrt() < 0.012, "{gain} {gain_variance}");
-    assert!(share.abs() < 0.1 && share_variance.sqrt() < 0.06, "{share} {share_variance}");
+    assert!(share.abs() < 0.1 && share_variance.sqrt() < 0.07, "{share} {share_variance}");
     let [(gain, _), (share, _)] = after(&new, 720..732);
     assert!((gain - 1.0 / 0.97).abs() < 0.03, "{gain}");
     assert!((share - 0.5).abs() < 0.15, "{share}");
@@ -148,7 +168,7 @@ fn a_column_of_another_tick_keeps_its_gain_and_its_age_is_learned_again() {
 /// for coasts gave a suburban train a fifth too much.
 #[test]
 fn short_coasts_teach_metros_trams_and_suburban_trains() {
-    // With an effort column the first hop of each run, which is not known to be one, teaches by it: 2.9 %, 90 % inside; by all hops 9 % after ten runs, 31 % inside.
+    // With an effort column the first hop of each run, which is not known to be one, teaches by it; by all hops 9 % after ten runs, 31 % inside.
     let fleets_and_limits =
         [("metro", 9.0, 0.95), ("tram", 6.0, 0.95), ("suburban-1s", 13.0, 0.95), ("suburban-effort", 5.0, 0.8)];
     for (name, most_percent, least_inside) in fleets_and_limits {

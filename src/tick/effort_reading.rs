@@ -41,6 +41,12 @@ settings! {
     }
 }
 
+/// By how much the gain is another one at another effort or speed, standard deviation. A full effort is ten times the resistance: 2 % of it are 20 % of that, and
+/// where the gain was taken to be the same everywhere, a column that is 5 % low at its top speed taught a resistance that is a quarter too large.
+const WANDER: f32 = 0.02;
+/// How long it stays so, s: as long as a train powers in one piece. Rows within that time say no more than one.
+const WANDER_S: f32 = 60.0;
+
 /// Before the first interval a mean and a momentary value are as likely as each other.
 const SHARE: f32 = 0.25;
 /// Standard deviation of `s` for a column that is in time.
@@ -167,9 +173,10 @@ impl EffortReading {
         // is no noise: such a row hardly teaches.
         let within = change_share as f32 + MISSED * momentary * (1.0 + change.abs() / SMALL_CHANGE_N_PER_KG);
         let noise = config.noise_share as f32 * last + config.noise_n_per_kg as f32;
+        let wander = square(WANDER * last) * (WANDER_S / dt_s).max(1.0);
         Some(MeanEffort {
             n_per_kg: last + share * change,
-            variance: square(noise) + (share_variance + square(within)) * square(change),
+            variance: square(noise) + wander + (share_variance + square(within)) * square(change),
             unseen: square(late * dt_s) * (square(UNSEEN_N_PER_KG) + square(MISSED * ahead)),
         })
     }

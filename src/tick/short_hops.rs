@@ -36,7 +36,7 @@ pub const MIN_CHANGE_SHARE: Real = 0.02;
 
 in_place! {
     /// The hops of a run.
-    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
     pub struct Hops {
         /// When the train stood last, s.
         stood_s: Option<Real> = (None);
