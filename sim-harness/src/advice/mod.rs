@@ -4,11 +4,12 @@
 
 pub(crate) mod coasts;
 pub(crate) mod foreseen;
+mod hops;
 mod unlike;
 pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
-use rundown::estimator::config::Mode;
+use rundown::estimator::config::{Config, Mode};
 use rundown_files::replay::ReplayedRun;
 use std::collections::BTreeMap;
 
@@ -29,6 +30,7 @@ pub struct Advice {
     /// By unit.
     vehicles: BTreeMap<String, vehicle::After>,
     foreseen: foreseen::Foreseen,
+    on_hops: hops::OnHops,
     /// What each run taught by itself.
     taught: Vec<unlike::Taught>,
     /// What coasts teach of each beside its efforts.
@@ -36,10 +38,11 @@ pub struct Advice {
 }
 
 impl Advice {
-    pub fn add(&mut self, runs: &[ReplayedRun]) {
+    pub fn add(&mut self, config: &Config, runs: &[ReplayedRun]) {
         self.foreseen.add(runs);
         for run in runs {
             self.runs += 1;
+            self.on_hops.add(&config.short_hops, run);
             self.learned |= run.is_used && run.summary.learned_s > 0.0;
             let rows = || run.measurements.iter();
             self.fastest_mps = rows().filter_map(|row| row.speed_mps).fold(self.fastest_mps, f64::max);
@@ -57,8 +60,8 @@ impl Advice {
             return Vec::new();
         }
         let without_speed = "no speed_kmh in any row, without which nothing is known of the train";
-        let without_effort = "no effort_n_per_kg that can be used, without which the measured mode learns nothing; \
-                              --mode gated learns from coasts";
+        let without_effort = "no effort_n_per_kg that can be used, without which the measured mode learns from \
+                              the coasts of short hops alone; --mode gated learns from all coasts";
         let mut notes: Vec<String> = self.without_speed.note(without_speed).into_iter().collect();
         if config.mode == Mode::Measured {
             notes.extend(self.without_effort.note(without_effort));
@@ -87,6 +90,7 @@ impl Advice {
             notes.push(format!("nothing was learned about the resistance: it takes {what}{slopes}"));
         }
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
+        notes.extend(self.on_hops.notes(&self.vehicles));
         notes.extend(self.foreseen.notes());
         notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
         notes.extend(vehicle::notes(estimator, &self.vehicles, look_wrong));
@@ -170,7 +174,7 @@ mod tests {
         for is_used in [true, false] {
             replayed.runs[0].is_used = is_used;
             let mut advice = Advice::default();
-            advice.add(&replayed.runs);
+            advice.add(&replayed.config, &replayed.runs);
             let is_said = advice.notes(&estimator, false).iter().any(|note| note.starts_with("nothing was learned"));
             assert_eq!(is_said, !is_used);
         }
@@ -187,7 +191,7 @@ mod tests {
             replayed.runs[0].measurements.iter_mut().for_each(|one| one.effort_n_per_kg = effort_n_per_kg);
             let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
             let mut advice = Advice::default();
-            advice.add(&replayed.runs);
+            advice.add(&replayed.config, &replayed.runs);
             let notes = advice.notes(&estimator, false);
             notes.iter().any(|note| note == "run01: effort_n_per_kg is not used: --mode measured learns from it")
         };
