@@ -90,6 +90,8 @@ pub enum Defect {
     HalfEffort,
     /// The speed of a coasting train stuck for 60 s.
     StuckCoasting,
+    /// An exporter put nine rows on a straight line between each two of one run.
+    Interpolated,
 }
 
 /// A clean recorder.
@@ -114,7 +116,7 @@ const TURNED: f64 = 0.99;
 
 impl Defect {
     /// All of them.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 33] = [
         Self::Truncated,
         Self::Wheel,
         Self::TruncatedWheel,
@@ -147,6 +149,7 @@ impl Defect {
         Self::OdometerWheel,
         Self::HalfEffort,
         Self::StuckCoasting,
+        Self::Interpolated,
     ];
 
     /// In words, with the unit of its figure.
@@ -184,6 +187,7 @@ impl Defect {
             Self::OdometerWheel => ("a wheel up to 2.8 % off that gives speed and location, stops described", "%"),
             Self::HalfEffort => ("one of 8 runs has half of its efforts", "ratio"),
             Self::StuckCoasting => ("speed of a coasting train stuck for 60 s", "m"),
+            Self::Interpolated => ("one run interpolated between rows 10 s apart", "s"),
         }
     }
 
@@ -216,6 +220,7 @@ impl Defect {
             Self::OdometerWheel => Kind::LocationScale,
             Self::HalfEffort => Kind::EffortUnlike,
             Self::StuckCoasting => Kind::StuckSpeed,
+            Self::Interpolated => Kind::Interpolated,
         }
     }
 

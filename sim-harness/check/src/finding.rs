@@ -84,6 +84,8 @@ pub enum Kind {
     OutOfOrder,
     /// Rows have the time of the row before.
     CoarseClock,
+    /// Rows lie on straight lines between every few of them.
+    Interpolated,
     /// Some of the readings are those of another log.
     SharedRows,
     /// The locations count from another place than those of the other runs.
@@ -169,6 +171,7 @@ impl Kind {
             Self::EffortOffset => "the effort of a train that stands is not 0 but",
             Self::EffortZeros => "the effort is 0 while the train brakes or holds its speed",
             Self::OutOfOrder => "rows are out of order",
+            Self::Interpolated => "rows lie on straight lines between readings so far apart",
             Self::CoarseClock => "rows have the time of the row before, and other readings",
             Self::SharedRows => "the log shares rows with another one",
             Self::SameRows => "the log holds the same rows as another one",
@@ -186,6 +189,7 @@ impl Kind {
                 Some("compare the wheel diameter of the recorder, or the length of the track")
             }
             Self::WheelChange => Some("look when the wheels were turned, or their diameter was entered"),
+            Self::Interpolated => Some("export the rows of the recorder"),
             Self::SpeedOffset => Some("r(v) is learned at speeds that are off by as much"),
             Self::CoarseClock => Some("write the times as fine as the rows"),
             Self::SharedRows => Some("cut what is there twice: it teaches twice"),

@@ -16,6 +16,7 @@
 //! | does the speed read zero below a threshold? | [`dead_zone`] |
 //! | what does the rounding of held speeds do? | `rounding` |
 //! | does the speed repeat old values? | [`held`] |
+//! | are rows no readings, but between them? | `interpolated` |
 //! | is the effort older than the speed? | `effort_age` |
 //! | is the effort of a run unlike that of the others? | `effort_unlike` |
 //! | is its zero one? | `effort_zero` |
@@ -65,6 +66,7 @@ mod effort_zero;
 pub mod finding;
 pub mod gradients;
 pub mod held;
+mod interpolated;
 pub mod limits;
 pub mod line_scale;
 pub mod lost_seconds;
@@ -520,6 +522,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     clock::sort(rows, &mut findings);
     clock::coarse(rows, &mut findings);
     clock::put_right(rows, &mut findings);
+    interpolated::leave_out(rows, &mut findings);
     // In another unit readings may be beyond what any train has.
     if is_usable(&findings) {
         other_unit(rows, &mut findings);

@@ -147,6 +147,10 @@ fn spoil(defect: Defect, rows: &mut Vec<Sample>, random: &mut ChaCha8Rng) -> f64
             rows[at..at + 60].iter_mut().for_each(|row| row.location_m = held);
             run_m(&rows[at..at + 60])
         }
+        Defect::Interpolated => {
+            *rows = between(rows, 10);
+            10.0
+        }
         Defect::TwoDirections => back_again(rows),
         Defect::OtherChainage | Defect::NearChainage => {
             let size_m = if defect == Defect::OtherChainage { 2300.0 } else { 300.0 };
@@ -161,6 +165,18 @@ fn spoil(defect: Defect, rows: &mut Vec<Sample>, random: &mut ChaCha8Rng) -> f64
         }
         _ => 0.0,
     }
+}
+
+/// Each row as a straight line between every so many of them has it.
+fn between(rows: &[Sample], each: usize) -> Vec<Sample> {
+    let of = |i: usize| {
+        let (from, to) = (&rows[i - i % each], rows.get(i - i % each + each).unwrap_or(&rows[i - i % each]));
+        let share = (i % each) as f64 / each as f64;
+        let on_line = |from: Option<f64>, to: Option<f64>| Some(from? * (1.0 - share) + to? * share);
+        let (location_m, speed_mps) = (on_line(from.location_m, to.location_m), on_line(from.speed_mps, to.speed_mps));
+        Sample { location_m, speed_mps, ..rows[i] }
+    };
+    (0..rows.len()).map(of).collect()
 }
 
 /// The same rows in the other order, a minute later. Out: the way back, m.
