@@ -70,6 +70,9 @@ struct ReplayJson {
     #[serde(default)]
     described: Option<Value>,
     carried: bool,
+    /// A version before this field was read wrote it, too.
+    #[serde(default)]
+    mode: String,
     runs: Vec<Run>,
 }
 
@@ -251,7 +254,8 @@ fn of_board(path: PathBuf, described: TrainFile, unit: Option<&str>) -> Result<L
         ));
     }
     let runs = ends.iter().map(Run::of_board).collect();
-    let results = ReplayJson { train: described.name.clone(), described: None, carried: true, runs };
+    let results =
+        ReplayJson { train: described.name.clone(), described: None, carried: true, mode: String::new(), runs };
     let learned = learn(described, results, unit);
     let learned = learned.map_err(|(field, message)| Place::of_file(path).refuse(field, message))?;
     Ok(LearnedTrain { notes, ..learned })
@@ -293,6 +297,11 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
     if !results.carried {
         let expected = "expected a vehicle that is carried from run to run";
         return Err(("carried", format!("{expected}, found a replay made with --no-carry")));
+    }
+    if results.mode == "paper" {
+        let expected = "expected `gated` or `measured`, which learn the resistance";
+        let found = "found `paper`, whose estimate follows no true resistance and whose interval is no measure of it";
+        return Err(("mode", format!("{expected}, {found}")));
     }
     let mut units: Vec<&String> = results.runs.iter().map(|run| &run.unit).collect();
     units.sort();
@@ -386,6 +395,19 @@ mod tests {
         let (train, _) = TrainFile::parse("t.toml".as_ref(), TRAIN).unwrap();
         let text = format!("{{\"train\":\"unit\",\"carried\":true,\"runs\":[{}]}}", runs.join(","));
         learn(train, serde_json::from_str(&text).unwrap(), unit)
+    }
+
+    #[test]
+    fn what_the_paper_mode_says_is_none_of_the_vehicle() {
+        let (train, _) = TrainFile::parse("t.toml".as_ref(), TRAIN).unwrap();
+        let run = run("7", 0.0070, "0.4", "5.0");
+        let of = |mode: &str| {
+            let text = format!("{{\"train\":\"unit\",\"carried\":true,\"mode\":\"{mode}\",\"runs\":[{run}]}}");
+            learn(train.clone(), serde_json::from_str(&text).unwrap(), None)
+        };
+        assert!(of("gated").is_ok());
+        let (field, reason) = of("paper").unwrap_err();
+        assert!(field == "mode" && reason.contains("found `paper`"), "{reason}");
     }
 
     #[test]

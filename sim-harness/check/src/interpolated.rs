@@ -17,7 +17,7 @@ use rundown_files::units::median;
 
 /// Rows of the recorder are looked for at every second row to every 60th.
 const MOST_ROWS: i64 = 60;
-/// A bend that is so many times the usual one is more than digits.
+/// A bend that is so many times the usual one, and the smallest one that can be written, is more than digits.
 const BEND: f64 = 2.2;
 /// Less is digits in any case, m.
 const LEAST_BEND_M: f64 = 1e-6;
@@ -75,7 +75,10 @@ fn readings(bends: &[Bend]) -> Option<(i64, i64)> {
     if bends.len() < LEAST_BENDS {
         return None;
     }
-    let digits_m = (BEND * median(&bends.iter().map(|bend| bend.metres).collect::<Vec<f64>>())).max(LEAST_BEND_M);
+    let metres = || bends.iter().map(|bend| bend.metres);
+    let written_m = metres().filter(|metres| *metres > LEAST_BEND_M).fold(f64::INFINITY, f64::min);
+    let usual_m = median(&metres().collect::<Vec<f64>>());
+    let digits_m = BEND * usual_m.max(if written_m.is_finite() { written_m } else { LEAST_BEND_M });
     let beyond = |bend: &Bend| (bend.metres - digits_m).max(0.0);
     let all: f64 = bends.iter().map(beyond).sum();
     let largest = bends.iter().max_by(|a, b| a.metres.total_cmp(&b.metres))?;

@@ -213,7 +213,7 @@ fn reading_aids() -> Markup {
         dt { "95 % interval" }
         dd { "The wider one of what the noise and what the scatter between runs says. Scale and offset are one fit: a slow run cannot tell them apart, and does not decide." }
         dt { "Speed older than location" }
-        dd { "The recorder writes the speed of some time ago beside the location of now. It is said, not changed." }
+        dd { "The recorder writes the speed of some time ago beside the location of now. What is beyond doubt is put right: each location is moved to the age of the speed." }
         dt { "Pictures" }
         dd { "Drag to zoom, double-click to see all again; values under the cursor stand above each plot; a click on a name there switches it off." }
     } }

@@ -40,7 +40,7 @@ fn to_open(out: &Path) -> String {
     format!(
         "\nopen {}: the case study, figure by figure, with the truth\n\
          open {}: where model and train disagree, and the tunnel that explains it\n\
-         your own logs: `rundown import --help`, then `rundown replay` and `rundown gap`; README.md has the four commands\n",
+         your own logs: `rundown import --help`, then `rundown replay` and `rundown gap`; README.md has the commands\n",
         out.join("report.html").display(),
         out.join("gap").join("report.html").display()
     )

@@ -167,7 +167,8 @@ fn verdict(report: &Report) -> Markup {
     };
     html! {
         "After " @if vehicle.after.len() > 1 { "the last run, " } (name)
-        ", the running resistance of the vehicle is " (words.join("; ")) ". "
+        @if report.mode == "paper" { ", the resistance of the filter is " } @else { ", the running resistance of the vehicle is " }
+        (words.join("; ")) ". "
         // In the paper's mode the interval says nothing of the truth.
         @if report.mode != "paper" { (significance) }
     }
