@@ -113,6 +113,14 @@ impl ExportOrder {
         let note = "the train has named effects, which only train.toml can hold";
         let mut notes = learned.notes.clone();
         notes.extend((!train.effect.is_empty()).then(|| note.to_owned()));
+        if let Some([_, to_kmh]) =
+            learned.learned_kmh.filter(|[_, to_kmh]| *to_kmh > f64::from(self.max_speed_kmh) + 5.0)
+        {
+            let max_kmh = self.max_speed_kmh;
+            notes.push(format!(
+                "--max-speed {max_kmh} km/h, though the runs taught the resistance up to {to_kmh:.0} km/h"
+            ));
+        }
         if !kept.is_empty() {
             let names: Vec<String> = kept.iter().map(|name| name.display().to_string()).collect();
             notes.push(format!("{}: kept as an earlier export wrote them: {}", out.display(), names.join(", ")));
