@@ -30,7 +30,7 @@ const LEAST_RUNS: usize = 2;
 const MOST_ASTRAY: f64 = 0.1;
 
 /// By so much, in squares of standard deviations, a change of the scale must fit better than one of the offset.
-const OUTWEIGHS: f64 = 9.0;
+const OUTWEIGHS: f64 = 4.0;
 
 /// Where the scale of a run changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
