@@ -18,7 +18,7 @@ use rundown_check::limits;
 use rundown_check::{Check, Known, RecorderCheck, check_beside};
 use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
-use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::recording::{DirectionChoice, ROW_LEFT_OUT, Recording};
 use rundown_files::run_rows;
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::sample::Sample;
@@ -100,7 +100,7 @@ fn examined(
         done();
         read
     };
-    let (read, inputs, notes): (Vec<Result<Recording, Failed>>, _, _) = match runs {
+    let (read, inputs, mut notes): (Vec<Result<Recording, Failed>>, _, _) = match runs {
         Runs::Tables(tables) => {
             let recordings = run_rows::recordings(tables, line.as_ref())?;
             (recordings.into_iter().map(Ok).collect(), Vec::new(), Vec::new())
@@ -119,6 +119,15 @@ fn examined(
         }
     }
     let warnings = recordings.iter().flat_map(first_warnings).collect();
+    let lacks_rows = |recording: &&Recording| recording.warnings.iter().any(|text| text.ends_with(ROW_LEFT_OUT));
+    let lacking = recordings.iter().filter(lacks_rows).count();
+    if lacking > 0 {
+        notes.push(format!(
+            "{lacking} of {} logs have rows that cannot be read, and are diagnosed without these; a replay uses such a run with \
+             --skip-bad-rows only",
+            recordings.len()
+        ));
+    }
     let recorded = kept(&recordings);
     let mut found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
     if let (Some(found), Some(train), Some(core), Some(track)) = (&mut found, train, core_track, &track) {

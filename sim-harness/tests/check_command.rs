@@ -137,6 +137,18 @@ fn held_up(text: &str) -> String {
 }
 
 #[test]
+fn a_row_that_cannot_be_read_costs_a_replay_its_run_which_is_said() {
+    let folder =
+        Folder::new().with("a.csv", &log(f64::floor)).with("b.csv", &log(f64::floor).replace("\n9,", "\nnine,"));
+    let said = folder.rundown(&["check", "a.csv", "b.csv"]);
+    assert!(
+        said.err.contains("1 of 2 logs have rows that cannot be read, and are diagnosed without these"),
+        "{said:?}"
+    );
+    assert!(!folder.rundown(&["check", "a.csv"]).err.contains("cannot be read"));
+}
+
+#[test]
 fn a_log_that_cannot_be_read_is_counted_and_named_on_the_screen_in_json_and_on_the_page() {
     let folder = Folder::new().with("logs/a.csv", &log(f64::floor)).with("logs/none.csv", "a,b\n1,2\n");
     let said = folder.rundown(&["check", "logs", "--out", "found"]);

@@ -14,6 +14,9 @@ use crate::{effect_file::day_of, run_set::RunFile};
 use rundown::{model::direction::Direction, model::effects::Surroundings};
 use std::path::{Path, PathBuf};
 
+/// What a warning on an unreadable row ends with, where such rows are left out.
+pub const ROW_LEFT_OUT: &str = "; the row was left out";
+
 /// Locations at each end of a run that decide its direction.
 const DECIDING: usize = 25;
 /// A run shorter than this, m, has no direction of its own: what the index says is not doubted.
@@ -77,7 +80,7 @@ impl Recording {
         line: Option<&CentreLine>,
         choice: DirectionChoice,
     ) -> Result<Self, ReadError> {
-        let mut warnings: Vec<String> = log.bad_rows.iter().map(|row| format!("{row}; the row was left out")).collect();
+        let mut warnings: Vec<String> = log.bad_rows.iter().map(|row| format!("{row}{ROW_LEFT_OUT}")).collect();
         warnings.extend(log.warnings.iter().map(ToString::to_string));
         warnings.extend(unknown_columns(&file.path, &log.other_columns));
         let mut rows = log.samples.clone();
