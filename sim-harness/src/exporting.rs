@@ -21,6 +21,8 @@ pub const MAX_SPEED_KMH: RangeInclusive<u16> = 1..=600;
 
 /// The learned train, in each export.
 const TRAIN: &str = "train.toml";
+/// So much faster than the top speed runs may go, km/h: wheels and drivers are not exact.
+const FASTER_KMH: f64 = 5.0;
 
 /// What is to be exported: the arguments of `rundown export`.
 #[derive(Clone, Debug)]
@@ -114,7 +116,7 @@ impl ExportOrder {
         let mut notes = learned.notes.clone();
         notes.extend((!train.effect.is_empty()).then(|| note.to_owned()));
         if let Some([_, to_kmh]) =
-            learned.learned_kmh.filter(|[_, to_kmh]| *to_kmh > f64::from(self.max_speed_kmh) + 5.0)
+            learned.learned_kmh.filter(|[_, to_kmh]| *to_kmh > f64::from(self.max_speed_kmh) + FASTER_KMH)
         {
             let max_kmh = self.max_speed_kmh;
             notes.push(format!(

@@ -76,16 +76,16 @@ fn readings(bends: &[Bend]) -> Option<(i64, i64)> {
         return None;
     }
     let metres = || bends.iter().map(|bend| bend.metres);
-    let written_m = metres().filter(|metres| *metres > LEAST_BEND_M).fold(f64::INFINITY, f64::min);
+    let written_m = metres().filter(|metres| *metres > LEAST_BEND_M).min_by(f64::total_cmp).unwrap_or(LEAST_BEND_M);
     let usual_m = median(&metres().collect::<Vec<f64>>());
-    let digits_m = BEND * usual_m.max(if written_m.is_finite() { written_m } else { LEAST_BEND_M });
+    let digits_m = BEND * usual_m.max(written_m);
     let beyond = |bend: &Bend| (bend.metres - digits_m).max(0.0);
     let all: f64 = bends.iter().map(beyond).sum();
     let largest = bends.iter().max_by(|a, b| a.metres.total_cmp(&b.metres))?;
     // The largest bend is at a reading.
     let is_each = |each: &i64| {
         let there = bends.iter().filter(|bend| (bend.at - largest.at) % each == 0);
-        let [bent, places] = [digits_m, -1.0].map(|least| there.clone().filter(|bend| bend.metres > least).count());
+        let (places, bent) = (there.clone().count(), there.clone().filter(|bend| bend.metres > digits_m).count());
         let share = there.map(beyond).sum::<f64>() / all;
         share >= AT_READINGS && bent >= LEAST_BENDS && bent as f64 >= LEAST_SHARE * places as f64
     };

@@ -196,18 +196,21 @@ impl RecorderCheck {
         let found = wheel_change::between(&of_runs, may_change)?;
         let after = order.split_off(found.from);
         let named = &recordings[of_unit[after[0]]].name;
-        let of_side =
-            |side: &[usize]| pooled(&side.iter().filter_map(|at| agreements[*at].clone()).collect::<Vec<_>>());
-        let [before, since] = [of_side(&order)?, of_side(&after)?];
         // A step's offset is that of the recorder. Where nothing decides it, it may change as the scale may.
-        if offset_is_free && !wheel_change::is_wheel(&before, &since) {
-            if let Some(offset_kmh) = wheel_change::other_offset_kmh(&before, &since) {
-                self.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
-                let first = before.offset_kmh().with_interval(2);
-                let text = format!("from {named} on, {first} before: no wheel, but speeds that are found otherwise");
-                self.evidence.insert(Kind::SpeedOffset, text);
+        if offset_is_free {
+            let of_side =
+                |side: &[usize]| pooled(&side.iter().filter_map(|at| agreements[*at].clone()).collect::<Vec<_>>());
+            let [before, since] = [of_side(&order)?, of_side(&after)?];
+            if !wheel_change::is_wheel(&before, &since) {
+                if let Some(offset_kmh) = wheel_change::other_offset_kmh(&before, &since) {
+                    self.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
+                    let first = before.offset_kmh().with_interval(2);
+                    let text =
+                        format!("from {named} on, {first} before: no wheel, but speeds that are found otherwise");
+                    self.evidence.insert(Kind::SpeedOffset, text);
+                }
+                return None;
             }
-            return None;
         }
         self.found(Kind::WheelChange, found.ratio(), "", put_right(!known.scale));
         let [first, since] = found.sides.map(|side| side.with_interval(4));

@@ -19,16 +19,16 @@ use std::path::{Path, PathBuf};
 
 /// Name of the index beside the logs.
 pub const INDEX: &str = "runs.csv";
-/// How the names of compressed files end.
-const PACKED: [&str; 8] = ["gz", "tgz", "zip", "bz2", "xz", "zst", "7z", "rar"];
-/// Skipped files of a kind that are named.
-const NAMED: usize = 3;
 /// Its column of dates.
 const DEPARTURE: &str = "departure_utc";
 /// How one looks.
 const DATE: &str = "2025-03-01T08:00:00Z";
 /// Tables that lie beside logs and are none.
 const NOT_LOGS: [&str; 2] = [INDEX, "index.csv"];
+/// How the names of compressed files end.
+const PACKED: [&str; 8] = ["gz", "tgz", "zip", "bz2", "xz", "zst", "7z", "rar"];
+/// Skipped files of a kind that are named.
+const NAMED: usize = 3;
 
 /// One log to be read.
 #[derive(Clone, Debug, PartialEq, Eq)]

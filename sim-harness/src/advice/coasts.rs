@@ -6,7 +6,7 @@
 //! that is not in the column each explain the speeds with another resistance, and consistently so. A coast needs no column.
 
 use super::vehicle::{After, named};
-use nalgebra::Vector3;
+use crate::report::resistance::Resistance;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
 use rundown::filter::gaussian::Gaussian;
@@ -50,7 +50,7 @@ pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String
     let of_unit = |(unit, coasts): (&String, &After)| {
         let efforts = vehicles.get(unit).filter(|after| after.learned == Learned::Learned)?;
         let Apart { kmh, efforts, coasts } = apart(&efforts.davis, &coasts.davis)?;
-        let said = |[r, sd]: [f64; 2]| format!("{r:.4} ± {:.4} N/kg", HALF_95 * sd);
+        let said = |r: Resistance| format!("{:.4} ± {:.4} N/kg", r.mean_n_per_kg, HALF_95 * r.sd_n_per_kg);
         Some(format!(
             "{}: its efforts teach r({kmh:.0} km/h) = {}, the coasts of its first runs {}: one of both is wrong. Efforts that \
              are cut off or frozen, or read between the strokes of a lever, and brakes that drag look so; --mode gated learns \
@@ -63,23 +63,24 @@ pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String
     coasts.iter().filter(|(_, coasts)| coasts.learned == Learned::Learned).filter_map(of_unit).collect()
 }
 
-/// Resistances at a speed with their standard deviations, N/kg.
+/// Resistances at a speed.
 struct Apart {
     kmh: f64,
-    efforts: [f64; 2],
-    coasts: [f64; 2],
+    efforts: Resistance,
+    coasts: Resistance,
 }
 
 /// Where both differ most, if that is no chance.
 fn apart(efforts: &Gaussian<3>, coasts: &Gaussian<3>) -> Option<Apart> {
-    let at = |davis: &Gaussian<3>, kmh: f64| {
-        let powers = Vector3::new(1.0, kmh / 3.6, (kmh / 3.6).powi(2));
-        [powers.dot(&davis.mean), powers.dot(&(davis.covariance * powers)).max(0.0).sqrt()]
+    let of = |kmh: f64| {
+        let at = |davis| Resistance::at(davis, kmh / 3.6);
+        Some(Apart { kmh, efforts: at(efforts)?, coasts: at(coasts)? })
     };
-    let of = |kmh| Apart { kmh, efforts: at(efforts, kmh), coasts: at(coasts, kmh) };
-    let away = |apart: &Apart| (apart.efforts[0] - apart.coasts[0]).abs() / apart.efforts[1].hypot(apart.coasts[1]);
-    let most = COMPARED_KMH.into_iter().map(of).max_by(|a, b| away(a).total_cmp(&away(b)))?;
-    let share = (most.efforts[0] / most.coasts[0] - 1.0).abs();
+    let away = |Apart { efforts, coasts, .. }: &Apart| {
+        (efforts.mean_n_per_kg - coasts.mean_n_per_kg).abs() / efforts.sd_n_per_kg.hypot(coasts.sd_n_per_kg)
+    };
+    let most = COMPARED_KMH.into_iter().filter_map(of).max_by(|a, b| away(a).total_cmp(&away(b)))?;
+    let share = (most.efforts.mean_n_per_kg / most.coasts.mean_n_per_kg - 1.0).abs();
     (away(&most) > SURE && share > LEAST_SHARE).then_some(most)
 }
 
