@@ -24,6 +24,14 @@ impl Reports {
         reports
     }
 
+    /// Gives the first simulated log another name, in the index, too.
+    pub fn rename_first(&self, name: &str) {
+        let runs = self.folder.path().join("set/runs");
+        std::fs::rename(runs.join("run001.csv"), runs.join(format!("{name}.csv"))).expect("another name");
+        let index = std::fs::read_to_string(runs.join("runs.csv")).expect("an index");
+        std::fs::write(runs.join("runs.csv"), index.replace("run001.csv", &format!("{name}.csv"))).expect("written");
+    }
+
     /// The command, in the folder.
     pub fn rundown(&self, arguments: &[&str]) {
         let said = Command::new(binary()).current_dir(self.folder.path()).args(arguments).output().expect("rundown");

@@ -9,6 +9,17 @@ const ENDS: &str = "return [...plots].map((u) => [u.scales.x.min, u.scales.x.max
 const PLACE: &str = "const r = [...plots][0].over.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]";
 const ALIVE: &str = "return document.querySelectorAll('figure.is-live').length > 1 && plots.size > 1";
 const WRONG: &str = "return wrong";
+/// Numbers of an axis that are cut off at the edge of their plot.
+const CUT: &str = "return [...plots].flatMap((u) => {
+    u.ctx.font = '12px system-ui, sans-serif';
+    const width = (text) => u.ctx.measureText(text).width;
+    const of = (axis) => axis._splits.map((at, i) => [at, axis._values[i]]).filter(([at, text]) => text);
+    const right = of(u.axes[0]).filter(([at, text]) => u.valToPos(at, 'x') + u.bbox.left / devicePixelRatio + width(text) / 2 > u.width + 1);
+    const left = of(u.axes[1]).filter(([at, text]) => width(text) > u.axes[1]._size);
+    return right.concat(left).map(([at, text]) => `${u.rundown.panel.label}: ${text}`);
+})";
+/// White paper behind a picture.
+const PAPER: &str = "return [...document.querySelectorAll('svg > rect:first-of-type')].filter((r) => getComputedStyle(r).fill !== 'none').length";
 
 async fn browser() -> Browser {
     let browser = Browser::start().await;
@@ -54,6 +65,34 @@ async fn the_plots_of_a_run_zoom_together_and_share_their_cursor() {
         browser.mouse("mouseReleased", at(0.5), clicks).await;
     }
     assert_eq!(browser.ask::<Vec<[f64; 2]>>(ENDS).await, whole, "a double click shows all again");
+    check_quiet(&browser).await;
+}
+
+/// What is seen here is docs/pictures/report.png.
+#[tokio::test]
+async fn the_values_under_the_cursor_stand_above_each_plot() {
+    let reports = Reports::of(2);
+    reports.replay();
+    let browser = browser().await;
+    browser.screen(900, 1330, Scheme::Light).await;
+    reports.open(&browser, "out/report/run0001.html").await;
+    let motion =
+        "const all = [...document.querySelectorAll('section')].find((s) => s.textContent.startsWith('Motion and'));";
+    browser.ask::<()>(&format!("{motion} all.scrollIntoView()")).await;
+    browser.wait_for(&format!("{motion} return all.querySelectorAll('.plot').length === 6")).await;
+    let place =
+        "const r = all.querySelector('.u-over').getBoundingClientRect(); return [r.left, r.top, r.width, r.height]";
+    let [left, top, width, height]: [f64; 4] = browser.ask(&format!("{motion} {place}")).await;
+    browser.mouse("mouseMoved", [left + 0.8 * width, top + 0.6 * height], 0).await;
+    tokio::time::sleep(std::time::Duration::from_millis(300)).await;
+    let values = "return [...all.querySelectorAll('.u-legend')].map((legend) => legend.textContent)";
+    let values: Vec<String> = browser.ask(&format!("{motion} {values}")).await;
+    let estimated = ["estimated1", "before\u{2212}0.0", "before0.0", "estimated7.", "estimated1.", "estimated2."];
+    for (text, estimated) in values.iter().zip(estimated) {
+        assert!(text.contains("at25.") && text.contains(estimated), "{estimated}: {text}");
+    }
+    assert_eq!(values.len(), 6);
+    browser.picture("run_900x1330_light").await;
     check_quiet(&browser).await;
 }
 
@@ -223,6 +262,8 @@ async fn every_page_fits_by_day_and_by_night() {
             let expected = if scheme == Scheme::Dark { "rgb(20, 23, 27)" } else { "rgb(255, 255, 255)" };
             assert_eq!(ground, expected, "{page}");
             check_quiet(&browser).await;
+            assert_eq!(browser.ask::<Vec<String>>(CUT).await, Vec::<String>::new(), "{page} at {width} px");
+            assert_eq!(browser.ask::<u32>(PAPER).await, 0, "{page}");
             let name = page.replace('/', "_").replace(".html", "");
             browser.picture(&format!("{name}_{width}_{}", scheme.word())).await;
         }
@@ -261,6 +302,29 @@ async fn each_run_of_a_study_and_of_a_gap_has_its_page() {
     reports.open(&browser, "bare/report.html").await;
     let rows = "return document.querySelectorAll('#runs tbody th').length - document.querySelectorAll('#runs tbody th a').length";
     assert_eq!(browser.ask::<u32>(rows).await, 3, "names without links");
+}
+
+#[tokio::test]
+async fn a_long_name_of_a_log_takes_one_line_and_hides_no_column() {
+    let reports = Reports::of(2);
+    let long = "EMU_4711_2025-01-31T10_34_56_Gross-Kleinstadt_Hauptbahnhof_nach_Neustadt_am_Fluss_recorder_B_run001";
+    reports.rename_first(long);
+    reports.replay();
+    let browser = browser().await;
+    reports.open(&browser, "out/report.html").await;
+    browser.wait_for("return plots.size > 0").await;
+    let heights = "return [...document.querySelectorAll('#runs tbody tr')].map((row) => Math.round(row.getBoundingClientRect().height))";
+    let heights: Vec<u32> = browser.ask(heights).await;
+    assert!(heights[0].abs_diff(heights[1]) <= 1, "{heights:?}");
+    let wide = "const wide = document.querySelector('#runs .wide'); return wide.scrollWidth - wide.clientWidth";
+    assert_eq!(browser.ask::<u32>(wide).await, 0, "columns beyond the edge");
+    let name = "const name = document.querySelector('#runs .name'); return [name.title, name.textContent]";
+    assert_eq!(browser.ask::<[String; 2]>(name).await, [long, long], "all of it under the cursor, and for the filter");
+    // Two runs: between them there is nothing on the axis of runs.
+    let counts =
+        "return [...plots].filter((u) => u.rundown.figure.is_count).flatMap((u) => u.axes[0]._values.filter(Boolean))";
+    assert_eq!(browser.ask::<Vec<String>>(counts).await, ["1", "2"]);
+    check_quiet(&browser).await;
 }
 
 #[tokio::test]

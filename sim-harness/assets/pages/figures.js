@@ -17,6 +17,22 @@ const ticks = (u, values, axis, space, step) => {
   return values.map((value) => (+value.toFixed(decimals)).toFixed(decimals).replace("-", "\u2212"));
 };
 
+/** Width of a letter of the axes, px, on the wide side. */
+const LETTER_PX = 7.2;
+
+/** Room for half of the longest number at the right end of an x axis, px. */
+function edge([from, to]) {
+  const decimals = Math.max(0, Math.ceil(-Math.log10((to - from) / 8)));
+  const letters = Math.max(...[from, to].map((x) => x.toFixed(Math.min(decimals, 12)).length));
+  return Math.max(12, Math.ceil(0.5 * LETTER_PX * letters));
+}
+
+/** Width of a y axis: the same in all plots, so that they align, but where numbers are longer. */
+const wide = (least) => (u, values) => Math.max(least, ...(values || []).map((text) => Math.ceil(LETTER_PX * (text || "").length) + 8));
+
+/** Steps of an axis that counts. */
+const WHOLE = [1, 2, 5].flatMap((step) => Array.from({ length: 7 }, (_, power) => step * 10 ** power)).sort((a, b) => a - b);
+
 /** Arrays of layers stand once in the data; here they come into their places. */
 function unpack(drawing) {
   const names = ["x", "y", "to", "high", "strength"];
@@ -124,12 +140,12 @@ function optionsOf(picture, figure, panel, named, isLast) {
   const unit = figure.x_label.split(", ").slice(1).join(", ");
   const none = { size: 8, values: () => [] };
   return {
-    padding: [8, 12, 0, 0],
+    padding: [8, panel.axes === "both" ? 12 : edge(figure.x), 0, 0],
     scales: { x: { time: false, auto: false, range: exact }, y: { auto: false, range: exact } },
     axes: [
-      axis(26, px, isLast ? { values: ticks, label: figure.x_label, labelSize: 20, labelFont: px + "px system-ui, sans-serif", labelGap: 0 } : none),
-      axis(width, px, isStrip ? { values: () => [], grid: { show: false }, ticks: { show: false } } : { values: ticks, space: 24 }),
-      ...(panel.axes === "both" ? [axis(width, px, { values: ticks, space: 24, side: 1, scale: "y", grid: { show: false } })] : []),
+      axis(26, px, isLast ? { values: ticks, ...(figure.is_count ? { incrs: WHOLE } : {}), label: figure.x_label, labelSize: 20, labelFont: px + "px system-ui, sans-serif", labelGap: 0 } : none),
+      axis(wide(width), px, isStrip ? { values: () => [], grid: { show: false }, ticks: { show: false } } : { values: ticks, space: 24 }),
+      ...(panel.axes === "both" ? [axis(wide(width), px, { values: ticks, space: 24, side: 1, scale: "y", grid: { show: false } })] : []),
     ],
     legend: { markers: { width: 2 } },
     cursor: {

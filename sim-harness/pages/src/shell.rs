@@ -117,8 +117,29 @@ pub fn swatch(regime: Regime) -> Markup {
     html! { span.swatch style=(format!("background:{colour}")) {} }
 }
 
+/// A message as it stands on the screen: what is in backticks there is code here.
+pub fn prose(text: &str) -> Markup {
+    // A single one opens nothing.
+    if text.matches('`').count() % 2 == 1 {
+        return html! { (text) };
+    }
+    html! { @for (at, part) in text.split('`').enumerate() { @if at % 2 == 1 { code { (part) } } @else { (part) } } }
+}
+
 /// Per cent with a sign.
 pub fn signed_percent(share: Real) -> String {
     let sign = if share > 0.0 { "+" } else { "" };
     format!("{sign}{}", percent(share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_in_backticks_is_code_and_a_lonely_one_stays() {
+        let said = |text: &str| prose(text).into_string();
+        assert_eq!(said("use `a <b>` or `c`"), "use <code>a &lt;b&gt;</code> or <code>c</code>");
+        assert_eq!(said("no `code"), "no `code");
+    }
 }

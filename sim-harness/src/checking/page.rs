@@ -16,7 +16,7 @@ use rundown_files::sample::Sample;
 use rundown_pages::assets::SCRIPT;
 use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::run_pages;
-use rundown_pages::shell::{self, Section, choice_column, column, figure, sortable, table, text_column};
+use rundown_pages::shell::{self, Section, choice_column, column, figure, prose, sortable, table, text_column};
 use std::path::Path;
 
 /// Folder of the pages of the runs.
@@ -52,7 +52,7 @@ fn first(found: &Check, logs: &Logs, failed: &[Failed], notes: &[String]) -> Str
         sections.push(Section::new(
             "notes",
             "What else is to be known",
-            html! { ul { @for note in &notes { li { (note) } } } },
+            html! { ul { @for note in &notes { li { (prose(note)) } } } },
         ));
     }
     sections.push(Section::new("reading-aids", "How to read this", reading_aids()));
@@ -182,9 +182,9 @@ fn runs(found: &Check) -> Markup {
         column("location noise", "m"),
     ];
     let rows = html! { @for (at, run) in found.runs.iter().enumerate() { tr {
-        th scope="row" { a href=(format!("{RUN_PAGES}/{}", run_pages::name(at))) { (run.name) } }
+        th scope="row" { a href=(format!("{RUN_PAGES}/{}", run_pages::name(at))) { (run_pages::one_line(&run.name)) } }
         td.word { (verdict(run)) }
-        td.text { (said(run)) }
+        td.text { (prose(&said(run))) }
         td.word { (called(&run.unit)) }
         td { (run.rows) }
         td { (number(run.step_s, 1)) }
@@ -200,8 +200,8 @@ fn runs(found: &Check) -> Markup {
 
 fn unread(failed: &[Failed]) -> Markup {
     let rows = html! { @for failed in failed { tr {
-        th scope="row" { (failed.file.display()) }
-        td.text { @for line in failed.error.lines() { div { (line) } } }
+        th scope="row" { (run_pages::one_line(&failed.file.display().to_string())) }
+        td.text { @for line in failed.error.lines() { div { (prose(line)) } } }
     } } };
     table([text_column("log"), text_column("why")], rows)
 }

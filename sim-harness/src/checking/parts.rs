@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use rundown_check::agreement::Figure;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_pages::numbers::{NOTHING, number};
-use rundown_pages::shell::{column, table, text_column};
+use rundown_pages::shell::{column, prose, table, text_column};
 use std::collections::BTreeMap;
 
 /// How a recorder is called: without an index there is one, without a name.
@@ -40,8 +40,8 @@ pub(super) fn findings(findings: &[Finding], evidence: &BTreeMap<Kind, String>) 
         td { (finding.how_much().replace('-', "\u{2212}")) }
         td { (finding.count) }
         td { @if finding.line > 0 { (finding.line) } @else { "all" } }
-        td.text { (evidence.get(&finding.kind).map_or(NOTHING, String::as_str)) }
-        td.text { (finding.kind.remedy().unwrap_or(NOTHING)) }
+        td.text { (prose(evidence.get(&finding.kind).map_or(NOTHING, String::as_str))) }
+        td.text { (prose(finding.kind.remedy().unwrap_or(NOTHING))) }
     } } };
     table(head, rows)
 }

@@ -165,7 +165,8 @@ fn by_run(label: &str, right: f64, values: &[(f64, Option<Value>)]) -> Figure {
         Layer::dots("of the run alone", colours::MEASURED, 1.0, known().map(|(x, value)| (x, value.value)).collect()),
         Layer::level("", colours::LIMIT, Stroke::Dashed, &x, right),
     ];
-    Figure::in_grid("run, in the order of the table", x, Panel::new(label, 300, layers, "too little moves"))
+    let panel = Panel::new(label, 300, layers, "too little moves");
+    Figure::in_grid("run, in the order of the table", x, panel).over_counts()
 }
 
 /// Where a run has no rows for longer than this many usual steps.

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use rundown_check::{Check, RunCheck};
 use rundown_pages::numbers::number;
 use rundown_pages::run_pages::{self, Neighbours};
-use rundown_pages::shell::{Section, figure};
+use rundown_pages::shell::{Section, figure, prose};
 
 /// The page of the run at this place; a page without content where there is none.
 pub(super) fn page(found: &Check, logs: &Logs, at: usize) -> String {
@@ -25,7 +25,7 @@ pub(super) fn page(found: &Check, logs: &Logs, at: usize) -> String {
     let lead = html! {
         (lead(run))
         @if !right.warnings.is_empty() {
-            details { summary { "Warnings of the log" } ul { @for warning in &right.warnings { li { (warning) } } } }
+            details { summary { "Warnings of the log" } ul { @for warning in &right.warnings { li { (prose(warning)) } } } }
         }
     };
     let readings = figure(

@@ -8,7 +8,7 @@ use maud::{Markup, PreEscaped, html};
 use rundown::tick::paper::{Difference, PaperConfig};
 use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::run_pages;
-use rundown_pages::shell::{Section, choice_column, column, document, figure, sortable, table, text_column};
+use rundown_pages::shell::{Section, choice_column, column, document, figure, prose, sortable, table, text_column};
 
 #[derive(Clone, Debug)]
 pub struct StudyPage<'a> {
@@ -99,13 +99,13 @@ fn summary(page: &StudyPage) -> Markup {
             @if !gathered.failed.is_empty() {
                 p.note {
                     (counted(gathered.failed.len(), "log", "logs")) " could not be used; the first: "
-                    (gathered.failed.first().map_or("", |failed| failed.error.as_str()))
+                    (prose(gathered.failed.first().map_or("", |failed| failed.error.as_str())))
                 }
             }
             @let notes = &gathered.notes;
             @if !notes.is_empty() {
                 p.note { "What the recorders did to the logs, before anything else looked at them:" }
-                ul { @for note in notes { li { (note) } } }
+                ul { @for note in notes { li { (prose(note)) } } }
             }
             p {
                 "Paper: Cunillera, Be\u{161}inovi\u{107}, van Oort, Goverde, Real-time train motion parameter estimation using an Unscented Kalman Filter, "

@@ -15,7 +15,12 @@ impl Figure {
         panels: impl Into<Vec<Panel>>,
     ) -> Self {
         let [title, description, x_label] = [title.into(), description.into(), x_label.into()];
-        Self { title, description, x_label, x, names: Vec::new(), panels: panels.into() }
+        Self { title, description, x_label, x, names: Vec::new(), is_count: false, panels: panels.into() }
+    }
+
+    /// Over what is counted, such as runs.
+    pub fn over_counts(self) -> Self {
+        Self { is_count: true, ..self }
     }
 
     /// One of a [`Grid`], whose title and description stand for it.

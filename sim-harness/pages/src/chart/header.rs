@@ -55,6 +55,9 @@ pub(super) fn draw_header(area: &Canvas, panel: &Panel, width: u32) -> Result<()
 /// Width of the sample of a line or area in a legend.
 const SWATCH: i32 = 54;
 
+/// Height of a letter on the canvas: the back end divides the size by 1.24.
+const SIZE: Real = TEXT as Real / 1.24;
+
 /// Steps of the sample of a map, from strong to none.
 const SHADES: i32 = 9;
 
@@ -72,9 +75,17 @@ struct Entry<'a> {
     row: u32,
 }
 
-/// The reader's font is unknown: an estimate on the wide side.
+/// The reader's font is unknown: an estimate on the wide side, that of DejaVu Sans.
 fn text_width(text: &str, stretch: Real) -> i32 {
-    (text.chars().count() as Real * 13.2 * stretch) as i32
+    // In heights of a letter.
+    let width = |letter: char| match letter {
+        'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' | ' ' => 0.33,
+        'f' | 't' | 'r' | '(' | ')' | '[' | ']' | '-' | '/' => 0.41,
+        'm' | 'w' | 'M' | 'W' | '%' | '\u{2212}' | '=' | '+' | '<' | '>' => 0.96,
+        'A'..='Z' => 0.72,
+        _ => 0.63,
+    };
+    (text.chars().map(width).sum::<Real>() * SIZE * stretch) as i32
 }
 
 enum Swatch {
@@ -113,15 +124,20 @@ impl Layer {
 }
 
 impl Panel {
-    /// The legend from left to right, on a new row where the canvas ends.
+    /// The legend from left to right, on a new row where the canvas ends: beside the label, or below it where there is no room.
     fn entries(&self, canvas: u32) -> Vec<Entry<'_>> {
-        let beside_label = LEFT as i32 + text_width(&self.label, 1.08) + 50;
-        let (mut left, mut row) = (beside_label, 0);
+        let beside_label = LEFT as i32 + text_width(&self.label, 1.12) + 50;
+        let width_of = |legend: &str| SWATCH + 10 + text_width(legend, 1.0);
+        let legends = || self.layers.iter().flat_map(Layer::legends);
+        let fits = |legend: &str| beside_label + width_of(legend) <= canvas as i32;
+        let is_below = !legends().all(|(legend, ..)| fits(legend));
+        let begin = if is_below { LEFT as i32 } else { beside_label };
+        let (mut left, mut row) = (begin, u32::from(is_below));
         let mut entries = Vec::new();
-        for (legend, colour, swatch) in self.layers.iter().flat_map(Layer::legends) {
-            let width = SWATCH + 10 + text_width(legend, 1.0);
-            if left + width > canvas as i32 && left > beside_label {
-                (left, row) = (beside_label, row + 1);
+        for (legend, colour, swatch) in legends() {
+            let width = width_of(legend);
+            if left + width > canvas as i32 && left > begin {
+                (left, row) = (begin, row + 1);
             }
             entries.push(Entry { legend, colour, swatch, left, row });
             left += width + 40;

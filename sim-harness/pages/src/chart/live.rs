@@ -31,6 +31,9 @@ struct View<'a> {
 struct LiveFigure<'a> {
     x_label: &'a str,
     x: [f32; 2],
+    /// Only whole numbers on the x axis.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    is_count: bool,
     panels: Vec<LivePanel<'a>>,
 }
 
@@ -129,7 +132,7 @@ fn ends(range: &Range<Real>) -> [f32; 2] {
 
 fn live_figure<'a>(figure: &'a Figure, arrays: &mut Arrays) -> LiveFigure<'a> {
     let panels = figure.panels.iter().map(|panel| live_panel(panel, arrays)).collect();
-    LiveFigure { x_label: &figure.x_label, x: ends(&widened(&figure.x, 0.0)), panels }
+    LiveFigure { x_label: &figure.x_label, x: ends(&widened(&figure.x, 0.0)), is_count: figure.is_count, panels }
 }
 
 fn live_panel<'a>(panel: &'a Panel, arrays: &mut Arrays) -> LivePanel<'a> {

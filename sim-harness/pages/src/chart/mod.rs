@@ -22,7 +22,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::{coord::Shift, coord::types::RangedCoordf64};
 use rundown::Real;
-use scale::{tick, widened};
+use scale::{tick, whole_numbers, widened};
 use std::ops::Range;
 
 /// Width of the canvas.
@@ -38,7 +38,7 @@ const LEGEND_ROW: u32 = 36;
 const LEFT: u32 = 130;
 
 /// Space for the last x label, or the labels of a right axis.
-const RIGHT: u32 = 50;
+const RIGHT: u32 = 60;
 
 /// Space for x labels and the axis' name.
 const BOTTOM: u32 = 86;
@@ -74,6 +74,8 @@ pub struct Figure {
     pub x: Range<Real>,
     /// Kinds on the x axis of the SVG, in place of numbers: where each stands, and its name.
     pub names: Vec<(Real, String)>,
+    /// What the x axis counts has no halves: only whole numbers stand on it.
+    pub is_count: bool,
     /// From top to bottom.
     pub panels: Vec<Panel>,
 }
@@ -269,10 +271,12 @@ impl Figure {
         };
         // A narrow plot has room for fewer numbers.
         let x_labels = (12 * width as usize / WIDTH as usize).max(6);
+        let x_labels = if self.is_count { x_labels.min(whole_numbers(&x)) } else { x_labels };
         let (x_digits, y_digits) = (digits(&x, x_labels as Real), digits(&y, y_labels as Real));
         let has_y = panel.axes != Axes::Strip;
         let x_text = |value: &Real| {
-            if is_last && self.names.is_empty() { tick(*value, x_digits) } else { String::new() }
+            let is_shown = is_last && self.names.is_empty() && (!self.is_count || value.fract() == 0.0);
+            if is_shown { tick(*value, x_digits) } else { String::new() }
         };
         let y_text = |value: &Real| {
             if has_y { tick(*value, y_digits) } else { String::new() }
@@ -374,6 +378,45 @@ mod tests {
         }
         let svg = figure(vec![line(vec![Some((1.0, 1.0))])]).to_svg();
         assert!(!svg.contains("no estimate"));
+    }
+
+    #[test]
+    fn what_is_counted_has_whole_numbers_on_its_axis() {
+        for last in [1, 2, 3, 7, 40] {
+            let points = (1..=last).map(|run| Some((Real::from(run), 1.0))).collect();
+            let panel = Panel::new("r, N/kg", 200, vec![line(points)], "").within(100.25..100.75);
+            let over = Figure::new("a", "b", "run", 0.5..Real::from(last) + 0.5, [panel]);
+            let texts = |svg: &str| -> Vec<Real> {
+                svg.lines().filter_map(|line| line.parse().ok()).filter(|x| *x < 100.0).collect()
+            };
+            let counted = texts(&over.clone().over_counts().to_svg());
+            assert!(!counted.is_empty() && counted.iter().all(|x| x.fract() == 0.0), "{last}: {counted:?}");
+            assert!(counted.len() >= last.min(4) as usize, "{last}: {counted:?}");
+            if last < 4 {
+                assert!(texts(&over.to_svg()).iter().any(|x| x.fract() != 0.0), "{last}: the test sees halves");
+            }
+        }
+    }
+
+    #[test]
+    fn a_legend_ends_within_its_figure() {
+        let of = |legend: &str| Layer::line(legend, RGBColor(1, 2, 3), Stroke::Solid, vec![Some((0.0, 0.0))]);
+        let layers = vec![of("tunnel"), of("measured, up the line"), of("law as fitted")];
+        let label = "r0 of the paper's mode, with less without the tunnel, %";
+        let panel = Panel::new(label, 300, layers, "");
+        let figures = [1, 2].map(|_| Figure::in_grid("location, km", 0.0..1.0, panel.clone()));
+        let svg = Grid::new("a", "b", 2, figures.to_vec()).to_svg();
+        // Each text stands behind its tag, whose x is where it begins.
+        let begins = |text: &str| -> Vec<i32> {
+            let lines: Vec<&str> = svg.lines().collect();
+            let tags = lines.windows(2).filter(|pair| pair[1] == text).map(|pair| pair[0]);
+            tags.map(|tag| tag.split("x=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap()).collect()
+        };
+        for text in ["tunnel", "measured, up the line", "law as fitted"] {
+            let width = 15 * text.len() as i32;
+            let [left, right] = begins(text)[..] else { panic!("{text}: {:?}", begins(text)) };
+            assert!(left + width <= 1000 && right + width <= 2000, "{text}: {left}, {right}");
+        }
     }
 
     #[test]

@@ -74,6 +74,11 @@ pub(super) fn widened(range: &Range<Real>, air: Real) -> Range<Real> {
     start - margin..end + margin
 }
 
+/// Whole numbers in a range, at least 1: as many labels as an axis of counts may have.
+pub(super) fn whole_numbers(range: &Range<Real>) -> usize {
+    (range.end.floor() - range.start.ceil() + 1.0).max(1.0) as usize
+}
+
 /// A number of an axis, without zeros that say nothing.
 pub(super) fn tick(value: Real, digits: usize) -> String {
     let text = format!("{value:.digits$}");

@@ -138,7 +138,7 @@ pub fn vehicle_history(vehicle: &[(String, Gaussian<3>)], train: &Train, speed_k
             "no estimate: no run has ended",
         )],
     );
-    figure.into()
+    figure.over_counts().into()
 }
 
 #[cfg(test)]

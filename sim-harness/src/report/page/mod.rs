@@ -14,7 +14,7 @@ use run::{lead, learning_words, run_sections};
 use rundown::{Real, filter::gaussian::Gaussian, model::train::Train, model::units::KmPerHour};
 use rundown_pages::numbers::{counted, duration, number, percent};
 use rundown_pages::run_pages::{self, Neighbours};
-use rundown_pages::shell::{self, Section, column, figure, signed_percent, sortable, table};
+use rundown_pages::shell::{self, Section, column, figure, prose, signed_percent, sortable, table};
 use runs::run_table;
 
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
@@ -103,7 +103,7 @@ fn notes(report: &Report) -> Markup {
                 p.note { (counted(report.failed.len(), "log", "logs")) " could not be used:" }
                 ul {
                     @for error in few(report.failed.iter().map(|failed| &failed.error)) {
-                        li { @for line in error.lines() { div { (line) } } }
+                        li { @for line in error.lines() { div { (prose(line)) } } }
                     }
                 }
             }
@@ -111,7 +111,7 @@ fn notes(report: &Report) -> Markup {
         @if !report.notes.is_empty() {
             div id="notes" {
                 p.note { "What is to be known of these runs:" }
-                ul { @for note in report.notes { li { (note) } } }
+                ul { @for note in report.notes { li { (prose(note)) } } }
             }
         }
     }
@@ -225,7 +225,7 @@ fn table_of_units(vehicles: &[Vehicle], train: &Train) -> Markup {
     }
     let rows = html! { @for vehicle in vehicles {
         tr {
-            th scope="row" { @if vehicle.unit.is_empty() { "no name" } @else { (vehicle.unit) } }
+            th scope="row" { @if vehicle.unit.is_empty() { "no name" } @else { (run_pages::one_line(&vehicle.unit)) } }
             td { (vehicle.after.len()) }
             @for speed_kmh in SPEEDS_KMH {
                 @let speed_mps = KmPerHour(speed_kmh).to_mps();

@@ -6,7 +6,7 @@ use super::runs::{gated, no_samples};
 use maud::{Markup, html};
 use rundown::{filter::ukf::Reading, tick::estimate::Cause};
 use rundown_pages::numbers::{counted, duration, meaning, number, percent};
-use rundown_pages::shell::{Section, column, figure, table, text_column};
+use rundown_pages::shell::{Section, column, figure, prose, table, text_column};
 
 /// What a run's page begins with.
 pub(super) fn lead(run: &RunView, report: &Report) -> Markup {
@@ -15,7 +15,7 @@ pub(super) fn lead(run: &RunView, report: &Report) -> Markup {
         @if !run.warnings.is_empty() {
             details open[run.warnings.len() <= 5] {
                 summary { (counted(run.warnings.len(), "warning", "warnings")) " about the log" }
-                ul { @for warning in &run.warnings { li { (warning) } } }
+                ul { @for warning in &run.warnings { li { (prose(warning)) } } }
             }
         }
     }

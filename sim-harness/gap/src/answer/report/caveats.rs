@@ -5,14 +5,15 @@ use crate::data::runs::EffortReading;
 use maud::{Markup, html};
 use rundown_files::refusal::MAX_LISTED;
 use rundown_pages::numbers::{counted, number, percent};
+use rundown_pages::shell::prose;
 
 pub(super) fn caveats(answer: &Answer) -> Markup {
     let items = [data(answer), noise(answer), readings(answer)];
     html! {
         ul {
-            @for item in &items { li { p { (item) } } }
-            @for item in names(answer) { li { p { (item) } } }
-            @for item in of_reading(answer) { li { p { (item) } } }
+            @for item in &items { li { p { (prose(item)) } } }
+            @for item in names(answer) { li { p { (prose(item)) } } }
+            @for item in of_reading(answer) { li { p { (prose(&item)) } } }
         }
     }
 }
@@ -23,7 +24,7 @@ fn of_reading(answer: &Answer) -> Vec<String> {
     let mut notes: Vec<String> = answer.input.notes.iter().filter(|note| !elsewhere.contains(note)).cloned().collect();
     let more = notes.len().saturating_sub(MAX_LISTED);
     notes.truncate(MAX_LISTED);
-    notes.extend((more > 0).then(|| format!("{more} more notes on the logs")));
+    notes.extend((more > 0).then(|| format!("{} on the logs", counted(more, "more note", "more notes"))));
     notes
 }
 

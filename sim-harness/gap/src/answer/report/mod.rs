@@ -33,7 +33,7 @@ use crate::answer::{notes::no_rows, whole::Answer};
 use crate::explained::explained;
 use maud::html;
 use rundown_pages::numbers::counted;
-use rundown_pages::shell::{Section, document, figure};
+use rundown_pages::shell::{Section, document, figure, prose};
 
 /// Names of the pictures that [`picture`] knows.
 pub const PICTURES: [&str; 4] = ["residual", "coordinates", "law", "before_after"];
@@ -69,12 +69,12 @@ pub fn page(answer: &Answer, has_run_pages: bool) -> String {
     let explained = explained(&context.believed, &found.named, &answer.input.runs, &found.findings.rows);
     let lead = html! {
         p { (counted(answer.input.runs.len(), "run", "runs")) " of " (answer.input.dataset) ". Verdict: " strong { code { (found.verdict.name()) } } "." }
-        @for sentence in words::verdict(answer) { p.lead { (sentence) } }
+        @for sentence in words::verdict(answer) { p.lead { (prose(&sentence)) } }
     };
     let disagreement = html! {
             p { "The residual is the resistance that the believed model lacks: effort less acceleration less believed resistance and gradient, mean over about 10 s. Where the model is right it is zero but for noise." }
             @if found.findings.rows.is_empty() {
-                p { (no_rows(&found.findings)) }
+                p { (prose(no_rows(&found.findings))) }
             } @else {
                 @for (drawing, caption) in maps::maps(answer, &explained) { (figure(&drawing, &caption)) }
                 (tables::evidence(found))
