@@ -17,11 +17,21 @@ pub struct Axis<'a> {
     pub run_by_run: bool,
     /// Divisor of residual and law: 1, or the effort where a share of it is drawn.
     pub per: Option<fn(&Row) -> f64>,
+    /// Points of a law that is a table, straight between them: drawn as they are, not as means of bins.
+    pub table: Vec<(f64, f64)>,
 }
 
 impl<'a> Axis<'a> {
     pub fn over(x_label: &'static str, x: impl Fn(&Row) -> Option<f64> + 'a) -> Self {
-        Self { x_label, x: Box::new(x), by_direction: false, of_run: false, run_by_run: false, per: None }
+        Self {
+            x_label,
+            x: Box::new(x),
+            by_direction: false,
+            of_run: false,
+            run_by_run: false,
+            per: None,
+            table: Vec::new(),
+        }
     }
 
     pub fn speed() -> Self {

@@ -187,13 +187,16 @@ impl Candidate for This {
         let Effect::Unknown(e) = &named.effect else {
             return None;
         };
-        Some(match e.coordinate {
-            Coordinate::Location => Axis::location(),
-            Coordinate::Speed => Axis::speed(),
-            Coordinate::Time => Axis::time(),
-            Coordinate::Temperature => Axis::temperature(),
-            Coordinate::Day => Axis::day(context.conditions.first_day),
-        })
+        let first_day = context.conditions.first_day;
+        let (axis, factor, origin) = match e.coordinate {
+            Coordinate::Location => (Axis::location(), 1e-3, 0.0),
+            Coordinate::Speed => (Axis::speed(), 3.6, 0.0),
+            Coordinate::Time => (Axis::time(), 1.0 / 60.0, 0.0),
+            Coordinate::Temperature => (Axis::temperature(), 1.0, 0.0),
+            Coordinate::Day => (Axis::day(first_day), 1.0, first_day),
+        };
+        let point = |&(at, n_per_kg): &(f32, f32)| ((f64::from(at) - origin) * factor, f64::from(n_per_kg));
+        Some(Axis { table: e.table.iter().map(point).collect(), ..axis })
     }
 
     fn hidden_names(&self) -> Vec<&'static str> {

@@ -13,8 +13,13 @@ use rundown::model::direction::Direction;
 use rundown_check::agreement::HALF_95;
 use rundown_pages::chart::{Drawing, Figure, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
+use std::ops::Range;
 
 const MOST_BINS: usize = 24;
+/// Beside a table, whose steps may be a kilometre apart.
+const MOST_BINS_BESIDE_STEPS: usize = 96;
+/// Legend of the law.
+const AS_FITTED: &str = "law as fitted";
 
 /// Picture and caption of each effect that has a law over the residuals.
 pub(super) fn laws(answer: &Answer, explained: &[f64]) -> Vec<(Drawing, String)> {
@@ -73,7 +78,11 @@ fn law(answer: &Answer, one: &Named, explained: &[f64]) -> Option<(Drawing, Stri
         (1.0, 1)
     } else {
         let enough = answer.input.runs.len() / (2 * LEAST_RUNS);
-        let most = if axis.of_run { MOST_BINS.min(enough.max(1)) } else { MOST_BINS };
+        let most = match axis.table.is_empty() {
+            _ if axis.of_run => MOST_BINS.min(enough.max(1)),
+            true => MOST_BINS,
+            false => MOST_BINS_BESIDE_STEPS,
+        };
         (width(&x, most), LEAST_RUNS.min(answer.input.runs.len()))
     };
     let travelled = |d: &Direction| rows.iter().any(|at| at.direction == *d);
@@ -85,7 +94,7 @@ fn law(answer: &Answer, one: &Named, explained: &[f64]) -> Option<(Drawing, Stri
         let rows: Vec<&At> = rows.iter().filter(|at| group.is_none_or(|g| g == at.direction)).collect();
         layers_of(&rows, group, bins, i == 0)
     };
-    let layers: Vec<Layer> = groups.into_iter().enumerate().flat_map(of_group).collect();
+    let mut layers: Vec<Layer> = groups.into_iter().enumerate().flat_map(of_group).collect();
     let points = layers.iter().flat_map(|layer| match layer {
         Layer::Dots { points, .. } => points.as_slice(),
         _ => &[],
@@ -93,6 +102,13 @@ fn law(answer: &Answer, one: &Named, explained: &[f64]) -> Option<(Drawing, Stri
     // Where a mean stands, and a little beside it.
     let x = range_of(points.map(|(x, _)| *x));
     let beside = 0.02 * (x.end - x.start);
+    let x = x.start - beside..x.end + beside;
+    if !axis.table.is_empty() {
+        // Means of bins would draw a step over a kilometre as a slope of two.
+        layers.retain(|layer| !matches!(layer, Layer::Line { .. }));
+        let points = within(&axis.table, &x).into_iter().map(Some).collect();
+        layers.push(Layer::line(AS_FITTED, colours::ESTIMATED, Stroke::Solid, points));
+    }
     let y_label = match axis.per {
         Some(_) => "lacking share of the braking effort",
         None => "residual, N/kg",
@@ -105,19 +121,39 @@ fn law(answer: &Answer, one: &Named, explained: &[f64]) -> Option<(Drawing, Stri
         format!("The law of the {name} over the data"),
         format!("Mean {y_label}, over {}", axis.x_label),
         axis.x_label,
-        x.start - beside..x.end + beside,
+        x,
         [Panel::new(y_label, 380, layers, "no intervals")],
     );
+    let figure = if axis.run_by_run { figure.over_counts() } else { figure };
     let bars = match axis.run_by_run {
         true => "one dot a run",
         false => "bars: 95 % intervals of the means from the spread between runs",
     };
+    let fitted = match axis.table.is_empty() {
+        true => "on the very same intervals",
+        false => "point by point of its table",
+    };
     Some((
         figure.into(),
         format!(
-            "The law of the {name} through the data: mean residuals less what the other effects explain ({bars}), and the law as fitted, on the very same intervals."
+            "The law of the {name} through the data: mean residuals less what the other effects explain ({bars}), and the law as fitted, {fitted}."
         ),
     ))
+}
+
+/// The part of a table that lies in a range: straight between its points, level beyond them, as the board has it.
+fn within(table: &[(f64, f64)], x: &Range<f64>) -> Vec<(f64, f64)> {
+    let at = |place: f64| {
+        let next = table.iter().position(|(x, _)| place < *x).unwrap_or(table.len());
+        match (next.checked_sub(1).and_then(|before| table.get(before)), table.get(next)) {
+            (Some((x0, y0)), Some((x1, y1))) => y0 + (y1 - y0) * (place - x0) / (x1 - x0),
+            (Some((_, y)), None) | (None, Some((_, y))) => *y,
+            (None, None) => 0.0,
+        }
+    };
+    let inner = table.iter().copied().filter(|(place, _)| x.start < *place && *place < x.end);
+    let end = |place: f64| std::iter::once((place, at(place)));
+    end(x.start).chain(inner).chain(end(x.end)).collect()
 }
 
 /// `least`: a mean of fewer runs is not drawn.
@@ -140,7 +176,7 @@ fn layers_of(rows: &[&At], group: Option<Direction>, (width, least): (f64, usize
     };
     let point = |(place, bin): &(Bin, Bin)| (place.mean, bin.mean);
     let dots = group.map_or(colours::MEASURED, colour);
-    let legend = if first { "law as fitted" } else { "" };
+    let legend = if first { AS_FITTED } else { "" };
     let law: Vec<(f64, f64)> = law.iter().map(point).collect();
     let law = match least {
         // Between one run and the next there is nothing.
@@ -175,5 +211,20 @@ fn winds(one: &Named) -> Option<(Drawing, String)> {
         [Panel::new("headwind up the line, m/s", 340, layers, "no runs")],
     );
     let caption = "The wind of each run from its own residuals, against travel up the line; bars: 95 % intervals.";
-    Some((figure.into(), caption.to_owned()))
+    Some((figure.over_counts().into(), caption.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_is_drawn_with_its_steps_and_level_beyond_them() {
+        let step = [(11.999, 0.0), (12.0, 5e-3), (13.4, 5e-3), (13.401, 0.0)];
+        let ends = |from, to| [vec![(from, 0.0)], step.to_vec(), vec![(to, 0.0)]].concat();
+        assert_eq!(within(&step, &(0.0..30.0)), ends(0.0, 30.0));
+        let part = within(&step, &(12.5..30.0));
+        assert_eq!(part, [(12.5, 5e-3), (13.4, 5e-3), (13.401, 0.0), (30.0, 0.0)]);
+        assert_eq!(within(&[(0.0, 1.0), (10.0, 2.0)], &(-5.0..5.0)), [(-5.0, 1.0), (0.0, 1.0), (5.0, 1.5)]);
+    }
 }
