@@ -225,7 +225,8 @@ fn of_board(path: PathBuf, _: TrainFile, _: Option<&str>) -> Result<LearnedTrain
 
 #[cfg(feature = "link")]
 fn of_board(path: PathBuf, described: TrainFile, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
-    let crate::recorded_board::BoardRecording { ends, train, missing, cut, .. } = crate::recorded_board::read(&path)?;
+    let crate::recorded_board::BoardRecording { ends, train, missing, missing_runs, cut, .. } =
+        crate::recorded_board::read(&path)?;
     let mut notes = Vec::new();
     let is_described = |sent: TrainFile| {
         TrainFile { name: described.name.clone(), effect: described.effect.clone(), ..sent } == described
@@ -249,8 +250,20 @@ fn of_board(path: PathBuf, described: TrainFile, unit: Option<&str>) -> Result<L
     }
     if missing > 0 {
         notes.push(format!(
-            "{}: {missing} messages are lost, damaged or unknown; the last run that ended counts",
-            path.display()
+            "{}: {} lost, damaged or unknown; the last run that ended counts",
+            path.display(),
+            rundown_pages::numbers::counted(missing as usize, "message is", "messages are")
+        ));
+    }
+    if !missing_runs.is_empty() {
+        let gap =
+            |[first, last]: &[u32; 2]| if first == last { first.to_string() } else { format!("{first} to {last}") };
+        let gaps: Vec<String> = missing_runs.iter().map(gap).collect();
+        let word = if missing_runs.len() == 1 && missing_runs[0][0] == missing_runs[0][1] { "run" } else { "runs" };
+        notes.push(format!(
+            "{}: without the end of the board's {word} {}: what these taught counts, and of their frames nobody knows how many were lost",
+            path.display(),
+            gaps.join(", ")
         ));
     }
     let runs = ends.iter().map(Run::of_board).collect();

@@ -21,6 +21,9 @@ pub struct BoardRecording {
     pub train: Option<TrainFile>,
     /// Frames that never arrived, or cannot be understood.
     pub missing: u64,
+    /// Numbers of runs between those that end in it, first and last of each gap: whole runs that were not recorded, or of which
+    /// the end was lost. Each run numbers its frames from 0 on, so `missing` does not know of theirs.
+    pub missing_runs: Vec<[u32; 2]>,
     /// What is there of a last line or frame that was cut off, and was left out.
     pub cut: Option<String>,
     published: Option<Learned>,
@@ -47,7 +50,7 @@ pub fn read(path: &Path) -> Result<BoardRecording, ReadError> {
     let (mut recorded, mut reader, mut sent) = (BoardRecording::default(), Reader::new(), SentSetup::default());
     if bytes.starts_with(TEXT) {
         let (rows, cut) = record::read_whole_lines(&bytes).map_err(|error| refused(error.to_string()))?;
-        recorded.cut = cut.map(|cut| format!("{} bytes of line {}", cut.bytes, cut.line));
+        recorded.cut = cut.map(|cut| format!("{} of line {}", counted(cut.bytes, "byte", "bytes"), cut.line));
         for row in rows {
             match row.way {
                 Way::Received => recorded.hear(reader.message(&row.message)),
@@ -65,7 +68,7 @@ pub fn read(path: &Path) -> Result<BoardRecording, ReadError> {
     let tally = reader.tally();
     recorded.missing = u64::from(tally.lost) + u64::from(tally.damaged) + u64::from(tally.unknown);
     if recorded.ends.is_empty() {
-        let found = format!("found none in {} frames", tally.frames);
+        let found = format!("found none in {}", counted(tally.frames as usize, "frame", "frames"));
         return Err(refused(format!(
             "expected a recording of a board in which a run ends (frame run_summary), {found}"
         )));
@@ -81,6 +84,11 @@ impl BoardRecording {
             Some(Body::RunSummary(summary)) => {
                 // Said once more, it is the same run.
                 self.ends.pop_if(|end| end.summary.run == summary.run);
+                if let Some(before) = self.ends.last().map(|end| end.summary.run)
+                    && before.saturating_add(1) < summary.run
+                {
+                    self.missing_runs.push([before + 1, summary.run - 1]);
+                }
                 let published = self.published.unwrap_or(Learned::NotYet);
                 self.ends.push(RunEnd { summary, published, features: self.features.take() });
             }

@@ -1,7 +1,7 @@
 //! Does `rundown display` print every frame, name what it refuses, and serve its page?
 
 use rundown::link::serial;
-use rundown_wire::{Body, Downlink};
+use rundown_wire::{Body, Downlink, RunSummary};
 use sim_harness::display::demo;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Output, Stdio};
@@ -70,6 +70,27 @@ fn text_has_a_line_a_frame_and_says_what_was_lost() {
     assert!(text.contains("not learned yet"));
     let note = String::from_utf8(output.stderr).unwrap();
     assert_eq!(note, format!("note: {} frames, 1 lost, 0 damaged, 0 unknown\n", messages.len()));
+}
+
+#[test]
+fn a_whole_run_that_is_missing_is_said_by_the_numbers_of_the_runs() {
+    let summary = |run| {
+        let message =
+            MESSAGES.iter().find(|message| matches!(Downlink::decode(message).unwrap().body, Body::RunSummary(_)));
+        let frame = Downlink::decode(message.unwrap()).unwrap();
+        let Body::RunSummary(summary) = frame.body else { panic!("a summary") };
+        let body = Body::RunSummary(RunSummary { run, ..summary });
+        let mut buffer = [0; 512];
+        Downlink { sequence: 0, tick: run, body }.encode(&mut buffer).unwrap().to_vec()
+    };
+    let note = |runs: &[u32]| {
+        let messages: Vec<Vec<u8>> = runs.iter().map(|run| summary(*run)).collect();
+        String::from_utf8(rundown(&["-", "--text"], &on_the_line(&messages)).stderr).unwrap()
+    };
+    assert_eq!(note(&[4, 5]), "");
+    let said = "note: between the runs that end in it 3 runs are missing by their numbers; lost frames of these are in no count\n";
+    assert_eq!(note(&[4, 8, 9]), said);
+    assert_eq!(note(&[4, 1, 2]), "", "another vehicle");
 }
 
 #[test]

@@ -377,6 +377,21 @@ fn what_a_board_has_learned_goes_out_from_its_recording() {
         assert!(out.contains("learned by Rundown from ") && out.contains(" runs"), "{out}");
     }
 
+    // Each run numbers its frames from 0 on: that a whole one is missing only the numbers of the runs say.
+    let frames: Vec<Downlink> = heard.iter().map(|message| Downlink::decode(message).unwrap()).collect();
+    let places = |of: fn(&Downlink) -> bool| (0..frames.len()).filter(|at| of(&frames[*at])).collect::<Vec<_>>();
+    let ends = places(|frame| matches!(frame.body, Body::RunSummary(_)));
+    let begins = places(|frame| frame.sequence == 0);
+    let [second, third] = [0, 1].map(|end| *begins.iter().find(|begin| **begin > ends[end]).unwrap());
+    let second = second..third;
+    let without: Vec<Vec<u8>> =
+        (0..heard.len()).filter(|at| !second.contains(at)).map(|at| heard[at].clone()).collect();
+    folder.write("without.csv", &text(&without));
+    let Said { code, out, err } = of("without.csv", "without", "train.toml");
+    assert!(code == Some(0) && out.contains("learned by Rundown from 2 runs"), "{out}{err}");
+    assert!(err.contains("without.csv: without the end of the board's run 2: "), "{err}");
+    assert!(!err.contains("lost, damaged or unknown"), "{err}");
+
     // Torn off before its first run ended, and a file that is none.
     folder.write("none.csv", &text(&heard[..20]));
     for (file, found) in [("none.csv", "found none in 20 frames"), ("train.toml", "found none in 0 frames")] {

@@ -172,6 +172,8 @@ async fn learning_and_foresight_are_shown() {
     assert!(foreseen.starts_with("coasts foreseen within their 90 % interval: "), "{foreseen}");
     let sensor = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'suspected sensor').lastChild.textContent";
     assert_eq!(desk.browser.ask::<String>(sensor).await, "none");
+    let anew = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'board began anew').lastChild.textContent";
+    assert_eq!(desk.browser.ask::<String>(anew).await, "2", "with each run");
     let firmware = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'firmware').lastChild.textContent";
     let firmware: String = desk.browser.ask(firmware).await;
     assert!(firmware.starts_with(env!("CARGO_PKG_VERSION")), "of the second run, too: {firmware}");
@@ -302,15 +304,29 @@ const PLACES: &str = "return Object.fromEntries([...document.querySelectorAll('h
 /// Words and numbers that are cut off; the one line that may be is the small one below a number. Wide values are filled in: few runs have all.
 const OUTSIDE: &str = "for (const row of document.getElementById('brake').rows) [row.cells[1].textContent, row.cells[2].textContent] = ['0.56', 's.d. 0.08'];
     for (const [id, text] of [['acceleration', '\u{2212}0.139'], ['power-most-mw', '2.03 MW'], ['power-mean-sd', 's.d. 0.72']]) document.getElementById(id).textContent = text;
-    return [...document.querySelectorAll('header b, header small, header .label, #regime i, nav button, .counts b, td, th')].filter(e => e.offsetParent && e.textContent.trim()).filter(e => {
+    return [...document.querySelectorAll('header b, header small, header .label, #regime i, #legend > span, nav button, .counts b, td, th')].filter(e => e.offsetParent && e.textContent.trim()).filter(e => {
         const inner = document.createRange(); inner.selectNodeContents(e);
         const r = inner.getBoundingClientRect(), place = e.closest('header > *, section, footer').getBoundingClientRect(), cell = e.closest('td, th')?.getBoundingClientRect() ?? place;
         return r.left < Math.max(place.left, cell.left) - 1 || r.right > Math.min(place.right, cell.right) + 1;
     }).map(e => e.id + ' ' + e.textContent)";
 
 /// Screens on which the page is looked at, px.
-const SCREENS: [(u32, u32); 8] =
-    [(1920, 1080), (1600, 900), (1280, 1024), (1280, 900), (1280, 800), (1024, 768), (800, 480), (400, 800)];
+const SCREENS: [(u32, u32); 12] = [
+    (1920, 1080),
+    (1600, 900),
+    (1280, 1024),
+    (1280, 900),
+    (1280, 800),
+    (1024, 768),
+    (800, 1280),
+    (800, 480),
+    (720, 480),
+    (640, 480),
+    (500, 800),
+    (400, 800),
+];
+/// Narrower ones have the layout of a phone.
+const PHONE: u32 = 800;
 
 #[tokio::test]
 async fn the_page_looks_right_on_every_screen() {
@@ -342,6 +358,10 @@ async fn the_page_looks_right_on_every_screen() {
             assert!(moved.is_empty(), "{width}x{height}: {moved:?} from {:?}", empty[&(width, height)]);
             let outside: Vec<String> = browser.ask(OUTSIDE).await;
             assert_eq!(outside, Vec::<String>::new(), "{width}x{height}: all is inside its place");
+            let regimes: u32 = browser
+                .ask("return [...document.querySelectorAll('#legend > span')].filter((e) => e.offsetParent).length")
+                .await;
+            assert_eq!(regimes, 5, "{width}x{height}: the legend has every regime");
             let wide: u32 = browser.ask("return document.documentElement.scrollWidth").await;
             assert!(wide <= width, "{wide} px wide on a screen of {width}");
             for view in 0..=6 {
@@ -349,7 +369,7 @@ async fn the_page_looks_right_on_every_screen() {
                 tokio::time::sleep(Duration::from_millis(250)).await;
                 let found: String = browser.ask("return document.body.dataset.view").await;
                 assert_eq!(found, view.to_string());
-                if width == 400 {
+                if width < PHONE {
                     let outside: Vec<String> = browser.ask(OUTSIDE).await;
                     assert_eq!(outside, Vec::<String>::new(), "part {view} on a phone");
                 }

@@ -3,7 +3,7 @@
 
 const $ = (id) => document.getElementById(id);
 const NONE = "–";
-const state = { points: [], previous: [], past: [], now: {}, link: null, setup: { train: null, track: null }, described: null, scale: { least: 0.1, most: 0.1 }, gone: false };
+const state = { points: [], previous: [], past: [], now: {}, link: null, missing: null, setup: { train: null, track: null }, described: null, scale: { least: 0.1, most: 0.1 }, gone: false };
 
 const fixed = (value, digits, scale = 1) => (value == null || !Number.isFinite(value) ? NONE : (value * scale).toFixed(digits).replace("-", "−"));
 /** Two-sided 95 % and 90 % of a normal distribution, in standard deviations. */
@@ -328,7 +328,7 @@ function showLink() {
   const causes = status?.causes.reduce((sum, count) => sum + count, 0), refusals = status?.refusals.reduce((sum, count) => sum + count, 0);
   const rows = {
     source: link?.source, "last frame": link?.age_s == null ? null : `${fixed(link.age_s, 0)} s ago`, frames: link?.frames, lost: link?.lost, damaged: link?.damaged,
-    "out of order": link?.out_of_order, repeated: link?.repeated, "not understood": link?.unknown, "board began anew": link?.anew, reconnects: link?.reconnects,
+    "out of order": link?.out_of_order, "runs without an end": state.missing, repeated: link?.repeated, "not understood": link?.unknown, "board began anew": link?.restarts, reconnects: link?.reconnects,
     "run under way": status && (status.running ? "yes" : "no"), train: status?.train_id?.toString(16), track: status?.track_id?.toString(16), memory: status && plain(String(status.memory)),
     "suspected sensor": suspected(), "readings not used": causes, "requests refused": refusals, "missed by the board": status?.missed, "not sent by the board": status?.not_sent,
     firmware: versions && `${versions.firmware.join(".")} (${versions.commit == null ? "commit unknown" : versions.commit.toString(16).padStart(8, "0")}${versions.changed ? ", changed" : ""})`,
@@ -362,6 +362,7 @@ function take(update) {
   state.gone = false;
   state.now = update.now;
   state.link = update.link;
+  state.missing = update.missing_runs;
   if (update.described !== state.described) ask(update.described);
   if (update.previous) state.previous = update.previous;
   if (update.from > state.points.length) return location.reload();

@@ -7,6 +7,7 @@ use crate::link::address::{Address, PortAddress};
 use crate::link::record::{Log, Way};
 use crate::{display::demo, display::page::PageServer, display::setup::Setup, display::source::FrameSource};
 use rundown_files::{track_file::TrackFile, train_file::TrainFile};
+use rundown_pages::numbers::counted;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::{process::ExitCode, sync::Arc, time::Duration};
@@ -286,8 +287,17 @@ fn finished(hub: &Hub) -> Result<ExitCode, Failure> {
         let tally = &view.link.tally;
         if tally.lost + tally.damaged + tally.unknown > 0 {
             screen::note(&format!(
-                "{} frames, {} lost, {} damaged, {} unknown",
-                tally.frames, tally.lost, tally.damaged, tally.unknown
+                "{}, {} lost, {} damaged, {} unknown",
+                counted(tally.frames as usize, "frame", "frames"),
+                tally.lost,
+                tally.damaged,
+                tally.unknown
+            ));
+        }
+        if view.state.missing_runs > 0 {
+            screen::note(&format!(
+                "between the runs that end in it {} missing by their numbers; lost frames of these are in no count",
+                counted(view.state.missing_runs as usize, "run is", "runs are")
             ));
         }
         match &view.link.connection {

@@ -65,6 +65,7 @@ pub struct Update<'a> {
     now: &'a Now,
     link: LinkHealth,
     described: u32,
+    missing_runs: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     previous: Option<&'a [Point]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,6 +94,7 @@ impl Cursor {
             now: &state.now,
             link,
             described,
+            missing_runs: state.missing_runs,
             previous: restarted.then_some(&state.previous[..]),
             past: more_runs.then_some(&state.past[..]),
         }

@@ -135,6 +135,9 @@ pub struct State {
     /// Runs that are over, the oldest first.
     pub past: Vec<PastRun>,
     pub ended: u32,
+    /// Runs between those that have ended here, of which no end came. Each run numbers its frames from 0 on,
+    /// so what these have lost is in no count of frames.
+    pub missing_runs: u32,
 }
 
 impl State {
@@ -231,6 +234,11 @@ impl State {
     }
 
     fn end_run(&mut self, summary: &RunSummary) {
+        if let Some(before) = self.past.last() {
+            // A number that goes back is another vehicle, or a board that has forgotten.
+            let between = summary.run.saturating_sub(before.summary.run).saturating_sub(1);
+            self.missing_runs = self.missing_runs.saturating_add(between);
+        }
         if self.past.len() == MOST_RUNS {
             self.past.remove(0);
         }

@@ -14,6 +14,7 @@ use ratatui::style::{Color, Modifier, Style, Stylize};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, LegendPosition, Paragraph};
 use ratatui::{Frame, symbols::Marker};
+use rundown_pages::numbers::counted;
 use rundown_wire::{Learned, Phase, Regime, Statistic, Validity, Value};
 use std::{io, time::Duration};
 
@@ -326,13 +327,13 @@ fn of_link<'a>(view: &View<'_>) -> Paragraph<'a> {
     };
     let age = link.age_s.map_or_else(|| "-".to_owned(), |age| format!("{age:.0} s ago"));
     let counts = format!(
-        "  {age}  {} frames, {} lost, {} damaged, {} out of order, {} unknown, {} reconnects; {}{}",
-        link.tally.frames,
+        "  {age}  {}, {} lost, {} damaged, {} out of order, {} unknown, {}; {}{}",
+        counted(link.tally.frames as usize, "frame", "frames"),
         link.tally.lost,
         link.tally.damaged,
         link.tally.out_of_order,
         link.tally.unknown,
-        link.reconnects,
+        counted(link.reconnects as usize, "reconnect", "reconnects"),
         link.source,
         view.state.now.versions.map_or_else(String::new, |versions| format!("; {versions}"))
     );
