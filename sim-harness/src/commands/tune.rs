@@ -16,7 +16,7 @@ use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::PaperConfig;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::recording::Recording;
-use rundown_pages::numbers::number;
+use rundown_pages::numbers::{counted, number};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -47,8 +47,8 @@ pub struct Arguments {
     /// Runs that are tuned on, at most
     #[arg(long, value_name = "N", default_value_t = 67, value_parser = clap::value_parser!(u16).range(1..=5000))]
     count: u16,
-    /// Configurations that the search may try
-    #[arg(long, value_name = "N", default_value_t = 1500, value_parser = clap::value_parser!(u32).range(50..))]
+    /// Configurations that the search may try; it ends before where it has settled
+    #[arg(long, value_name = "N", default_value_t = 5000, value_parser = clap::value_parser!(u32).range(50..))]
     evaluations: u32,
     /// Seed of simulated runs
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -89,6 +89,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         write_results(folder, &tuned, &tuning)
     })?;
     screen::print(&words(&tuning, &arguments.out));
+    if let Some(caveat) = tuning.found.caveat() {
+        screen::note(&caveat);
+    }
     Ok(ExitCode::SUCCESS)
 }
 
@@ -96,6 +99,7 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
     let Tuning { table1, found, scores, sensitivity, slopes, .. } = tuning;
     let json = json!({
         "evaluations": found.evaluations,
+        "unsettled": found.unsettled,
         "table1": { "values": named(table1), "score": scores[0] },
         "optimum": { "values": named(&found.place), "score": scores[1] },
         "sensitivity": sensitivity,
@@ -158,7 +162,7 @@ fn runs_of(arguments: &Arguments, base: Config) -> Result<TunedRuns, Failure> {
     let moving = moving(cases)?.into_iter();
     let (runs, truths): (Vec<Recording>, Vec<_>) =
         moving.map(|case| (case.recording, case.truth.as_ref().map(truth_view))).unzip();
-    let source = format!("{} {words} runs", runs.len());
+    let source = counted(runs.len(), &format!("{words} run"), &format!("{words} runs"));
     Ok(TunedRuns { bench: Bench { base, train, track, runs }, truths, source, provenance })
 }
 
@@ -208,8 +212,11 @@ fn words(tuning: &Tuning, out: &Path) -> String {
     );
     for s in sensitivity {
         text += &format!(
-            "initial deviation x {:3} on {:10}  {} of {} runs with a negative coefficient\n",
-            s.factor, s.which, s.negative_runs, s.runs
+            "initial deviation x {:3} on {:10}  {} of {} with a negative coefficient\n",
+            s.factor,
+            s.which,
+            s.negative_runs,
+            counted(s.runs, "run", "runs")
         );
     }
     let [config, report] = ["config.toml", "report.html"].map(|name| out.join(name));

@@ -6,7 +6,10 @@ use crate::study::fields::answer;
 
 /// Of `tune.json`.
 pub fn fields() -> Vec<Field> {
-    let mut fields = owned(&[["evaluations", "", "configurations that the search tried", ""]]);
+    let mut fields = owned(&[
+        ["evaluations", "", "configurations that the search tried", ""],
+        ["unsettled", "", "searches of two that ended with the evaluations, before an optimum; 0: it is one", ""],
+    ]);
     for (prefix, of) in [("table1", "Table 1 of the paper"), ("optimum", "the optimum")] {
         let value = |name: &str, unit: &str| {
             let path = format!("{prefix}.values.{name}");

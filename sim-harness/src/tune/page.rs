@@ -30,6 +30,7 @@ pub fn page(page: &Tuning) -> String {
             "The paper's filter, tuned on " (page.source) " by its two criteria: the summed logarithm of the conditional likelihood of location and speed, and coefficients that are not negative. "
             (page.found.evaluations) " configurations were tried by the simplex of Nelder and Mead."
         }
+        @if let Some(caveat) = page.found.caveat() { p.note { strong { "No optimum yet. " } (caveat) "." } }
         (scores(page))
         (parameters(page))
         @let [table1, optimum] = &page.slopes;

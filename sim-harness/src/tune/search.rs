@@ -2,9 +2,10 @@
 
 use super::parameters::{COUNT, PARAMETERS, Place, place};
 use super::score::Bench;
-use argmin::core::{CostFunction, Error, Executor, State};
+use argmin::core::{CostFunction, Error, Executor, State, TerminationReason};
 use argmin::solver::neldermead::NelderMead;
 use rundown::{filter::ukf::Spread, tick::paper::PaperConfig};
+use std::cell::Cell;
 
 /// First step of the simplex in each coordinate; a step of 1 is a factor of 10.
 const STEP: f64 = 0.5;
@@ -16,6 +17,10 @@ pub struct Minimum {
     pub place: Place,
     pub cost: f64,
     pub evaluations: u64,
+    /// Searches that ended because the evaluations did, before their simplex had settled: what was found is no optimum then.
+    pub unsettled: usize,
+    /// By how much the second half of the trials made the cost less: how far the optimum may still be.
+    pub late_gain: f64,
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -25,6 +30,23 @@ pub struct SearchError(String);
 struct Problem<'a, F> {
     bench: &'a Bench,
     done: &'a F,
+    /// Trials after which the search is half over, those that were made, and the least cost until then.
+    half: u64,
+    tried: &'a Cell<u64>,
+    of_half: &'a Cell<f64>,
+}
+
+impl Minimum {
+    /// Why it is no optimum, for people; none where it is one.
+    pub fn caveat(&self) -> Option<String> {
+        let (unsettled, all) = (self.unsettled, starts().len());
+        (unsettled > 0).then(|| {
+            format!(
+                "{unsettled} of {all} searches ended with the {} configurations, before an optimum: what stands here as one is the best that was tried, and the second half of the trials gained {:.2e} of log-likelihood a sample; --evaluations takes more",
+                self.evaluations, self.late_gain
+            )
+        })
+    }
 }
 
 impl<F: Fn()> CostFunction for Problem<'_, F> {
@@ -41,7 +63,12 @@ impl<F: Fn()> CostFunction for Problem<'_, F> {
                 (least - place[i]).max(place[i] - most).max(0.0)
             })
             .sum();
-        Ok(self.bench.cost(&place) + beyond)
+        let cost = self.bench.cost(&place) + beyond;
+        self.tried.set(self.tried.get() + 1);
+        if self.tried.get() <= self.half {
+            self.of_half.set(self.of_half.get().min(cost));
+        }
+        Ok(cost)
     }
 }
 
@@ -61,7 +88,7 @@ pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Minimu
     let starts = starts();
     let of_start = evaluations / starts.len() as u64;
     let mut best: Option<Minimum> = None;
-    let mut all = 0;
+    let (mut all, mut unsettled) = (0, 0);
     for start in starts {
         let simplex = (0..=COUNT).map(|corner| {
             let mut place = start.to_vec();
@@ -74,7 +101,8 @@ pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Minimu
             place
         });
         let solver = NelderMead::new(simplex.collect()).with_sd_tolerance(TOLERANCE).map_err(failed)?;
-        let problem = Problem { bench, done: &done };
+        let (tried, of_half) = (Cell::new(0), Cell::new(f64::INFINITY));
+        let problem = Problem { bench, done: &done, half: of_start / 2, tried: &tried, of_half: &of_half };
         // A step of the simplex asks for one or two costs.
         let steps = (of_start.saturating_sub(COUNT as u64 + 1) / 2).max(1);
         let result = Executor::new(problem, solver)
@@ -84,15 +112,16 @@ pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Minimu
             .map_err(failed)?;
         all += result.problem.counts.get("cost_count").copied().unwrap_or(0);
         let state = result.state();
+        unsettled += usize::from(state.get_termination_reason() != Some(&TerminationReason::SolverConverged));
         let place = state.get_best_param();
         let place = place.and_then(|place| Place::try_from(place.as_slice()).ok());
         let place = place.ok_or_else(|| SearchError("no best place".to_owned()))?;
         let cost = state.get_best_cost();
         if best.is_none_or(|best| cost < best.cost) {
-            best = Some(Minimum { place, cost, evaluations: 0 });
+            best = Some(Minimum { place, cost, evaluations: 0, unsettled: 0, late_gain: of_half.get() - cost });
         }
     }
-    best.map(|best| Minimum { evaluations: all, ..best }).ok_or_else(|| SearchError("no start".to_owned()))
+    best.map(|best| Minimum { evaluations: all, unsettled, ..best }).ok_or_else(|| SearchError("no start".to_owned()))
 }
 
 #[cfg(test)]
@@ -108,6 +137,17 @@ mod tests {
             assert!(found.cost < bench.cost(&start), "{found:?}");
         }
         assert_eq!(search(&bench, 160, || ()).unwrap(), found);
+        let caveat = found.caveat().unwrap();
+        assert!(found.unsettled == 2 && caveat.starts_with("2 of 2 searches ended with the "), "{caveat}");
         assert_eq!(bench.score(&found.place).unwrap().negative_samples, 0);
+    }
+
+    #[test]
+    fn a_search_that_settles_has_no_caveat() {
+        let bench = bench(1);
+        let found = search(&bench, 8000, || ()).unwrap();
+        assert!(found.unsettled == 0 && found.caveat().is_none() && found.evaluations < 8000, "{found:?}");
+        let few = search(&bench, 200, || ()).unwrap();
+        assert!(few.cost > found.cost && few.late_gain > 0.0, "{few:?} {found:?}");
     }
 }
