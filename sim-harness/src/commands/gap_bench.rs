@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use rundown_files::WriteError;
 use rundown_files::folder::{Provenance, write as write_folder};
 use rundown_gap::answer::tables as gap_tables;
+use rundown_pages::numbers::counted;
 use std::path::{Path, PathBuf};
 use std::{process::ExitCode, time::Instant};
 
@@ -143,8 +144,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     write_results(&arguments.out, &provenance, &text, &done)?;
     let longest = done.iter().map(|d| d.seconds).fold(0.0, f64::max);
     screen::print(&format!(
-        "{} sets, the longest investigation {longest:.1} s; results: {}\n",
-        done.len(),
+        "{}, the longest investigation {longest:.1} s; results: {}\n",
+        counted(done.len(), "set", "sets"),
         arguments.out.display()
     ));
     Ok(ExitCode::SUCCESS)
@@ -172,7 +173,10 @@ fn of_folder(folder: &Path, arguments: &Arguments) -> Result<ExitCode, Failure> 
     bar.finish_and_clear();
     let text = folder::tables(&judged);
     write_results(&arguments.out, &provenance, &text, &judged)?;
-    screen::print(&format!("{} sets; results: {}\n", judged.len(), arguments.out.display()));
+    let absent = judged.iter().filter(|one| one.absent).count();
+    let sets = counted(judged.len() - absent, "set", "sets");
+    let without = if absent > 0 { format!(", {absent} without a folder") } else { String::new() };
+    screen::print(&format!("{sets}{without}; results: {}\n", arguments.out.display()));
     Ok(ExitCode::SUCCESS)
 }
 

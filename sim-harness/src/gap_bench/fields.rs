@@ -87,4 +87,5 @@ pub const OF_FOLDER: &[[&str; 4]] = &[
         "there was none, or the set was refused",
     ],
     ["[].refused", "", "why the set was not investigated", "it was"],
+    ["[].absent", "", "whether there is a key and no folder of that name; it is counted in no table", ""],
 ];

@@ -6,6 +6,7 @@ use super::table::{reliability, yes};
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::input::Input;
 use rundown_gap::verdict::Verdict;
+use rundown_pages::numbers::counted;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -75,6 +76,8 @@ pub struct JudgedSet {
     pub removed: Option<f64>,
     /// Why it was not investigated.
     pub refused: Option<String>,
+    /// There is a key, and no folder of that name: nothing was there to be investigated, or refused.
+    pub absent: bool,
 }
 
 /// The sets of a folder: name and key.
@@ -108,6 +111,11 @@ pub fn keys(folder: &Path) -> io::Result<Vec<(String, Key)>> {
 /// No folder for a copy could be made.
 pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<JudgedSet> {
     let set = folder.join(name);
+    if !set.is_dir() {
+        let lacking = format!("expected the set of keys/{name}.json, found no such folder");
+        let judged = JudgedSet::of(name, key, effort, Err(format!("{}: {lacking}", set.display())));
+        return Ok(JudgedSet { absent: true, ..judged });
+    }
     let answer = if effort {
         investigate(&set)
     } else {
@@ -192,12 +200,14 @@ impl JudgedSet {
             found,
             candidates,
             refused,
+            absent: false,
         }
     }
 
     /// For people, one line.
     pub fn line(&self) -> String {
         let word = match (self.named, self.shared) {
+            _ if self.absent => "absent",
             (true, _) => "named",
             (false, true) => "shared",
             (false, false) => "missed",
@@ -216,6 +226,7 @@ impl JudgedSet {
         let efforts = if self.effort { "effort" } else { "no effort" };
         let said = match (self.verdict, self.p_value) {
             (Some(verdict), Some(p_value)) => format!("{found}{candidates}, {verdict}, p {p_value:.3}"),
+            _ if self.absent => "no set".to_owned(),
             _ => format!("refused: {}", self.refused.as_deref().unwrap_or_default()),
         };
         format!("{word:<6} {:<8} {efforts:<9} {:<6} {hidden}: {said}\n", self.set, self.size)
@@ -223,20 +234,38 @@ impl JudgedSet {
 }
 
 /// Shares that were named, false names, p-values, and how often a confidence is right.
+///
+/// Keys without a set are no part of them, and are named above.
 pub fn tables(judged: &[JudgedSet]) -> String {
+    let (absent, judged): (Vec<&JudgedSet>, Vec<&JudgedSet>) = judged.iter().partition(|one| one.absent);
     let names: Vec<(f64, bool)> =
         judged.iter().flat_map(|one| &one.found).map(|name| (name.confidence, name.right)).collect();
-    [shares(judged), reliability(&names)].concat()
+    [without_set(&absent), shares(&judged), reliability(&names)].concat()
 }
 
-fn shares(judged: &[JudgedSet]) -> String {
+/// The keys that have no set, in a sentence. Nothing where each has one.
+fn without_set(absent: &[&JudgedSet]) -> String {
+    let mut names: Vec<&str> = absent.iter().map(|one| one.set.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(
+        "{} no set, and no part in what follows: {}.\n\n",
+        counted(names.len(), "key has", "keys have"),
+        names.join(", ")
+    )
+}
+
+fn shares(judged: &[&JudgedSet]) -> String {
     let mut text = String::from(
         "### Sets of others\n\nNamed: every effect, or one that the key takes for as good, and no other. Shared: the same, where it may stand among at most two \
         rivals. Wrong: sets with a name that is not the key's.\n\n\
         | effort column | hidden | size | sets | named | named or shared | wrong | nothing named but `candidate` | p-value below 0.05 | refused |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut groups: BTreeMap<(bool, usize, &str), Vec<&JudgedSet>> = BTreeMap::new();
-    for one in judged {
+    for &one in judged {
         let size = if one.hidden.is_empty() { "" } else { &one.size };
         groups.entry((!one.effort, one.hidden.len(), size)).or_default().push(one);
     }
@@ -280,7 +309,21 @@ mod tests {
             p_value: Some(0.01),
             removed: None,
             refused: None,
+            absent: false,
         }
+    }
+
+    #[test]
+    fn a_key_without_a_set_is_no_refused_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let absent = judge(folder.path(), "lost", &Key::default(), true).unwrap();
+        assert!(absent.absent && absent.line().starts_with("absent lost"), "{}", absent.line());
+        let text = tables(&[absent.clone(), absent, judged(&["mass_error"], &[])]);
+        assert!(text.starts_with("1 key has no set, and no part in what follows: lost.\n"), "{text}");
+        assert!(
+            !text.contains("| yes | 0 |") && text.contains("| yes | 1 | faint | 1 | 0 | 0 | 0 | 1 | 1 | 0 |"),
+            "{text}"
+        );
     }
 
     #[test]
