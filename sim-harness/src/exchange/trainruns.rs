@@ -16,6 +16,7 @@ use rundown::model::units::{GRAVITY_MPS2, KmPerHour};
 use rundown_files::refusal::{Place, ReadError};
 use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::path::Path;
 
 /// What `schema` of a file says.
@@ -120,6 +121,9 @@ struct TrainRunsVehicle {
     mass_traction: Option<f64>,
     rotation_mass: Option<f64>,
     a_braking: Option<f64>,
+    /// A train file has no place for it, nor for the next one.
+    speed_limit: Option<IgnoredAny>,
+    power_type: Option<IgnoredAny>,
     #[serde(default)]
     base_resistance: f64,
     #[serde(default)]
@@ -198,7 +202,12 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
 }
 
 fn notes(file: &TrainRunsFile, formation: &[&TrainRunsVehicle]) -> Vec<String> {
-    let mut notes = vec!["not kept: speed_limit, power_type".to_owned()];
+    let is_there =
+        |field: fn(&TrainRunsVehicle) -> Option<IgnoredAny>| formation.iter().any(|one| field(one).is_some());
+    let fields = [("speed_limit", is_there(|of| of.speed_limit)), ("power_type", is_there(|of| of.power_type))];
+    let lost: Vec<&str> = fields.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name).collect();
+    let mut notes: Vec<String> =
+        (!lost.is_empty()).then(|| format!("not kept: {}", lost.join(", "))).into_iter().collect();
     if file.trains.len() > 1 {
         notes.push(format!("read is the first of {} trains", file.trains.len()));
     }
@@ -234,6 +243,20 @@ mod tests {
             let expected_n = 1.06 * train.mass_kg * (7.1e-3 + r1 * v + 2.7e-5 * v * v);
             assert!(((unit_n + car_n) / expected_n - 1.0).abs() < 1e-9, "{unit_n} {car_n} {expected_n}");
         }
+    }
+
+    #[test]
+    fn only_fields_that_a_file_has_are_said_to_be_lost() {
+        let text = write(&train(3e-4), 160.0, &[]).unwrap();
+        let notes = |text: &str| read("t.yaml".as_ref(), text).unwrap().notes;
+        let is_lost =
+            |notes: &[String]| notes.iter().filter(|note| note.starts_with("not kept: ")).cloned().collect::<Vec<_>>();
+        assert_eq!(is_lost(&notes(&text)), ["not kept: speed_limit"]);
+        let powered = text.replace("    a_braking", "    power_type: diesel\n    a_braking");
+        assert_eq!(is_lost(&notes(&powered)), ["not kept: speed_limit, power_type"]);
+        let neither: String =
+            text.lines().filter(|line| !line.contains("speed_limit")).map(|line| format!("{line}\n")).collect();
+        assert_eq!(is_lost(&notes(&neither)), Vec::<String>::new());
     }
 
     #[test]

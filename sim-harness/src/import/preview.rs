@@ -9,6 +9,7 @@ use super::source::row::{Event, RowField};
 use rundown_files::sample::Sample;
 use rundown_pages::chart::{Figure, Layer, Panel, standalone};
 use rundown_pages::colours;
+use serde::Serialize;
 
 const ROWS_SHOWN: usize = 5;
 const ROWS_DRAWN: usize = 20_000;
@@ -25,7 +26,7 @@ pub fn words(group: &Group) -> String {
     );
     let said = |name: &str, value: Option<String>| value.map(|value| format!("{name} {value}"));
     let layout = [
-        layout.format.map(|format| format!("{format:?}").to_lowercase()),
+        layout.format.as_ref().map(as_mapped),
         said("encoding", layout.encoding.clone()),
         said("delimiter", layout.delimiter.map(|c| format!("{c:?}"))),
         said("decimal", layout.decimal.map(|c| format!("{c:?}"))),
@@ -39,7 +40,7 @@ pub fn words(group: &Group) -> String {
             || "not used".to_owned(),
             |(meaning, column)| {
                 let kind = if *meaning == Meaning::Time {
-                    format!(" ({:?})", group.columns.kind).to_lowercase()
+                    format!(" ({})", as_mapped(&group.columns.kind))
                 } else {
                     String::new()
                 };
@@ -66,6 +67,11 @@ pub fn words(group: &Group) -> String {
         text += &format!("  {error}\n");
     }
     text
+}
+
+/// A word as a mapping takes it: what the preview shows is what a person will write.
+fn as_mapped(word: &impl Serialize) -> String {
+    serde_json::to_value(word).ok().and_then(|word| word.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 fn shown(field: &RowField) -> String {
@@ -111,4 +117,17 @@ pub fn picture(groups: &[Group]) -> String {
     let label = if by_place { "location / km" } else { "time / min" };
     let panel = Panel::new("speed / km/h", 560, [Layer::threads("", colours::MEASURED, 0.6, lines)], "no speeds");
     standalone(&Figure::new("Preview of an import", "Speeds as they would be imported", label, x, [panel]).to_svg())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::source::row::SourceFormat;
+
+    #[test]
+    fn kinds_and_formats_are_written_as_a_mapping_takes_them() {
+        assert_eq!(as_mapped(&ClockKind::TimeOfDay), "time_of_day");
+        assert_eq!(as_mapped(&ClockKind::Number), "number");
+        assert_eq!(as_mapped(&SourceFormat::JsonLines), "json_lines");
+    }
 }
