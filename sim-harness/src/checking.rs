@@ -143,7 +143,7 @@ fn first_warnings(recording: &Recording) -> Vec<String> {
     let all = &recording.warnings;
     let mut warnings: Vec<String> = all.iter().take(WARNINGS).cloned().collect();
     if let Some(more) = all.len().checked_sub(WARNINGS).filter(|more| *more > 0) {
-        warnings.push(format!("{}: {more} more warnings", recording.path.display()));
+        warnings.push(format!("{}: {}", recording.path.display(), counted(more, "more warning", "more warnings")));
     }
     warnings
 }

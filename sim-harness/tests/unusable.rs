@@ -87,7 +87,7 @@ fn strict_fails_where_anything_is_to_be_warned_of_and_leaves_what_is_there() {
         for logs in [&["a.csv", "back.csv"], &["a.csv", "bad.csv"]] {
             let said = strict(logs);
             assert_eq!(said.code, Some(1), "{}", said.err);
-            assert!(said.err.contains("--strict: expected nothing to be warned of, found 1 warnings"), "{}", said.err);
+            assert!(said.err.contains("--strict: expected nothing to be warned of, found 1 warning;"), "{}", said.err);
             assert_eq!(folder.read("out/replay.json"), before);
         }
     }
@@ -160,7 +160,7 @@ fn a_log_that_is_given_twice_counts_once_in_every_command() {
     let tune = ["tune", "--runs", "logs", "--evaluations", "50", "--out", "tuned"];
     let tuned = folder.rundown(&[&tune, &described[..]].concat());
     let study = folder.rundown(&[&["study", "--runs", "logs", "--out", "studied"], &described[..]].concat());
-    assert!(tuned.out.contains("1 recorded runs"), "{}", tuned.out);
+    assert!(tuned.out.contains("1 recorded run, "), "{}", tuned.out);
     for said in [replayed.err, check.out, tuned.err, study.err] {
         for name in ["b.csv", "c.csv"] {
             let run = format!("  {}: ", name.trim_end_matches(".csv"));

@@ -126,7 +126,8 @@ pub enum Refusal {
     },
     /// No run has enough.
     #[error(
-        "{runs} runs have too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written"
+        "{} too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written",
+        counted(*runs, "run has", "runs have")
     )]
     TooLittle {
         /// How many runs there are.

@@ -5,6 +5,7 @@ use super::{Failure, gap, screen};
 use crate::simulation::scenario_file::{HIDDEN_EFFECT, Simulation};
 use crate::{simulation::folder, study::case::case_study, study::claims::Verdict, study::description};
 use rundown::{model::resistance::Davis, model::units::KmPerHour};
+use rundown_pages::numbers::counted;
 use rundown_truth::scenario::Scenario;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -52,8 +53,9 @@ fn hidden_effect(out: &Path) -> Result<ExitCode, Failure> {
     let simulation = simulation?;
     let set = out.join("hidden");
     screen::print(&format!(
-        "\nA hidden effect: {} runs with {}, investigated with a model that lacks it\n",
-        simulation.runs, simulation.name
+        "\nA hidden effect: {} with {}, investigated with a model that lacks it\n",
+        counted(simulation.runs, "run", "runs"),
+        simulation.name
     ));
     folder::write(&simulation, &set, true, || ())?;
     gap::run(&gap::Arguments::of_set(&set, out.join("gap")))
@@ -69,9 +71,9 @@ fn table(study: &Study, scenario: &Scenario, stated: &Davis) -> String {
     };
     let paper = mean(&gathered.paper.davis);
     let mut text = format!(
-        "{} simulated runs, {} samples, through the code of the board\n\n{:19} {:>12} {:>12} {:>12}   {}\n",
-        gathered.paper.runs,
-        gathered.rows,
+        "{}, {}, through the code of the board\n\n{:19} {:>12} {:>12} {:>12}   {}\n",
+        counted(gathered.paper.runs as usize, "simulated run", "simulated runs"),
+        counted(gathered.rows as usize, "sample", "samples"),
         "running resistance",
         "described",
         "true",

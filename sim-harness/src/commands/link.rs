@@ -12,6 +12,7 @@ use rundown_files::{
     effect_file, effect_frame, map_matching::CentreLine, run_log::BadRows, run_set::RunSet, track_file::TrackFile,
     train_file::TrainFile,
 };
+use rundown_pages::numbers::counted;
 use rundown_wire::{Body, RunSummary, Versions};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -220,16 +221,17 @@ impl Said {
     /// What came of a run, in a line; the reason, where there is no summary.
     fn line(&self, name: &str) -> Result<String, String> {
         let Self { frames, estimates, refused, .. } = self;
+        let counts = [counted(*frames, "frame", "frames"), counted(*estimates, "estimate", "estimates")].join(", ");
         let reasons: Vec<String> = refused.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
         let refused =
             if reasons.is_empty() { "0 refused".to_owned() } else { format!("refused: {}", reasons.join(", ")) };
         let Some(summary) = &self.summary else {
             return Err(format!(
-                "{name}: expected the summary of the run, found none ({frames} frames, {estimates} estimates, {refused}): the frames were lost on the link, or another program talks to the board"
+                "{name}: expected the summary of the run, found none ({counts}, {refused}): the frames were lost on the link, or another program talks to the board"
             ));
         };
         let [r0, r1, r2] = summary.run_davis.map(|term| term.value);
         let learned = format!("r = {r0:.3e} + {r1:.3e} v + {r2:.3e} v2 N/kg, learned over {:.0} s", summary.learned_s);
-        Ok(format!("{name}: {frames} frames, {estimates} estimates, {refused}; {learned}\n"))
+        Ok(format!("{name}: {counts}, {refused}; {learned}\n"))
     }
 }

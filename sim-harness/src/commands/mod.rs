@@ -33,6 +33,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use rundown::{estimator::config::Config, model::effects::EffectError, tick::bounds::ConfigError};
 use rundown_files::refusal::ReadError;
 use rundown_files::{WriteError, config_file};
+use rundown_pages::numbers::counted;
 use std::{ffi::OsString, path::Path, process::ExitCode};
 
 /// What `--help` says about exit codes.
@@ -164,8 +165,8 @@ impl Strict {
     /// `said`: how many warnings, notes and refused runs there are.
     fn check(self, said: usize) -> Result<(), Failure> {
         if self.strict && said > 0 {
-            let message =
-                format!("--strict: expected nothing to be warned of, found {said} warnings; nothing was written");
+            let said = counted(said, "warning", "warnings");
+            let message = format!("--strict: expected nothing to be warned of, found {said}; nothing was written");
             return Err(Failure { message, code: SOME_RUNS_FAILED });
         }
         Ok(())

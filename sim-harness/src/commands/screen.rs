@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rundown::estimator::config::{Config, Mode};
 use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::paper::Difference, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
+use rundown_pages::numbers::counted;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -97,7 +98,8 @@ pub(super) fn warnings(runs: &[ReplayedRun]) {
         }
         let more = run.warnings.len().saturating_sub(WARNINGS_PRINTED);
         if more > 0 {
-            say(format_args!("warning: {}: {more} more warnings, all in replay.json", run.path.display()));
+            let more = counted(more, "more warning", "more warnings");
+            say(format_args!("warning: {}: {more}, all in replay.json", run.path.display()));
         }
     }
 }

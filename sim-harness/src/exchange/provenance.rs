@@ -3,7 +3,7 @@
 use super::number::decimal;
 use crate::learned_train::{LearnedTrain, Limit, Used};
 use rundown_check::agreement::HALF_95;
-use rundown_pages::numbers::counted;
+use rundown_pages::numbers::{counted, number};
 
 /// One sentence a line, for comments and text fields. Forces are those of a train of `mass_kg`.
 pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {
@@ -24,7 +24,7 @@ pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {
         format!("{}.", coefficients.join(", ")),
         learned.learned_kmh.map_or_else(
             || "The speeds at which it was learned are not recorded.".to_owned(),
-            |[least, most]| format!("Learned at {least:.0} to {most:.0} km/h; beyond, it rests on the description, and the intervals may be too narrow."),
+            |[least, most]| format!("Learned at {} to {} km/h; beyond, it rests on the description, and the intervals may be too narrow.", number(least, 0), number(most, 0)),
         ),
         limit("tractive effort", "N", &learned.effort),
         limit("power", "W", &learned.power),
@@ -40,14 +40,15 @@ pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {
 /// `Largest power: 2000000 W, capability as described; ...`
 pub(crate) fn limit(name: &str, unit: &str, limit: &Limit) -> String {
     let capability = limit.capability();
+    let of = |runs| counted(runs, "run", "runs");
     let habit = match limit.used {
         None => "too few runs show what drivers use".to_owned(),
         Some(Used { median, runs }) if median > limit.described => {
-            format!("drivers used it (median of {runs} runs), {:.0} {unit} were described", limit.described)
+            format!("drivers used it (median of {}), {:.0} {unit} were described", of(runs), limit.described)
         }
         Some(Used { median, runs }) => {
             let percent = 100.0 * median / limit.described;
-            format!("drivers used {percent:.0} % of it (habit, median of {runs} runs)")
+            format!("drivers used {percent:.0} % of it (habit, median of {})", of(runs))
         }
     };
     let origin = if capability > limit.described { "observed" } else { "as described" };
@@ -71,5 +72,7 @@ mod tests {
         );
         let unknown = limit("power", "W", &Limit { described: 1e6, used: None });
         assert!(unknown.ends_with("too few runs show what drivers use."), "{unknown}");
+        let one = limit("power", "W", &Limit { described: 1e6, used: Some(Used { median: 9e5, runs: 1 }) });
+        assert!(one.contains("(habit, median of 1 run)"), "{one}");
     }
 }

@@ -5,6 +5,7 @@ use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
 use rundown_check::agreement::HALF_95;
 use rundown_gap::median;
+use rundown_pages::numbers::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -39,7 +40,13 @@ fn left_out(done: &[Done]) -> String {
     }
     let runs: usize = lacking.iter().map(|done| done.score.left_out).sum();
     let seeds: Vec<String> = lacking.iter().map(|done| done.request.seed.to_string()).collect();
-    format!("Of {} of {} sets {runs} runs were left out: seeds {}.\n\n", lacking.len(), done.len(), seeds.join(", "))
+    format!(
+        "Of {} of {} sets {} left out: seeds {}.\n\n",
+        lacking.len(),
+        done.len(),
+        counted(runs, "run was", "runs were"),
+        seeds.join(", ")
+    )
 }
 
 /// From these confidences on names are counted together.

@@ -268,8 +268,8 @@ impl ImportOrder {
             if !said.is_empty() {
                 let text = said.join("\n");
                 return Err(ImportError::Strict(format!(
-                    "{text}\n--strict: expected nothing to be warned of, found {} warnings; nothing was written",
-                    said.len()
+                    "{text}\n--strict: expected nothing to be warned of, found {}; nothing was written",
+                    counted(said.len(), "warning", "warnings")
                 )));
             }
         }
@@ -281,7 +281,10 @@ impl ImportOrder {
         let (track, _) = TrackFile::read(path)?;
         let stops_m: Vec<f64> = track.stop.iter().map(|stop| stop.at_m).collect();
         if track.centre_line.is_empty() && stops_m.len() < chainage::LEAST_STOPS {
-            let expected = format!("expected a centre line, or at least 3 stops, found {} stops", stops_m.len());
+            let expected = format!(
+                "expected a centre line, or at least 3 stops, found {}",
+                counted(stops_m.len(), "stop", "stops")
+            );
             return Err(ReadError::from(FilePlace::of_file(path).refuse("stop", expected)).into());
         }
         Ok(Given { line: track.centre_line, stops_m })
@@ -333,7 +336,8 @@ impl ImportOrder {
         if 2 * too_short > rows && rows > MIXED_ROWS {
             account.place(MIXED, || format!("{}: {too_short} of {rows} rows", source.path.display()));
         } else if runs.is_empty() && rows > 0 {
-            account.place(WITHOUT_RUN, || format!("{}: {rows} rows", source.path.display()));
+            account
+                .place(WITHOUT_RUN, || format!("{}: {}", source.path.display(), counted(rows as usize, "row", "rows")));
         }
         Ok(runs)
     }

@@ -18,6 +18,7 @@ use rundown_files::column::{Column, Filled, filled};
 use rundown_gap::{config::GapConfig, input::Input};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
+use rundown_pages::numbers::counted;
 use std::path::Path;
 
 const WITH_TUNNEL: &str = include_str!("../../../data/scenarios/tunnel_best.toml");
@@ -131,8 +132,8 @@ impl TunnelAnswer {
         let [backward, forward] = self.largest().map(|share| 100.0 * share);
         let drag = |d: &Drag| format!("{:.0} to {:.0} m, k = {:.3e} N/(kg (m/s)\u{b2})", d.from_m, d.to_m, d.k);
         let mut text = format!(
-            "{} runs, tunnel {}\nthe paper's mode: r0 with and without it differs by at most {backward:.3} % (backward), {forward:.3} % (forward)\n",
-            self.runs,
+            "{}, tunnel {}\nthe paper's mode: r0 with and without it differs by at most {backward:.3} % (backward), {forward:.3} % (forward)\n",
+            counted(self.runs, "run", "runs"),
             drag(&self.truth)
         );
         for (found, confidence) in &self.found {
@@ -184,8 +185,8 @@ impl TunnelAnswer {
         Picture {
             name: "tunnel".to_owned(),
             caption: format!(
-                "A tunnel that the description does not have, {} runs: what it does to r0 of the paper's mode (mean by {STRETCH_M} m), and what rundown gap finds on the same runs with an effort column.",
-                self.runs
+                "A tunnel that the description does not have, {}: what it does to r0 of the paper's mode (mean by {STRETCH_M} m), and what rundown gap finds on the same runs with an effort column.",
+                counted(self.runs, "run", "runs")
             ),
             drawing: Grid::new(
                 "A tunnel in the paper's mode and in the gap workflow",

@@ -6,6 +6,7 @@ use crate::candidates;
 use crate::data::{believed::Context, runs::Run};
 use crate::holdout::{forward::Touched, journey::Summary, share::Share};
 use crate::named::Named;
+use rundown_pages::numbers::counted;
 
 /// The story.
 pub fn story(answer: &Answer) -> String {
@@ -66,8 +67,8 @@ fn held_out(answer: &Answer) -> String {
     }
     let all = if gap.is_worse(answer.holdout()) { "worse than before".to_owned() } else { gone(gap) };
     let mut text = format!(
-        "simulated against measured speed, {} hold-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {all}\n",
-        found.held_out.len(),
+        "simulated against measured speed, {}: {:.3} m/s before, {:.3} after, noise floor {:.3}: {all}\n",
+        counted(found.held_out.len(), "hold-out run", "hold-out runs"),
         gap.before,
         gap.after,
         gap.floor,
@@ -107,8 +108,8 @@ fn of_runs(what: &str, unit: &str, decimals: usize, summary: &Summary) -> String
     let share = &summary.share;
     let gone = gone(share);
     format!(
-        "{what} of a run, {} runs, root mean square error: {:.decimals$} {unit} before, {:.decimals$} after, noise floor {:.decimals$}; in sum {:+.1} % before, {:+.1} % after: {gone}\n",
-        share.runs,
+        "{what} of a run, {}, root mean square error: {:.decimals$} {unit} before, {:.decimals$} after, noise floor {:.decimals$}; in sum {:+.1} % before, {:+.1} % after: {gone}\n",
+        counted(share.runs, "run", "runs"),
         share.before,
         share.after,
         share.floor,

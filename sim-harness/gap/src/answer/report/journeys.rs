@@ -7,7 +7,7 @@ use crate::holdout::journey::{Spread, Summary};
 use crate::holdout::share::Share;
 use crate::named::Named;
 use maud::{Markup, html};
-use rundown_pages::numbers::{NOTHING, number, percent};
+use rundown_pages::numbers::{NOTHING, counted, number, percent};
 
 /// Tables and what they mean; nothing where no run was simulated.
 pub(super) fn journeys(answer: &Answer) -> Markup {
@@ -87,5 +87,9 @@ fn gone(share: &Share, least_runs: usize) -> String {
         None if share.runs < least_runs => "too few runs for an interval".to_owned(),
         None => "no interval: in some resampled runs there was nothing to remove".to_owned(),
     };
-    format!("{}\u{a0}% of the removable gap is gone ({interval}; {} runs).", whole(removed), share.runs)
+    format!(
+        "{}\u{a0}% of the removable gap is gone ({interval}; {}).",
+        whole(removed),
+        counted(share.runs, "run", "runs")
+    )
 }
