@@ -88,6 +88,12 @@ pub enum Defect {
     OdometerWheel,
     /// One of eight runs has half of its efforts.
     HalfEffort,
+    /// The efforts of one of eight runs stand still for 30 s, eight times while the train powers.
+    FrozenEffort,
+    /// Speeds are means over 9 s around their time, efforts momentary.
+    SmoothedSpeed,
+    /// One of eight runs has brakes without their sign.
+    UnsignedBrake,
     /// The speed of a coasting train stuck for 60 s.
     StuckCoasting,
     /// An exporter put nine rows on a straight line between each two of one run.
@@ -116,7 +122,7 @@ const TURNED: f64 = 0.99;
 
 impl Defect {
     /// All of them.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 36] = [
         Self::Truncated,
         Self::Wheel,
         Self::TruncatedWheel,
@@ -148,6 +154,9 @@ impl Defect {
         Self::EffortSteps,
         Self::OdometerWheel,
         Self::HalfEffort,
+        Self::FrozenEffort,
+        Self::UnsignedBrake,
+        Self::SmoothedSpeed,
         Self::StuckCoasting,
         Self::Interpolated,
     ];
@@ -186,6 +195,9 @@ impl Defect {
             Self::EffortSteps => ("efforts in steps of 0.03 N/kg", "N/kg"),
             Self::OdometerWheel => ("a wheel up to 2.8 % off that gives speed and location, stops described", "%"),
             Self::HalfEffort => ("one of 8 runs has half of its efforts", "ratio"),
+            Self::FrozenEffort => ("efforts of one of 8 runs stand still for 30 s, 8 times", "s"),
+            Self::UnsignedBrake => ("one of 8 runs has brakes without their sign", "% of its braking"),
+            Self::SmoothedSpeed => ("speeds are means over 9 s", "s"),
             Self::StuckCoasting => ("speed of a coasting train stuck for 60 s", "m"),
             Self::Interpolated => ("one run interpolated between rows 10 s apart", "s"),
         }
@@ -219,6 +231,9 @@ impl Defect {
             Self::EffortSteps => Kind::EffortSteps,
             Self::OdometerWheel => Kind::LocationScale,
             Self::HalfEffort => Kind::EffortUnlike,
+            Self::UnsignedBrake => Kind::UnsignedBrake,
+            Self::FrozenEffort => Kind::EffortHeld,
+            Self::SmoothedSpeed => Kind::SmoothedSpeed,
             Self::StuckCoasting => Kind::StuckSpeed,
             Self::Interpolated => Kind::Interpolated,
         }
@@ -404,6 +419,7 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         }
         Defect::HiddenSeconds => (sensors.lost_second_every_s, sensors.speed_gain) = (106.0, 107.0 / 106.0),
         Defect::LateEffort => sensors.effort_lag_s = 5.0,
+        Defect::SmoothedSpeed => sensors.speed_quantum_kmh = 0.1,
         Defect::EffortSteps => sensors.effort_step_n_per_kg = EFFORT_STEP_N_PER_KG,
         Defect::Midnight => sensors.day_clock_s = Some([85_800.0; 2]),
         Defect::NoStandstill => sensors.standing_rows = false,
@@ -414,7 +430,11 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
         Defect::OtherChainage | Defect::NearChainage => on_stations(&SERVICES, &sensors, seed)?,
         // Two ends look alike from both sides.
         Defect::TurnedChainage => on_stations(&SERVICES[1..], &sensors, seed)?,
-        Defect::OdometerWheel | Defect::HalfEffort => on_stations(&[SUBURBAN], &sensors, seed)?,
+        Defect::OdometerWheel
+        | Defect::HalfEffort
+        | Defect::FrozenEffort
+        | Defect::UnsignedBrake
+        | Defect::SmoothedSpeed => on_stations(&[SUBURBAN], &sensors, seed)?,
         Defect::StuckCoasting => on_stations(&[COASTING], &sensors, seed)?,
         _ => simulated(&sensors, seed, &lags_s)?,
     };

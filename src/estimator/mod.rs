@@ -331,8 +331,9 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             Mode::Paper => vehicle.replace(&summary.run_davis),
             Mode::Gated | Mode::Measured => {
                 let foresight = run.learner.foresight();
-                vehicle.learn(&self.memory_config(), &run.begin, &summary.run_davis, &foresight);
-                vehicle.trust().widen(&mut summary.run_davis);
+                let hops_share = run.learner.hops_share();
+                vehicle.learn(&self.memory_config(), &run.begin, &summary.run_davis, &foresight, hops_share);
+                vehicle.widen(&mut summary.run_davis, hops_share);
                 summary.foresight = foresight;
             }
         }

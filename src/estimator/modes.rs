@@ -331,7 +331,7 @@ fn learn_measured(
 /// What of a segment counts, but on short hops: it was believed when it began.
 fn usual(config: &Config, min_change_share: Real) -> Counts {
     let LearningConfig { end_cut_s, min_segment_s, .. } = config.learning;
-    Counts { believed: false, end_cut_s, min_segment_s, min_change_share }
+    Counts { believed: false, end_cut_s, min_segment_s, min_change_share, on_short_hops: false }
 }
 
 /// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or not; else it begins after an
@@ -368,7 +368,8 @@ fn learn_coasting(
         let counts = if are_short {
             let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
             let ShortHopConfig { end_cut_s, min_segment_s, .. } = *short;
-            Counts { believed, end_cut_s, min_segment_s, min_change_share: short_hops::MIN_CHANGE_SHARE }
+            let min_change_share = short_hops::MIN_CHANGE_SHARE;
+            Counts { believed, end_cut_s, min_segment_s, min_change_share, on_short_hops: true }
         } else {
             usual(config, learning::MIN_CHANGE_SHARE)
         };

@@ -120,6 +120,11 @@ impl RunState {
         self.learner.gain()
     }
 
+    /// Share of what it has taught that it taught on short hops.
+    pub fn hops_share(&self) -> Real {
+        self.learner.hops_share()
+    }
+
     /// Half a step is added to each speed that is read: the recorder cuts them off, as the runs before have shown.
     pub fn puts_right(&self) -> bool {
         self.truncated

@@ -108,6 +108,8 @@ pub struct Counts {
     /// Least change of the speed since its beginning, as a share of it; 0 where the effort is measured. Where a falling gradient balances the resistance a
     /// speed that is held, by a notch or a light brake, looks like a coast, and the believed resistance chooses which of them do.
     pub min_change_share: Real,
+    /// It is one of short hops.
+    pub on_short_hops: bool,
 }
 
 /// The same of coasts: a driver keeps a speed within a few km/h, and a train that coasts for a minute loses more.
@@ -163,6 +165,8 @@ in_place! {
         constants: Gaussian<4> = (Gaussian::ZEROED);
         segment: Option<Segment> = (in place);
         learned_s: Real = (0.0);
+        /// Of these, on short hops.
+        on_hops_s: Real = (0.0);
         foresight: Foresight = (Foresight::NONE);
     }
 }
@@ -211,6 +215,11 @@ impl Learner {
     /// A segment is running that is believed by now.
     pub fn is_learning(&self) -> bool {
         self.believed().is_some()
+    }
+
+    /// Share of what this run taught that it taught on short hops.
+    pub fn hops_share(&self) -> Real {
+        if self.learned_s > 0.0 { self.on_hops_s / self.learned_s } else { 0.0 }
     }
 
     /// How the segments that counted were foreseen, the running one included.
@@ -345,7 +354,11 @@ impl Learner {
             let is_long = reached.time_s - segment.begin_s >= counts.min_segment_s;
             if is_long && segment.changed() >= counts.min_change_share * segment.begin_mps {
                 self.constants = reached.constants;
-                self.learned_s += reached.time_s - segment.settled_s;
+                let counted_s = reached.time_s - segment.settled_s;
+                self.learned_s += counted_s;
+                if counts.on_short_hops {
+                    self.on_hops_s += counted_s;
+                }
                 segment.settled_s = reached.time_s;
             }
         }

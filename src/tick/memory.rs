@@ -37,6 +37,11 @@ pub const SCALES: [Real; 4] = [0.0, 0.3, 0.7, 1.5];
 /// What is believed of them before the first run.
 const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
 
+/// Standard deviation of r(v) that is common to all coasts of short hops, share: a coast of 10 to 40 s that begins or ends with a second of something else is off by
+/// several per cent, all of a driver's by the same, and their scatter does not say so. Judged by what other simulators' trams and suburban trains were off by (docs/limits.md).
+pub const SHORT_HOPS_SD: Real = 0.05;
+/// Runs over which the share of short hops is a mean.
+const RUNS_OF_HOPS: u32 = 32;
 /// Share of what is known that is forgotten where it came from readings that were not what they seemed.
 const MISREAD: Real = 0.8;
 
@@ -101,6 +106,9 @@ pub struct Vehicle {
     /// Of its speed readings.
     #[serde(default)]
     pub(crate) offset: SpeedOffset,
+    /// Share of what it was taught that short hops taught, of late.
+    #[serde(default)]
+    pub(crate) hops_share: f32,
 }
 
 impl Vehicle {
@@ -129,13 +137,14 @@ impl Vehicle {
             trust: Trust::NONE,
             column: Column::default(),
             offset: SpeedOffset::default(),
+            hops_share: 0.0,
         }
     }
 
     /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²), with all doubt that is known.
     pub fn davis(&self) -> Gaussian<3> {
         let mut shares = self.mixture(|hypothesis| hypothesis.vehicle);
-        self.trust.widen(&mut shares);
+        self.widen(&mut shares, 0.0);
         self.in_si(&shares)
     }
 
@@ -167,16 +176,42 @@ impl Vehicle {
         self.offset
     }
 
+    /// Share of what it was taught that short hops taught, of late.
+    pub fn hops_share(&self) -> Real {
+        self.hops_share.into()
+    }
+
     /// How far this may be trusted, by how it foresaw coasts.
     pub fn trust(&self) -> &Trust {
         &self.trust
+    }
+
+    /// Gives a belief of the resistance, in any units, the doubt that no number of coasts averages away: that of coasts that scatter, see [`Trust::widen`], and that of short
+    /// hops. Of a vehicle before its first run, `run_share` of what that run has taught so far came from them. In its place: the stack has no room for another one.
+    pub fn widen(&self, found: &mut Gaussian<3>, run_share: Real) {
+        self.trust.widen(found);
+        let share = if self.runs == 0 { run_share } else { self.hops_share.into() };
+        let sd = SHORT_HOPS_SD * share;
+        // Two rows at once are a call of nalgebra, which the flash has no room for.
+        for row in 0..3 {
+            for column in 0..3 {
+                found.covariance[(row, column)] += sd * sd * found.mean[row] * found.mean[column];
+            }
+        }
     }
 
     /// Takes up what a run said: its belief at the beginning and at the end, and how its coasts had been foreseen. A run that learned nothing changes nothing.
     ///
     /// What scatters more than it should says less. What the doubt of the track has in it is shared by the runs: so much of what is known is forgotten first, and no number of
     /// runs says more than the track allows.
-    pub fn learn(&mut self, config: &MemoryConfig, begin: &Gaussian<3>, end: &Gaussian<3>, run: &Foresight) {
+    pub fn learn(
+        &mut self,
+        config: &MemoryConfig,
+        begin: &Gaussian<3>,
+        end: &Gaussian<3>,
+        run: &Foresight,
+        hops_share: Real,
+    ) {
         if begin == end {
             return;
         }
@@ -184,6 +219,8 @@ impl Vehicle {
         if let Some((information, vector)) = self.likelihood(begin, end) {
             self.forget(config, &information, run.track_share());
             self.take_up(config, &information, &vector, run);
+            let among = self.runs.clamp(1, RUNS_OF_HOPS) as f32;
+            self.hops_share += (hops_share as f32 - self.hops_share) / among;
         }
     }
 
@@ -367,7 +404,7 @@ mod tests {
             let unit = Vector3::new(1.0 / 7.38e-3, 1.0 / 1.6e-4, 1.0 / 2.8e-5);
             let before = begin.covariance.try_inverse().unwrap();
             end.covariance = (before + Matrix3::from_diagonal(&unit.map(|u| u * u / (sd * sd)))).try_inverse().unwrap();
-            vehicle.learn(&config, &begin, &end, &run);
+            vehicle.learn(&config, &begin, &end, &run, 0.0);
         }
         assert_eq!(vehicle.runs() as usize, runs.len());
         resistance_sd(&vehicle.davis(), 100.0 / 3.6)
@@ -394,5 +431,44 @@ mod tests {
     fn coasts_that_scatter_count_for_less() {
         let (expected, scattered) = (sd_after(&[0.05; 20], 0.0, 10.0), sd_after(&[0.05; 20], 0.0, 90.0));
         assert!(scattered > 1.5 * expected, "{scattered} {expected}");
+    }
+
+    #[test]
+    fn short_hops_keep_a_doubt_that_no_number_of_runs_averages_away() {
+        let config = MemoryConfig::default();
+        let after = |shares: &[Real]| {
+            let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
+            for share in shares {
+                let begin = vehicle.next_run(&config);
+                let mut end = begin;
+                end.covariance *= 0.1;
+                vehicle.learn(&config, &begin, &end, &Foresight::NONE, *share);
+            }
+            vehicle
+        };
+        let sd_share = |vehicle: &Vehicle| {
+            let (found, v) = (vehicle.davis(), 60.0 / 3.6);
+            resistance_sd(&found, v) / found.mean.dot(&Vector3::new(1.0, v, v * v))
+        };
+        let hops = [1.0; 40];
+        let [on_hops, mixed, on_lines] =
+            [&hops[..], &[1.0, 0.0].repeat(20), &[0.0; 40]].map(|shares| sd_share(&after(shares)));
+        assert!(on_lines < 0.01 && (0.05..0.055).contains(&on_hops), "{on_lines} {on_hops}");
+        assert!((0.02..0.04).contains(&mixed), "{mixed}");
+        // It goes as other runs come, and says nothing about the next run's beginning.
+        assert!(sd_share(&after(&[hops.as_slice(), &[0.0; 100]].concat())) < 0.012);
+        let begins = |shares: &[Real]| after(shares).next_run(&config);
+        assert_eq!(begins(&hops), begins(&[0.0; 40]));
+    }
+
+    #[test]
+    fn before_the_first_run_ends_its_own_share_of_short_hops_counts() {
+        let config = MemoryConfig::default();
+        let vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
+        let mut found = Gaussian::independent([7e-3, 2e-4, 3e-5], [0.0; 3]);
+        vehicle.widen(&mut found, 1.0);
+        let v = 30.0;
+        let r = found.mean.dot(&Vector3::new(1.0, v, v * v));
+        assert!((resistance_sd(&found, v) / r - SHORT_HOPS_SD).abs() < 1e-12);
     }
 }

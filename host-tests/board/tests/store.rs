@@ -403,7 +403,7 @@ fn learned() -> (Vehicle, Persisted) {
     let mut end = begin;
     end.mean *= 0.9;
     end.covariance *= 0.2;
-    vehicle.learn(&config, &begin, &end, &Foresight::NONE);
+    vehicle.learn(&config, &begin, &end, &Foresight::NONE, 0.0);
     let effects = [
         Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }),
         Effect::Unknown(Unknown {

@@ -22,6 +22,9 @@ const BRAKES_MPS2: f64 = 0.25;
 const FOLLOWS: f64 = 0.4;
 /// So many windows of braking decide.
 const LEAST_BRAKES: usize = 5;
+/// The same of a single run, in shorter windows, s: it may brake only once.
+const LEAST_OWN_BRAKES: usize = 4;
+const BRAKE_WINDOW_S: f64 = 10.0;
 
 /// An effort column that does not go with the acceleration.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,6 +74,18 @@ pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apar
     };
     let is_apart = value + HALF_95 * correlation.sd < LEAST_CORRELATION;
     (is_apart || is_unsigned).then_some(Apart { correlation, windows: pairs.len(), evidence })
+}
+
+/// Of one run: the windows of a braking train in which the effort is far above zero, and all windows of one; none of too
+/// few, or where the sign of all efforts is turned.
+pub(crate) fn brakes(rows: &[Sample]) -> Option<[usize; 2]> {
+    let windows: Vec<(f64, f64)> = stretches(rows, BRAKE_WINDOW_S).into_iter().filter_map(window).collect();
+    let brakes = windows.iter().filter(|(change, _)| *change < -BRAKES_MPS2);
+    let against = brakes.clone().filter(|(change, effort)| *effort > -FOLLOWS * change).count();
+    let all = brakes.count();
+    let powers = windows.iter().filter(|(change, _)| *change > BRAKES_MPS2);
+    let is_turned = powers.map(|(_, effort)| effort).sum::<f64>() < 0.0;
+    (all >= LEAST_OWN_BRAKES && !is_turned).then_some([against, all])
 }
 
 /// Acceleration, m/s^2, and mean effort, N/kg, of windows in which the train moves and each row has both.

@@ -44,6 +44,8 @@ pub enum Kind {
     SpeedScale,
     /// That factor changes within a run, or from one run on.
     WheelChange,
+    /// The speed is a mean over some seconds around its time.
+    SmoothedSpeed,
     /// The speed is older than the location.
     Skew,
     /// The locations grow too fast or too slowly beside the described stops: an odometer with a wheel that is not as believed.
@@ -70,6 +72,10 @@ pub enum Kind {
     EffortSteps,
     /// The train answers otherwise to the measured effort of this run than in the other runs.
     EffortUnlike,
+    /// The measured effort is above zero while the train brakes.
+    UnsignedBrake,
+    /// The measured effort stands still for a while, beside a train that answers to another one.
+    EffortHeld,
     /// The measured effort is older than the speed.
     EffortLate,
     /// The measured effort of a train that stands is not 0.
@@ -148,6 +154,7 @@ impl Kind {
             Self::SpeedScale => "the speed is off by a factor: read over true",
             Self::LocationScale => "the locations are off by a factor beside the described stops: read over described",
             Self::WheelChange => "the speed's scale changes: after over before",
+            Self::SmoothedSpeed => "speeds are means over some time",
             Self::Skew => "the speed is older than the location",
             Self::OtherUnit => "a column holds another unit: location over speed is off by a factor",
             Self::Impossible => "readings are no numbers, or beyond what any train or line has",
@@ -167,6 +174,8 @@ impl Kind {
             Self::EffortUnlike => {
                 "efforts are unlike those of the other runs: acceleration for the effort, over theirs"
             }
+            Self::UnsignedBrake => "efforts are above zero while the train brakes",
+            Self::EffortHeld => "efforts stand still while the train answers to others, for a mean of",
             Self::EffortLate => "measured efforts are older than the speed (below zero: the speed is)",
             Self::EffortOffset => "the effort of a train that stands is not 0 but",
             Self::EffortZeros => "the effort is 0 while the train brakes or holds its speed",
@@ -188,6 +197,9 @@ impl Kind {
             Self::SpeedScale | Self::LocationScale => {
                 Some("compare the wheel diameter of the recorder, or the length of the track")
             }
+            Self::SmoothedSpeed => {
+                Some("record momentary speeds; starts, stops and coasts begin and end within so long")
+            }
             Self::WheelChange => Some("look when the wheels were turned, or their diameter was entered"),
             Self::Interpolated => Some("export the rows of the recorder"),
             Self::SpeedOffset => Some("r(v) is learned at speeds that are off by as much"),
@@ -204,6 +216,8 @@ impl Kind {
             Self::EffortUnlike => {
                 Some("look at the column: is it in another unit, halved, cut off, frozen, another train's?")
             }
+            Self::UnsignedBrake => Some("write the effort of a brake below zero"),
+            Self::EffortHeld => Some("look at the column: does a signal freeze, or come late?"),
             Self::EffortSteps => Some("record the effort with more digits"),
             Self::OtherChainage | Self::TurnedChainage => {
                 Some("bring the runs onto one chainage: `rundown import --chainage align`")

@@ -17,6 +17,8 @@
 //! | what does the rounding of held speeds do? | `rounding` |
 //! | does the speed repeat old values? | [`held`] |
 //! | are rows no readings, but between them? | `interpolated` |
+//! | does the effort stand still? | `effort_held` |
+//! | are speeds means over some seconds? | `smoothed` |
 //! | is the effort older than the speed? | `effort_age` |
 //! | is the effort of a run unlike that of the others? | `effort_unlike` |
 //! | is its zero one? | `effort_zero` |
@@ -61,6 +63,7 @@ pub mod compared;
 pub mod dead_zone;
 pub mod effort;
 mod effort_age;
+mod effort_held;
 mod effort_unlike;
 mod effort_zero;
 pub mod finding;
@@ -78,6 +81,7 @@ pub mod readings;
 mod recorder;
 mod rounding;
 pub mod same;
+mod smoothed;
 pub mod steps;
 mod wheel_change;
 
@@ -355,6 +359,14 @@ impl RunCheck {
         self.evidence.insert(Kind::EffortUnlike, evidence);
     }
 
+    /// The train brakes with efforts above zero, in so many of its windows of braking.
+    fn brakes_without_sign(&mut self, [against, all]: [usize; 2]) {
+        let figure = Figure { value: 100.0 * against as f64 / all as f64, sd: 0.0 };
+        self.found(Kind::UnsignedBrake, figure, "%", Done::LeftOut);
+        self.evidence
+            .insert(Kind::UnsignedBrake, format!("in {against} of {all} windows of 10 s, unlike in other runs"));
+    }
+
     /// Its wheel changes on the way.
     fn changes(&mut self, change: &wheel_change::Change, rows: &[Sample], done: Done) {
         let (at_m, line) = change.place(rows);
@@ -471,10 +483,12 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
             recorder.evidence.insert(Kind::LocationScale, scaled.evidence());
         }
         // First the single runs: one in another unit spoils what all say together.
+        recorder.held_efforts(recordings, &runs);
         recorder.unlike_efforts(recordings, &mut runs);
         recorder.exceeds(recordings, &runs, known);
         recorder.unfit_efforts(recordings, &runs);
         recorder.effort_zero(recordings, &runs);
+        recorder.smoothed_speeds(recordings, &runs);
         recorder.effort_age(recordings, &runs, known);
         recorder
     };

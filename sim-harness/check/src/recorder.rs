@@ -7,8 +7,8 @@ use crate::own::Grown;
 use crate::wheel_change::OfRun;
 use crate::{Correction, Known, LEAST_SCALE, OfSpeed, RecorderCheck, RunCheck, SURE};
 use crate::{
-    dead_zone, effort, effort_age, effort_unlike, effort_zero, held, limits, lost_seconds, own, put_right, steps,
-    wheel_change, with_evidence,
+    dead_zone, effort, effort_age, effort_held, effort_unlike, effort_zero, held, limits, lost_seconds, own, put_right,
+    smoothed, steps, wheel_change, with_evidence,
 };
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
@@ -327,13 +327,69 @@ impl RecorderCheck {
         own.flat_map(|(recording, _)| &mut recording.rows).for_each(|row| row.effort_n_per_kg = None);
     }
 
+    /// Leaves out efforts that are old ones.
+    pub(crate) fn held_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
+        let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
+        let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
+        let Some(held) = effort_held::of(&rows) else {
+            return;
+        };
+        let figure = Figure { value: held.mean_s, sd: 0.0 };
+        let kind = Kind::EffortHeld;
+        self.findings.push(Finding { kind, figure, unit: "s", count: held.stretches, line: 0, done: Done::LeftOut });
+        let concerned = held.rows.iter().filter(|rows| !rows.is_empty()).count();
+        let (stretches, shown) = (held.stretches, held.shown);
+        let text = format!("{stretches} times in {concerned} runs; {shown} times the train shows it");
+        self.evidence.insert(kind, text);
+        for (i, ranges) in own.iter().zip(held.rows) {
+            // The first of them was true.
+            let old = ranges.into_iter().flat_map(|range| range.skip(1));
+            old.for_each(|row| recordings[*i].rows[row].effort_n_per_kg = None);
+        }
+    }
+
     /// Leaves out the efforts of runs in which the train answers otherwise to them than in the others.
     pub(crate) fn unlike_efforts(&self, recordings: &mut [Recording], runs: &mut [RunCheck]) {
         let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
+        let brakes: Vec<Option<[usize; 2]>> = own.iter().map(|i| effort::brakes(&recordings[*i].rows)).collect();
+        let without_sign = |place: &usize| brakes[*place].is_some_and(|[against, all]| 3 * against > 2 * all);
+        let odd: Vec<usize> = (0..own.len()).filter(without_sign).collect();
+        // Where most runs have it, it is the column that is said to have nothing to do with the train.
+        if 2 * odd.len() < brakes.iter().flatten().count() {
+            for place in odd {
+                if let Some(windows) = brakes[place] {
+                    runs[own[place]].brakes_without_sign(windows);
+                    recordings[own[place]].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
+                }
+            }
+        }
         let answers: Vec<Option<Figure>> = own.iter().map(|i| effort_unlike::of_run(&recordings[*i].rows)).collect();
         for (place, figure) in effort_unlike::unlike(&answers) {
             runs[own[place]].answers_otherwise(figure);
             recordings[own[place]].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
+        }
+    }
+
+    /// Finds speeds that are means, and makes momentary efforts means over as long.
+    pub(crate) fn smoothed_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
+        if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) {
+            return;
+        }
+        let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
+        let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
+        let Some(long_s) = smoothed::of(&rows) else {
+            return;
+        };
+        let averaged = smoothed::averaged_efforts(&rows, long_s.value);
+        self.found(Kind::SmoothedSpeed, long_s, "s", if averaged.is_some() { Done::PutRight } else { Done::Said });
+        if let Some(efforts) = averaged {
+            let text = "the efforts are averaged over as long, so that both are of the same moments".to_owned();
+            self.evidence.insert(Kind::SmoothedSpeed, text);
+            let rows = own.iter().zip(efforts);
+            rows.for_each(|(i, efforts)| {
+                let rows = recordings[*i].rows.iter_mut().zip(efforts);
+                rows.for_each(|(row, effort)| row.effort_n_per_kg = effort);
+            });
         }
     }
 

@@ -12,6 +12,7 @@
 
 use crate::refusal::ReadError;
 use crate::toml_file::{Step, TomlFile};
+use jiff::Timestamp;
 use jiff::civil::{Date, DateTime};
 use rundown::model::effects::{Effect, EffectError, Effects};
 use serde::de::DeserializeOwned;
@@ -90,17 +91,21 @@ pub fn effects(track: &[EffectEntry], train: &[EffectEntry], run: Option<&str>) 
     Effects::try_new(acting.map(|entry| entry.effect.clone()))
 }
 
-/// Days since 1970-01-01 UTC of a departure written as in `runs.csv`, `2026-03-01T08:12:00Z`; none when it is no such date.
+/// Days since 1970-01-01 UTC of a departure written as in `runs.csv`, `2026-03-01T08:12:00Z` or with another offset; none when it is no such date.
 ///
 /// ```
 /// use rundown_files::effect_file::day_of;
 ///
 /// assert_eq!(day_of("1970-01-02T12:00:00Z"), Some(1.5));
+/// assert_eq!(day_of("1970-01-02T12:00:00+02:00"), day_of("1970-01-02 10:00"));
 /// assert_eq!(day_of("2026-03-01"), Some(20_513.0));
 /// assert_eq!(day_of("tomorrow"), None);
 /// ```
 pub fn day_of(departure_utc: &str) -> Option<f64> {
-    let text = departure_utc.trim().trim_end_matches('Z').replace(' ', "T");
+    let text = departure_utc.trim().replacen(' ', "T", 1);
+    if let Ok(instant) = text.parse::<Timestamp>() {
+        return Some(instant.as_duration().as_secs_f64() / 86_400.0);
+    }
     let at = text.parse::<DateTime>().or_else(|_| text.parse::<Date>().map(Date::into)).ok()?;
     let epoch = jiff::civil::date(1970, 1, 1).at(0, 0, 0, 0);
     let seconds = at.duration_since(epoch).as_secs_f64();

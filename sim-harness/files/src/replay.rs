@@ -74,6 +74,8 @@ pub struct ReplayedRun {
     pub learned: Learned,
     /// The same by how coasts were foreseen, those of earlier runs included.
     pub trust: Trust,
+    /// Share of what the vehicle was taught that short hops taught.
+    pub hops_share: f64,
     /// What it says went into the vehicle: not where most of it is invalid.
     pub is_used: bool,
     /// Half a step was added to its speeds: the runs before have shown that they are cut off.
@@ -140,6 +142,7 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         vehicle_after: vehicle.davis(),
         learned: estimator.published(vehicle).1,
         trust: *vehicle.trust(),
+        hops_share: vehicle.hops_share(),
         is_used,
         speeds_put_right,
         perturbed: recording.perturbed.clone(),

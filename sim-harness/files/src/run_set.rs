@@ -132,7 +132,9 @@ impl RunSet {
     fn order(&mut self) {
         let indexed = self.files.iter().filter(|file| file.departure_utc.is_some()).count();
         if indexed == self.files.len() {
-            self.files.sort_by(|a, b| a.departure_utc.cmp(&b.departure_utc));
+            // By the instant, for their clocks may be of several zones; what is no date comes last.
+            let day = |file: &RunFile| file.departure_utc.as_deref().and_then(day_of).unwrap_or(f64::INFINITY);
+            self.files.sort_by(|a, b| day(a).total_cmp(&day(b)).then_with(|| a.departure_utc.cmp(&b.departure_utc)));
         } else if indexed > 0 {
             let all = self.files.len();
             let note = format!(
@@ -296,7 +298,7 @@ fn parse_index(path: &Path, bytes: &[u8]) -> Result<Index, ReadError> {
     }
     if let Some(undated) = &mut undated {
         let more = if unread > 1 { format!(", and {} more like this", unread - 1) } else { String::new() };
-        undated.message += &format!("{more}; the run has no date, and is ordered by what stands there");
+        undated.message += &format!("{more}; the run has no date, and comes after those that have one");
     }
     Ok((rows, undated))
 }
@@ -393,6 +395,14 @@ mod tests {
     }
 
     #[test]
+    fn departures_of_several_zones_are_ordered_by_their_instants() {
+        let index =
+            "file,departure_utc\na.csv,2025-01-01T08:00:00Z\nb.csv,2025-01-01T09:30:00+02:00\nc.csv,2025-01-01T08:15\n";
+        let folder = folder(&[("a.csv", ""), ("b.csv", ""), ("c.csv", ""), ("runs.csv", index)]);
+        assert_eq!(names(&RunSet::find(&[folder.path().to_owned()]).unwrap()), ["b", "a", "c"]);
+    }
+
+    #[test]
     fn a_run_that_is_not_in_the_index_keeps_the_given_order_and_is_told() {
         let index = "file,departure_utc\na.csv,2025-02-01T08:00\n";
         let folder = folder(&[("a.csv", ""), ("b.csv", ""), ("runs.csv", index)]);
@@ -430,7 +440,7 @@ mod tests {
         let folder = folder(&[("a.csv", ""), ("b.csv", ""), ("c.csv", ""), ("runs.csv", index)]);
         let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
         let expected = "runs.csv:3:3: departure_utc: expected a date as 2025-03-01T08:00:00Z, \
-            found \"01.03.2025 09:00\", and 1 more like this; the run has no date, and is ordered by what stands there";
+            found \"01.03.2025 09:00\", and 1 more like this; the run has no date, and comes after those that have one";
         assert_eq!(set.notes.len(), 1, "{:?}", set.notes);
         assert!(set.notes[0].ends_with(expected), "{:?}", set.notes);
     }

@@ -4,12 +4,11 @@
 
 pub(crate) mod coasts;
 pub(crate) mod foreseen;
-mod hops;
 mod unlike;
 pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
+use rundown::estimator::config::Mode;
 use rundown_files::replay::ReplayedRun;
 use std::collections::BTreeMap;
 
@@ -30,7 +29,6 @@ pub struct Advice {
     /// By unit.
     vehicles: BTreeMap<String, vehicle::After>,
     foreseen: foreseen::Foreseen,
-    on_hops: hops::OnHops,
     /// What each run taught by itself.
     taught: Vec<unlike::Taught>,
     /// What coasts teach of each beside its efforts.
@@ -38,11 +36,10 @@ pub struct Advice {
 }
 
 impl Advice {
-    pub fn add(&mut self, config: &Config, runs: &[ReplayedRun]) {
+    pub fn add(&mut self, runs: &[ReplayedRun]) {
         self.foreseen.add(runs);
         for run in runs {
             self.runs += 1;
-            self.on_hops.add(&config.short_hops, run);
             self.learned |= run.is_used && run.summary.learned_s > 0.0;
             let rows = || run.measurements.iter();
             self.fastest_mps = rows().filter_map(|row| row.speed_mps).fold(self.fastest_mps, f64::max);
@@ -90,7 +87,6 @@ impl Advice {
             notes.push(format!("nothing was learned about the resistance: it takes {what}{slopes}"));
         }
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
-        notes.extend(self.on_hops.notes(&self.vehicles));
         notes.extend(self.foreseen.notes());
         notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
         notes.extend(vehicle::notes(estimator, &self.vehicles, look_wrong));
@@ -174,7 +170,7 @@ mod tests {
         for is_used in [true, false] {
             replayed.runs[0].is_used = is_used;
             let mut advice = Advice::default();
-            advice.add(&replayed.config, &replayed.runs);
+            advice.add(&replayed.runs);
             let is_said = advice.notes(&estimator, false).iter().any(|note| note.starts_with("nothing was learned"));
             assert_eq!(is_said, !is_used);
         }
@@ -191,7 +187,7 @@ mod tests {
             replayed.runs[0].measurements.iter_mut().for_each(|one| one.effort_n_per_kg = effort_n_per_kg);
             let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
             let mut advice = Advice::default();
-            advice.add(&replayed.config, &replayed.runs);
+            advice.add(&replayed.runs);
             let notes = advice.notes(&estimator, false);
             notes.iter().any(|note| note == "run01: effort_n_per_kg is not used: --mode measured learns from it")
         };

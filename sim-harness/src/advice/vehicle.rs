@@ -7,6 +7,7 @@ use rundown::estimator::Estimator;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::tick::foresight::Trust;
+use rundown::tick::memory::SHORT_HOPS_SD;
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::Learned;
 use std::collections::BTreeMap;
@@ -21,6 +22,9 @@ const JUDGED_KMH: [f64; 3] = [60.0, 90.0, 120.0];
 const SCATTER: f64 = 1.5;
 /// ... if there are this many.
 const FEW_COASTS: f64 = 8.0;
+
+/// From this share on, what short hops taught is worth a word.
+const MANY_HOPS: f64 = 0.5;
 
 /// By what described coefficients have to be multiplied if they were written in other units.
 const CONVERSIONS: [(&str, [f64; 3]); 6] = [
@@ -41,11 +45,12 @@ pub struct After {
     pub(super) davis: Gaussian<3>,
     pub(super) learned: Learned,
     trust: Trust,
+    hops_share: f64,
 }
 
 impl After {
     pub(super) fn of(run: &ReplayedRun) -> Self {
-        Self { davis: run.vehicle_after, learned: run.learned, trust: run.trust }
+        Self { davis: run.vehicle_after, learned: run.learned, trust: run.trust, hops_share: run.hops_share }
     }
 }
 
@@ -90,6 +95,13 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
              some coasts were braked a little; the interval of r is {:.1} times as wide for that",
             trust.inflation().sqrt(),
             (trust.inflation() * trust.doubt()).sqrt()
+        ));
+    }
+    if after.learned == Learned::Learned && after.hops_share >= MANY_HOPS {
+        say(format!(
+            "learned on short hops, from coasts of 10 to 40 s, which are off by several per cent together: the interval of r(v) \
+             has ± {:.0} % for that, however many runs there are",
+            200.0 * SHORT_HOPS_SD * after.hops_share
         ));
     }
     let away = deviations(estimator, &after.davis);

@@ -37,7 +37,48 @@ pub(super) fn spoilt(defect: Defect, recordings: &mut Vec<Recording>, random: &m
             efforts.for_each(|effort| *effort *= 0.5);
             2.0
         }
+        Defect::FrozenEffort => {
+            freeze(&mut recordings[1].rows, random);
+            FROZEN_ROWS as f64 - 1.0
+        }
+        Defect::SmoothedSpeed => {
+            recordings.iter_mut().for_each(|recording| smooth(&mut recording.rows, 4));
+            9.0
+        }
+        Defect::UnsignedBrake => {
+            let efforts = recordings[1].rows.iter_mut().filter_map(|row| row.effort_n_per_kg.as_mut());
+            efforts.for_each(|effort| *effort = effort.abs());
+            100.0
+        }
         _ => spoil(defect, &mut recordings[1].rows, random),
+    }
+}
+
+/// The mean of each speed and of so many on both sides.
+fn smooth(rows: &mut [Sample], beside: usize) {
+    let read: Vec<Option<f64>> = rows.iter().map(|row| row.speed_mps).collect();
+    for (i, row) in rows.iter_mut().enumerate() {
+        let near: Vec<f64> =
+            read[i.saturating_sub(beside)..read.len().min(i + beside + 1)].iter().flatten().copied().collect();
+        row.speed_mps = row.speed_mps.map(|_| near.iter().sum::<f64>() / near.len() as f64);
+    }
+}
+
+/// Rows a second apart that have one effort.
+const FROZEN_ROWS: usize = 30;
+
+/// The effort of a powering train stands still, eight times.
+fn freeze(rows: &mut [Sample], random: &mut ChaCha8Rng) {
+    let powers = |i: &usize| rows[*i].effort_n_per_kg.is_some_and(|effort| effort > 0.05);
+    let mut places: Vec<usize> = (1..rows.len().saturating_sub(FROZEN_ROWS)).filter(powers).collect();
+    for _ in 0..8 {
+        if places.is_empty() {
+            return;
+        }
+        let at = places[random.random_range(0..places.len())];
+        let held = rows[at].effort_n_per_kg;
+        rows[at..at + FROZEN_ROWS].iter_mut().for_each(|row| row.effort_n_per_kg = held);
+        places.retain(|place| place.abs_diff(at) > 2 * FROZEN_ROWS);
     }
 }
 

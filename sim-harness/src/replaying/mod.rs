@@ -254,7 +254,7 @@ impl Opened {
         };
         let mut advice = Advice::default();
         advice.coasts = self.taught_by_coasts(&recordings, &own);
-        advice.add(&self.config, &runs);
+        advice.add(&runs);
         let Summary { failed, mut notes, gradient_doubt, .. } = summary;
         notes.extend(advice.notes(&self.estimator, gradient_doubt.is_some()));
         let Request { tables, run_pages, .. } = self.request;

@@ -80,7 +80,7 @@ impl Opened {
                     replay_apart_by(&model, &recordings, self.request.tick, &done)
                 };
                 drop(recordings);
-                advice.add(&self.config, &runs);
+                advice.add(&runs);
                 summary.count(&runs, self.config.mode);
                 outputs.add(&runs)?;
                 seen(&runs);

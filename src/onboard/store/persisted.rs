@@ -12,7 +12,7 @@ use crate::onboard::train_id::TrainId;
 use crate::plain::{self, Bytes, Plain, plain};
 use crate::tick::effort_reading::Column;
 use crate::tick::foresight::Trust;
-use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
+use crate::tick::memory::{Implausible, MemoryConfig, Vehicle, VehicleRecord};
 use crate::tick::snapshot::{InPlace, in_place};
 use crate::tick::truncation::SpeedOffset;
 use embedded_storage::nor_flash::NorFlash;
@@ -40,6 +40,8 @@ in_place! {
         pub column: Appended<Column> = (Appended::START);
         /// What is known of its speed readings.
         pub offset: Appended<SpeedOffset> = (Appended::START);
+        /// Share of what it was taught that short hops taught.
+        pub hops_share: Appended<f32> = (Appended::START);
     }
 }
 
@@ -130,7 +132,8 @@ impl Persisted {
         + MAX_POINTS * 2 * 4
         + 4 * 4
         + 12
-        + 4 * 4;
+        + 4 * 4
+        + 4;
 
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
@@ -143,6 +146,7 @@ impl Persisted {
             trust: vehicle.trust().into(),
             column: Appended(vehicle.column),
             offset: Appended(vehicle.speed_offset()),
+            hops_share: Appended(vehicle.hops_share),
         }
     }
 
@@ -177,7 +181,8 @@ impl Persisted {
             return Ok(None);
         };
         let mut effects = Effects::NONE;
-        let vehicle = persisted.vehicle_and_effects(manufacturer, &mut effects)?;
+        let mut vehicle = Vehicle::new(&MemoryConfig::default(), *manufacturer);
+        persisted.vehicle_and_effects(manufacturer, &mut vehicle, &mut effects)?;
         Ok(Some(Loaded { vehicle, effects, persisted, fallen_back }))
     }
 
@@ -197,17 +202,18 @@ impl Persisted {
         complete.then_some(Some(restored.fallen_back)).ok_or(NotRestored::NotDecoded)
     }
 
-    /// The second half: the vehicle and, in the place of others, the effects, if all of them are believed.
+    /// The second half, in the place of others: the vehicle, if all is believed, and the effects, of which a refused record may leave some.
     #[inline(never)]
     pub(crate) fn vehicle_and_effects(
         &self,
         manufacturer: &Davis,
+        vehicle: &mut Vehicle,
         effects: &mut Effects,
-    ) -> Result<Vehicle, NotRestored> {
-        let mut vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
-        vehicle.recall(self.trust.into(), self.column.0, self.offset.0);
+    ) -> Result<(), NotRestored> {
         self.effects_in(effects)?;
-        Ok(vehicle)
+        *vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
+        vehicle.recall(self.trust.into(), self.column.0, self.offset.0, self.hops_share.0);
+        Ok(())
     }
 
     /// Stores it; at each stop.
@@ -254,7 +260,6 @@ fn identity(train: TrainId) -> Identity {
 mod tests {
     use super::*;
     use crate::model::effects::Coordinate;
-    use crate::tick::memory::MemoryConfig;
 
     #[test]
     fn largest_size_is_the_one_stated() {
@@ -275,7 +280,7 @@ mod tests {
         assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
     }
 
-    /// Trust came first, the effort column later, the speed readings last.
+    /// Trust came first, then the effort column, the speed readings, the share of short hops.
     #[test]
     fn a_record_of_older_firmware_ends_before_what_came_later() {
         let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
@@ -283,24 +288,27 @@ mod tests {
         let trust = Trust { coasts: 3.0, squares: 2.5, worse: -1.75, apart: 0.25 };
         let column = Column { steps: [300, 40, 65_436, 20, 1000] };
         let offset = SpeedOffset { runs: 3.5, information: 900.0, vector: 120.0, squares: 17.0 };
-        vehicle.recall(trust, column, offset);
+        vehicle.recall(trust, column, offset, 0.75);
         let mut buffer = [0; Persisted::MAX_SIZE];
         let bytes = Persisted::new(&vehicle, &Effects::NONE).encode(&mut buffer).unwrap();
-        let offset_from = bytes.len() - 16;
+        let hops_from = bytes.len() - 4;
+        let offset_from = hops_from - 16;
         let column_from = offset_from - (2 + 1 + 3 + 1 + 2);
         let read = |end: usize| {
             let mut stored = Persisted::ZEROED;
             plain::read_all(&mut stored, &bytes[..end]).then(|| {
-                let restored = stored.vehicle_and_effects(&davis, &mut Effects::NONE.clone()).unwrap();
-                (*restored.trust(), restored.column(), restored.speed_offset())
+                let mut restored = Vehicle::new(&MemoryConfig::default(), davis);
+                stored.vehicle_and_effects(&davis, &mut restored, &mut Effects::NONE.clone()).unwrap();
+                (*restored.trust(), restored.column(), restored.speed_offset(), restored.hops_share)
             })
         };
         let none = SpeedOffset::default();
-        assert_eq!(read(bytes.len()), Some((trust, column, offset)));
-        assert_eq!(read(offset_from), Some((trust, column, none)));
-        assert_eq!(read(column_from), Some((trust, Column::default(), none)));
-        assert_eq!(read(column_from - 16), Some((Trust::NONE, Column::default(), none)));
-        for cut in [1, 8, 17, 24, 26, 40] {
+        assert_eq!(read(bytes.len()), Some((trust, column, offset, 0.75)));
+        assert_eq!(read(hops_from), Some((trust, column, offset, 0.0)));
+        assert_eq!(read(offset_from), Some((trust, column, none, 0.0)));
+        assert_eq!(read(column_from), Some((trust, Column::default(), none, 0.0)));
+        assert_eq!(read(column_from - 16), Some((Trust::NONE, Column::default(), none, 0.0)));
+        for cut in [1, 3, 5, 12, 21, 28, 30, 44] {
             assert_eq!(read(bytes.len() - cut), None, "without its last {cut} bytes");
         }
     }

@@ -104,14 +104,12 @@ impl<'a, F: NorFlash> Task<'a, F> {
         let loaded = persisted.load_in(store, train);
         let loaded = match loaded {
             Ok(Some(fallen_back)) => persisted
-                .vehicle_and_effects(&self.estimator.train().davis(), self.kept_effects)
-                .map(|vehicle| Some((vehicle, fallen_back))),
-            Ok(None) => Ok(None),
-            Err(cause) => Err(cause),
+                .vehicle_and_effects(&self.estimator.train().davis(), &mut self.vehicle, self.kept_effects)
+                .map(|()| Some(fallen_back)),
+            other => other,
         };
         let found = match loaded {
-            Ok(Some((vehicle, fallen_back))) => {
-                self.vehicle = vehicle;
+            Ok(Some(fallen_back)) => {
                 self.lifetime = persisted.lifetime;
                 if !self.effects_received {
                     core::mem::swap(self.estimator.effects_mut(), self.kept_effects);

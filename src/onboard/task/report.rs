@@ -55,9 +55,9 @@ impl<F: NorFlash> Task<'_, F> {
             covariance: estimate.belief.covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
         };
         let nominal = self.estimator.train().davis();
-        let trust = self.vehicle.trust();
-        trust.widen(&mut davis);
-        let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis, trust.worse_by());
+        self.vehicle.widen(&mut davis, self.run.hops_share());
+        let worse_by = self.vehicle.trust().worse_by();
+        let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis, worse_by);
         let gain = match self.estimator.config().mode {
             Mode::Measured => Some(self.run.gain()),
             Mode::Gated | Mode::Paper => None,

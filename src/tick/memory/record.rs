@@ -113,6 +113,7 @@ impl Vehicle {
             trust: Trust::NONE,
             column: Column::default(),
             offset: SpeedOffset::default(),
+            hops_share: 0.0,
         };
         for (hypothesis, scale) in vehicle.hypotheses.iter_mut().zip(SCALES) {
             hypothesis.scale = scale;
@@ -121,14 +122,18 @@ impl Vehicle {
         Ok(vehicle)
     }
 
-    /// Takes up what is known of how it foresaw coasts, of its effort column and of its speed readings. Numbers that are none are left: what was learned is worth more.
-    pub fn recall(&mut self, trust: Trust, column: Column, offset: SpeedOffset) {
+    /// Takes up what is known of how it foresaw coasts, of its effort column, of its speed readings and of where it was taught. Numbers that are none are left: what was learned
+    /// is worth more.
+    pub fn recall(&mut self, trust: Trust, column: Column, offset: SpeedOffset, hops_share: f32) {
         if trust.is_sound() {
             self.trust = trust;
         }
         self.column = column;
         if offset.is_sound() {
             self.offset = offset;
+        }
+        if (0.0..=1.0).contains(&hops_share) {
+            self.hops_share = hops_share;
         }
     }
 
@@ -182,7 +187,7 @@ mod tests {
         let mut end = begin;
         end.mean *= 1.1;
         end.covariance *= 0.3;
-        vehicle.learn(&config, &begin, &end, &Foresight::NONE);
+        vehicle.learn(&config, &begin, &end, &Foresight::NONE, 0.0);
         assert_eq!(vehicle.runs(), 1);
         vehicle
     }

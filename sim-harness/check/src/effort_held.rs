@@ -1,0 +1,188 @@
+//! Efforts that stand still for a while, as the last one that arrived, beside a train that answers to others.
+//!
+//! In: rows of all runs of a unit, put right. Out: the rows whose effort is an old one.
+//!
+//! ```text
+//! e    .1  .2  .4  .4  .4  .4  .4  .4  .1  .0        repeats; a - e is the same before and after, and another at its end,
+//! a    .1  .2  .4  .3  .2  .1  .0  .0  .1  .0        by as much as the effort jumps then
+//! ```
+//!
+//! A lever that stays where it is repeats efforts as well, but the train goes with them. A gradient changes a - e, but the effort does not jump by as much where it ends.
+//! Zeros are none of these: every coast repeats them.
+
+use crate::effort::window;
+use rundown_files::sample::Sample;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Fewer rows, or less time, s, repeat by chance, and cost little.
+const LEAST_ROWS: usize = 3;
+const LEAST_S: f64 = 8.0;
+/// Accelerations before, at the end and after are taken over so long, s, at speeds above this, m/s.
+const WINDOW_S: f64 = 10.0;
+const LEAST_MPS: f64 = 1.0;
+/// A smaller jump may be a gradient's, N/kg.
+const LEAST_JUMP_N_PER_KG: f64 = 0.1;
+/// What a - e differs by before and after, as a share of the jump, and at the end of the stretch.
+const ALIKE: f64 = 0.3;
+const AS_MUCH: Range<f64> = 0.6..1.6;
+/// One such stretch may be a gradient.
+const LEAST_STRETCHES: usize = 2;
+
+/// Efforts that are old ones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Held {
+    /// By run: rows that repeat an effort.
+    pub rows: Vec<Vec<Range<usize>>>,
+    /// Stretches in which the train answered to another effort.
+    pub shown: usize,
+    /// All stretches.
+    pub stretches: usize,
+    /// Their mean, s.
+    pub mean_s: f64,
+}
+
+/// Of the runs of a unit. Where some stretches are shown to be old, all are taken to be whose effort is that of no other stretch: the train may have answered to
+/// others in them by less than can be seen.
+pub(crate) fn of(runs: &[&[Sample]]) -> Option<Held> {
+    let repeats: Vec<Vec<Range<usize>>> = runs.iter().map(|rows| repeats(rows)).collect();
+    let all = || runs.iter().zip(&repeats).flat_map(|(rows, of_run)| of_run.iter().map(|range| (*rows, range.clone())));
+    let shown = all().filter(|(rows, range)| is_shown(rows, range)).count();
+    if shown < LEAST_STRETCHES {
+        return None;
+    }
+    let mut times: BTreeMap<u64, usize> = BTreeMap::new();
+    let value = |rows: &[Sample], range: &Range<usize>| rows[range.start].effort_n_per_kg.map_or(0, f64::to_bits);
+    for (rows, range) in all() {
+        *times.entry(value(rows, &range)).or_default() += 1;
+    }
+    let is_old = |rows: &[Sample], range: &Range<usize>| times[&value(rows, range)] == 1 || is_shown(rows, range);
+    let mut held = Held { shown, ..Held::default() };
+    for (rows, mut of_run) in runs.iter().zip(repeats.clone()) {
+        of_run.retain(|range| is_old(rows, range));
+        held.stretches += of_run.len();
+        held.mean_s += of_run.iter().map(|range| rows[range.end - 1].time_s - rows[range.start].time_s).sum::<f64>();
+        held.rows.push(of_run);
+    }
+    held.mean_s /= held.stretches as f64;
+    Some(held)
+}
+
+/// Rows that have one effort, other than 0, for long.
+fn repeats(rows: &[Sample]) -> Vec<Range<usize>> {
+    let (mut found, mut begin) = (Vec::new(), 0);
+    for stretch in rows.chunk_by(|a, b| a.effort_n_per_kg == b.effort_n_per_kg) {
+        let end = begin + stretch.len();
+        let is_effort = stretch[0].effort_n_per_kg.is_some_and(|effort| effort != 0.0);
+        let long_s = rows[end - 1].time_s - rows[begin].time_s;
+        if is_effort && stretch.len() >= LEAST_ROWS && long_s >= LEAST_S {
+            found.push(begin..end);
+        }
+        begin = end;
+    }
+    found
+}
+
+/// The train answers to another effort at its end.
+fn is_shown(rows: &[Sample], range: &Range<usize>) -> bool {
+    let shown = || {
+        let (first, last) = (range.start, range.end - 1);
+        let effort = rows[first].effort_n_per_kg?;
+        let before = answered(&rows[..=first], rows[first].time_s - WINDOW_S)?;
+        let at_end = answered(&rows[first..=last], rows[last].time_s - WINDOW_S)?;
+        let until_s = rows[last].time_s + WINDOW_S;
+        let ends = last + rows[last..].iter().take_while(|row| row.time_s <= until_s).count();
+        let after = answered(&rows[last..ends], rows[last].time_s)?;
+        let jump = after.1 - effort;
+        let apart = at_end.0 - 0.5 * (before.0 + after.0);
+        let is_alike = (before.0 - after.0).abs() < ALIKE * jump.abs();
+        Some(jump.abs() > LEAST_JUMP_N_PER_KG && is_alike && AS_MUCH.contains(&(apart / jump)))
+    };
+    shown().unwrap_or(false)
+}
+
+/// Acceleration less effort, and the effort, of the rows since then; none where these are too few, lack something, or the train is slow.
+fn answered(rows: &[Sample], since_s: f64) -> Option<(f64, f64)> {
+    let begin = rows.iter().rposition(|row| row.time_s < since_s).map_or(0, |i| i + 1);
+    let rows = rows.get(begin..).filter(|rows| rows.len() > 1)?;
+    let complete = rows.iter().all(|row| row.effort_n_per_kg.is_some() && row.speed_mps.is_some_and(|v| v > LEAST_MPS));
+    let is_long = rows[rows.len() - 1].time_s - rows[0].time_s >= 0.8 * WINDOW_S;
+    let (acceleration, effort) = window(rows).filter(|_| complete && is_long)?;
+    Some((acceleration - effort, effort))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A train that powers, coasts and powers again on slopes. `reads` makes the column of the efforts, second by second.
+    fn run(seed: u64, noise: f64, reads: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Sample> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let lever = rng.random_range(0.25..0.45);
+        let (mut mps, mut slope, mut speeds, mut efforts) = (25.0_f64, 0.0, Vec::new(), Vec::new());
+        for second in 0..900 {
+            if second % 50 == 0 {
+                slope = rng.random_range(-0.05..0.05);
+            }
+            let effort = match second % 180 {
+                0..40 => lever,
+                40..110 => 0.0,
+                110..150 => 0.8 * lever,
+                _ => 0.1 - 2.4 * lever,
+            };
+            mps += effort - 0.02 - 0.003 * (mps - 25.0) - slope;
+            speeds.push(mps + rng.random_range(-0.02..0.02));
+            let read = effort + if noise > 0.0 { rng.random_range(-noise..noise) } else { 0.0 };
+            efforts.push(if effort == 0.0 { 0.0 } else { read });
+        }
+        let column = reads(&efforts);
+        let rows = speeds.iter().zip(column).enumerate().map(|(second, (mps, effort))| Sample {
+            time_s: second as f64,
+            speed_mps: Some(*mps),
+            effort_n_per_kg: Some(effort),
+            ..Sample::default()
+        });
+        rows.collect()
+    }
+
+    /// From each of these seconds on the effort stands still for 30 s.
+    fn frozen(efforts: &[f64], at: &[usize]) -> Vec<f64> {
+        let mut column = efforts.to_vec();
+        at.iter().for_each(|at| column[*at..at + 30].fill(efforts[*at]));
+        column
+    }
+
+    fn found(runs: &[Vec<Sample>]) -> Option<Held> {
+        of(&runs.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn efforts_that_stand_still_are_found_and_only_those() {
+        for seed in 0..20 {
+            let runs: Vec<Vec<Sample>> =
+                (0..6)
+                    .map(|i| {
+                        run(10 * seed + i, 0.01, |efforts| {
+                            if i == 2 { frozen(efforts, &[25, 200, 310]) } else { efforts.to_vec() }
+                        })
+                    })
+                    .collect();
+            let held = found(&runs).unwrap();
+            assert!(held.shown >= 2 && held.stretches <= 3, "{held:?}");
+            assert!(held.rows.iter().enumerate().all(|(run, rows)| rows.is_empty() || run == 2));
+            assert!((25.0..31.0).contains(&held.mean_s), "{held:?}");
+            let at: Vec<usize> = held.rows[2].iter().map(|range| range.start).collect();
+            assert!(at.iter().all(|at| [25, 200, 310].contains(at)), "{at:?}");
+        }
+    }
+
+    #[test]
+    fn a_lever_that_stays_repeats_efforts_and_is_none() {
+        for seed in 0..20 {
+            let runs: Vec<Vec<Sample>> = (0..6).map(|i| run(10 * seed + i, 0.0, <[f64]>::to_vec)).collect();
+            assert_eq!(found(&runs), None, "{seed}");
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Speeds that are means over some seconds around their time, beside momentary efforts.
+//!
+//! In: rows of all runs of a unit, put right. Out: over how long the speeds are means; the efforts averaged over as long, so that both are of the same moments.
+//!
+//! ```text
+//! ∫ v_read dt - x = (L²/24 - τ²/2) a - τ v_read + offset t + scale x + noise          in each window of 40 s, less its mean
+//! ```
+//!
+//! A mean over L s is the true speed plus L²/24 of its second derivative, whatever its shape: L²/12 is the variance of its weights. A speed that is read momentarily has
+//! none of it. Means of speed, resistance and effort over the same time belong together; a momentary effort beside a mean speed makes a start look like a resistance.
+
+use crate::agreement::Figure;
+use crate::clock::usual_step_s;
+use crate::effort;
+use nalgebra::{SMatrix, SVector};
+use rundown_files::sample::Sample;
+use std::ops::Range;
+
+/// Speeds in larger steps show what is none: eight metros in whole km/h had means over 15 s, by seven standard deviations. km/h.
+pub(crate) const MOST_STEP_KMH: f64 = 0.5;
+/// Rows farther apart do not show it, s.
+const MOST_STEP_S: f64 = 2.5;
+/// Windows, and the time on both sides of a row over which its acceleration is taken, s.
+const WINDOW_S: f64 = 40.0;
+const BESIDE_S: f64 = 4.0;
+/// A slower train reads what its recorder makes of a stop, m/s.
+const LEAST_MPS: f64 = 3.0;
+/// So many rows in a run, and so many runs, whose scatter says how sure the figure is.
+const LEAST_ROWS: usize = 200;
+const LEAST_RUNS: usize = 4;
+/// Shorter means do not matter, s.
+const SHORTEST_S: f64 = 5.0;
+/// So many standard deviations.
+const SURE: f64 = 6.0;
+/// The acceleration is itself taken over some seconds, of speeds that are means: where a train powers and brakes for less than a minute L comes out a fifth too large.
+const SHAPE_SD: f64 = 0.15;
+
+/// What explains the difference of both ways in a row, and that, m.
+type Row = (SVector<f64, 4>, f64);
+
+/// Over how long speeds are means, s; none where they are momentary, or too little shows it.
+pub(crate) fn of(runs: &[&[Sample]]) -> Option<Figure> {
+    let found: Vec<Figure> = runs.iter().filter_map(|rows| second_order(&compared(rows))).collect();
+    if found.len() < LEAST_RUNS {
+        return None;
+    }
+    let weight = |one: &Figure| 1.0 / (one.sd * one.sd);
+    let sum: f64 = found.iter().map(weight).sum();
+    let mean = found.iter().map(|one| weight(one) * one.value).sum::<f64>() / sum;
+    let scatter: f64 = found.iter().map(|one| weight(one) * (one.value - mean).powi(2)).sum();
+    // The noise of neighbouring rows is one: what runs differ by says how sure they are.
+    let sd = (scatter / (found.len() as f64 - 1.0)).max(1.0).sqrt() / sum.sqrt();
+    let long_s = (24.0 * mean).max(0.0).sqrt();
+    let figure = Figure { value: long_s, sd: (12.0 * sd / long_s).hypot(SHAPE_SD * long_s) };
+    (long_s > SHORTEST_S && mean > SURE * sd).then_some(figure)
+}
+
+/// Efforts of each run as means over `long_s`; none where they explain the accelerations less well than the efforts as they are, which were averaged with the speeds.
+pub(crate) fn averaged_efforts(runs: &[&[Sample]], long_s: f64) -> Option<Vec<Vec<Option<f64>>>> {
+    let averaged: Vec<Vec<Option<f64>>> = runs.iter().map(|rows| averaged(rows, long_s)).collect();
+    let (mut as_read, mut as_means) = (0.0, 0.0);
+    for (rows, efforts) in runs.iter().zip(&averaged) {
+        let means = rows.iter().zip(efforts).map(|(row, effort)| Sample { effort_n_per_kg: *effort, ..*row });
+        if let (Some(read), Some(means)) = (unexplained(rows), unexplained(&means.collect::<Vec<_>>())) {
+            as_read += read;
+            as_means += means;
+        }
+    }
+    (as_means < as_read).then_some(averaged)
+}
+
+fn averaged(rows: &[Sample], long_s: f64) -> Vec<Option<f64>> {
+    let mut from = 0;
+    let mean = |row: &Sample| {
+        row.effort_n_per_kg?;
+        from += rows[from..].iter().take_while(|other| other.time_s < row.time_s - 0.5 * long_s).count();
+        let near = rows[from..].iter().take_while(|other| other.time_s <= row.time_s + 0.5 * long_s);
+        let efforts: Vec<f64> = near.filter_map(|other| other.effort_n_per_kg).collect();
+        Some(efforts.iter().sum::<f64>() / efforts.len() as f64)
+    };
+    rows.iter().map(mean).collect()
+}
+
+/// What efforts, a constant and squared speeds leave unexplained of the accelerations, (m/s²)².
+fn unexplained(rows: &[Sample]) -> Option<f64> {
+    let explained = |rows: &[Sample]| {
+        let mps = rows.first()?.speed_mps?;
+        let (acceleration, effort) = effort::window(rows).filter(|_| mps > LEAST_MPS)?;
+        Some((SVector::from([effort, 1.0, mps * mps]), acceleration))
+    };
+    let rows: Vec<_> = effort::stretches(rows, BESIDE_S).into_iter().filter_map(explained).collect();
+    let (beta, _) = least_squares(&rows)?;
+    Some(rows.iter().map(|(x, y)| (y - x.dot(&beta)).powi(2)).sum())
+}
+
+/// Coefficients, and the inverse of the normal matrix.
+fn least_squares<const N: usize>(rows: &[(SVector<f64, N>, f64)]) -> Option<(SVector<f64, N>, SMatrix<f64, N, N>)> {
+    let (mut normal, mut score) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
+    for (x, y) in rows {
+        normal += x * x.transpose();
+        score += x * *y;
+    }
+    let inverse = normal.try_inverse()?;
+    Some((inverse * score, inverse))
+}
+
+/// The rows of the windows in which the train runs and each row has both readings.
+fn compared(rows: &[Sample]) -> Vec<Row> {
+    let (mut found, mut begin) = (Vec::new(), 0);
+    while begin < rows.len() && usual_step_s(rows) <= MOST_STEP_S {
+        let end = begin + rows[begin..].iter().take_while(|row| row.time_s < rows[begin].time_s + WINDOW_S).count();
+        found.extend(window(rows, begin..end).into_iter().flatten());
+        begin = end;
+    }
+    found
+}
+
+fn window(rows: &[Sample], range: Range<usize>) -> Option<Vec<Row>> {
+    let (first, last) = (&rows[range.start], &rows[range.end - 1]);
+    let begin_m = first.location_m?;
+    let grows = last.location_m? >= begin_m;
+    if last.time_s - first.time_s < 0.7 * WINDOW_S {
+        return None;
+    }
+    let (mut integral_m, mut before) = (0.0, first);
+    let mut found = Vec::new();
+    for (at, row) in range.clone().zip(&rows[range.clone()]) {
+        let mps = row.speed_mps.filter(|mps| *mps > LEAST_MPS)?;
+        integral_m += 0.5 * (before.speed_mps? + mps) * (row.time_s - before.time_s);
+        before = row;
+        let way_m = if grows { row.location_m? - begin_m } else { begin_m - row.location_m? };
+        let x = SVector::from([acceleration(rows, at)?, mps, row.time_s - first.time_s, way_m]);
+        found.push((x, integral_m - way_m));
+    }
+    let n = found.len() as f64;
+    let (x, apart_m) = found.iter().fold((SVector::zeros(), 0.0), |(x, y), row| (x + row.0, y + row.1));
+    found.iter_mut().for_each(|row| *row = (row.0 - x / n, row.1 - apart_m / n));
+    Some(found)
+}
+
+/// Slope of the speed around a row, m/s².
+fn acceleration(rows: &[Sample], at: usize) -> Option<f64> {
+    let time_s = rows[at].time_s;
+    let before = rows[..at].iter().rev().take_while(|row| row.time_s >= time_s - BESIDE_S).last()?;
+    let after = rows[at + 1..].iter().take_while(|row| row.time_s <= time_s + BESIDE_S).last()?;
+    let long_s = after.time_s - before.time_s;
+    (long_s >= 1.5 * BESIDE_S).then_some((after.speed_mps? - before.speed_mps?) / long_s)
+}
+
+/// L²/24 of a run, s², by least squares.
+fn second_order(rows: &[Row]) -> Option<Figure> {
+    if rows.len() < LEAST_ROWS {
+        return None;
+    }
+    let (beta, inverse) = least_squares(rows)?;
+    let left: f64 = rows.iter().map(|(x, apart_m)| (apart_m - x.dot(&beta)).powi(2)).sum();
+    let sd = (left / (rows.len() as f64 - 4.0) * inverse[(0, 0)]).sqrt();
+    // Even without any noise no surer than the integral of rows a second apart.
+    Some(Figure { value: beta[0] + 0.5 * beta[1] * beta[1], sd: sd.max(0.05) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Runs of a train that starts, coasts and brakes; speeds are means over `long_s`, and `lag_s` old.
+    fn runs(seed: u64, long_s: usize, lag_s: usize, noise_m: f64) -> Vec<Vec<Sample>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let run = |_| {
+            let (mut mps, mut x_m, mut v, mut x) = (5.0_f64, 0.0, Vec::new(), Vec::new());
+            let hop_s = rng.random_range(180..260);
+            for second in 0..1500 {
+                let a = match second % hop_s {
+                    0..50 => 0.45,
+                    50..150 => -0.03,
+                    _ if mps > 5.0 => -0.6,
+                    _ => 0.0,
+                };
+                (x_m, mps) = (x_m + mps + 0.5 * a, mps + a);
+                v.push(mps);
+                x.push(x_m);
+            }
+            let mean = |at: usize| {
+                let of = &v[at - lag_s - long_s / 2..=at - lag_s + long_s / 2];
+                of.iter().sum::<f64>() / of.len() as f64
+            };
+            let rows = (40..1400).map(|at| Sample {
+                time_s: at as f64,
+                location_m: Some(x[at - 1] + rng.random_range(-noise_m..noise_m)),
+                speed_mps: Some(0.99 * mean(at - 1) + rng.random_range(-0.1..0.1)),
+                ..Sample::default()
+            });
+            rows.collect()
+        };
+        (0..6).map(run).collect()
+    }
+
+    fn found(runs: &[Vec<Sample>]) -> Option<Figure> {
+        of(&runs.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn the_time_of_means_is_found_beside_a_lag_and_a_wheel() {
+        let mut held = 0;
+        for seed in 0..10 {
+            for (long_s, lag_s) in [(9, 0), (9, 3), (15, 0), (21, 2)] {
+                let found = found(&runs(seed, long_s, lag_s, 3.0)).unwrap();
+                assert!((found.value - long_s as f64).abs() < 0.12 * long_s as f64, "{long_s} {found:?}");
+                held += usize::from((found.value - long_s as f64).abs() < 2.5 * found.sd);
+            }
+        }
+        assert!(held >= 30, "{held} of 40");
+    }
+
+    #[test]
+    fn momentary_speeds_are_no_means_whatever_their_lag() {
+        for seed in 0..20 {
+            for (lag_s, noise_m) in [(0, 1.0), (4, 5.0)] {
+                assert_eq!(found(&runs(seed, 1, lag_s, noise_m)), None, "{seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn efforts_become_means_over_as_long() {
+        let row =
+            |second: usize, effort| Sample { time_s: second as f64, effort_n_per_kg: effort, ..Sample::default() };
+        let rows: Vec<Sample> = (0..9).map(|i| row(i, (i != 6).then_some(if i < 4 { 0.0 } else { 1.0 }))).collect();
+        let efforts = averaged(&rows, 4.0);
+        let expected = [0.0, 0.0, 0.2, 0.4, 0.5, 0.75, -1.0, 1.0, 1.0].map(|one| (one >= 0.0).then_some(one));
+        assert_eq!(efforts, expected);
+    }
+}
