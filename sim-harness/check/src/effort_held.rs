@@ -31,7 +31,7 @@ const LEAST_STRETCHES: usize = 2;
 
 /// Efforts that are old ones.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Held {
+pub(crate) struct HeldEfforts {
     /// By run: rows that repeat an effort.
     pub rows: Vec<Vec<Range<usize>>>,
     /// Stretches in which the train answered to another effort.
@@ -44,7 +44,7 @@ pub(crate) struct Held {
 
 /// Of the runs of a unit. Where some stretches are shown to be old, all are taken to be whose effort is that of no other stretch: the train may have answered to
 /// others in them by less than can be seen.
-pub(crate) fn of(runs: &[&[Sample]]) -> Option<Held> {
+pub(crate) fn of(runs: &[&[Sample]]) -> Option<HeldEfforts> {
     let repeats: Vec<Vec<Range<usize>>> = runs.iter().map(|rows| repeats(rows)).collect();
     let all = || runs.iter().zip(&repeats).flat_map(|(rows, of_run)| of_run.iter().map(|range| (*rows, range.clone())));
     let shown = all().filter(|(rows, range)| is_shown(rows, range)).count();
@@ -57,7 +57,7 @@ pub(crate) fn of(runs: &[&[Sample]]) -> Option<Held> {
         *times.entry(value(rows, &range)).or_default() += 1;
     }
     let is_old = |rows: &[Sample], range: &Range<usize>| times[&value(rows, range)] == 1 || is_shown(rows, range);
-    let mut held = Held { shown, ..Held::default() };
+    let mut held = HeldEfforts { shown, ..HeldEfforts::default() };
     for (rows, mut of_run) in runs.iter().zip(repeats.clone()) {
         of_run.retain(|range| is_old(rows, range));
         held.stretches += of_run.len();
@@ -154,7 +154,7 @@ mod tests {
         column
     }
 
-    fn found(runs: &[Vec<Sample>]) -> Option<Held> {
+    fn found(runs: &[Vec<Sample>]) -> Option<HeldEfforts> {
         of(&runs.iter().map(Vec::as_slice).collect::<Vec<_>>())
     }
 

@@ -36,7 +36,7 @@ const SURE: f64 = 6.0;
 const SHAPE_SD: f64 = 0.15;
 
 /// What explains the difference of both ways in a row, and that, m.
-type Row = (SVector<f64, 4>, f64);
+type WayDifference = (SVector<f64, 4>, f64);
 
 /// Over how long speeds are means, s; none where they are momentary, or too little shows it.
 pub(crate) fn of(runs: &[&[Sample]]) -> Option<Figure> {
@@ -105,7 +105,7 @@ fn least_squares<const N: usize>(rows: &[(SVector<f64, N>, f64)]) -> Option<(SVe
 }
 
 /// The rows of the windows in which the train runs and each row has both readings.
-fn compared(rows: &[Sample]) -> Vec<Row> {
+fn compared(rows: &[Sample]) -> Vec<WayDifference> {
     let (mut found, mut begin) = (Vec::new(), 0);
     while begin < rows.len() && usual_step_s(rows) <= MOST_STEP_S {
         let end = begin + rows[begin..].iter().take_while(|row| row.time_s < rows[begin].time_s + WINDOW_S).count();
@@ -115,7 +115,7 @@ fn compared(rows: &[Sample]) -> Vec<Row> {
     found
 }
 
-fn window(rows: &[Sample], range: Range<usize>) -> Option<Vec<Row>> {
+fn window(rows: &[Sample], range: Range<usize>) -> Option<Vec<WayDifference>> {
     let (first, last) = (&rows[range.start], &rows[range.end - 1]);
     let begin_m = first.location_m?;
     let grows = last.location_m? >= begin_m;
@@ -148,7 +148,7 @@ fn acceleration(rows: &[Sample], at: usize) -> Option<f64> {
 }
 
 /// L²/24 of a run, s², by least squares.
-fn second_order(rows: &[Row]) -> Option<Figure> {
+fn second_order(rows: &[WayDifference]) -> Option<Figure> {
     if rows.len() < LEAST_ROWS {
         return None;
     }
