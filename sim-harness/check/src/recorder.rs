@@ -354,8 +354,8 @@ impl RecorderCheck {
         let brakes: Vec<Option<[usize; 2]>> = own.iter().map(|i| effort::brakes(&recordings[*i].rows)).collect();
         let without_sign = |place: &usize| brakes[*place].is_some_and(|[against, all]| 3 * against > 2 * all);
         let odd: Vec<usize> = (0..own.len()).filter(without_sign).collect();
-        // Where most runs have it, it is the column that is said to have nothing to do with the train.
-        if 2 * odd.len() < brakes.iter().flatten().count() {
+        // Where all runs have it, it is the column that is said to have nothing to do with the train.
+        if odd.len() < brakes.iter().flatten().count() {
             for place in odd {
                 if let Some(windows) = brakes[place] {
                     runs[own[place]].brakes_without_sign(windows);
@@ -370,26 +370,28 @@ impl RecorderCheck {
         }
     }
 
-    /// Finds speeds that are means, and makes momentary efforts means over as long.
+    /// Makes momentary efforts means over as long as the speeds are.
     pub(crate) fn smoothed_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
         if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) {
             return;
         }
         let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
         let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
-        let Some(long_s) = smoothed::of(&rows) else {
+        let found = smoothed::of(&rows).and_then(|s| Some((s, smoothed::averaged_efforts(&rows, s.value)?)));
+        let Some((long_s, efforts)) = found else {
             return;
         };
-        let averaged = smoothed::averaged_efforts(&rows, long_s.value);
-        self.found(Kind::SmoothedSpeed, long_s, "s", if averaged.is_some() { Done::PutRight } else { Done::Said });
-        if let Some(efforts) = averaged {
-            let text = "the efforts are averaged over as long, so that both are of the same moments".to_owned();
-            self.evidence.insert(Kind::SmoothedSpeed, text);
-            let rows = own.iter().zip(efforts);
-            rows.for_each(|(i, efforts)| {
-                let rows = recordings[*i].rows.iter_mut().zip(efforts);
-                rows.for_each(|(row, effort)| row.effort_n_per_kg = effort);
-            });
+        let is_short = long_s.value <= smoothed::MOST_S;
+        let (done, text) = if is_short {
+            (Done::PutRight, "the efforts are averaged over as long, and explain the accelerations better so")
+        } else {
+            (Done::LeftOut, "the efforts are, for averaged ones explain the accelerations better, and are not enough")
+        };
+        self.found(Kind::SmoothedSpeed, long_s, "s", done);
+        self.evidence.insert(Kind::SmoothedSpeed, text.to_owned());
+        for (i, efforts) in own.iter().zip(efforts) {
+            let rows = recordings[*i].rows.iter_mut().zip(efforts);
+            rows.for_each(|(row, effort)| row.effort_n_per_kg = effort.filter(|_| is_short));
         }
     }
 
