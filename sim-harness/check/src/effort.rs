@@ -6,6 +6,7 @@
 //! column whatever it holds, so one that does not follow the train is said.
 
 use crate::agreement::{Figure, HALF_95};
+use nalgebra::{SMatrix, SVector};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -56,13 +57,10 @@ pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apar
     let is_constant = ee <= f64::EPSILON * n * effort.powi(2).max(f64::MIN_POSITIVE);
     let value = if is_constant { 0.0 } else { ce / (cc * ee).sqrt() };
     let correlation = Figure { value, sd: (1.0 - value * value) / n.sqrt() };
-    let brakes = pairs.iter().filter(|(change, _)| *change < -BRAKES_MPS2);
-    let against = brakes.clone().filter(|(change, effort)| *effort > -FOLLOWS * change).count();
-    let brakes = brakes.count();
+    let [against, brakes] = braking(&pairs);
     let is_unsigned = brakes >= LEAST_BRAKES && 2 * against > brakes;
     // With the sign turned, the train powers with efforts below zero as well.
-    let powers = pairs.iter().filter(|(change, _)| *change > BRAKES_MPS2);
-    let is_turned = value < -LEAST_CORRELATION && powers.map(|(_, effort)| effort).sum::<f64>() < 0.0;
+    let is_turned = value < -LEAST_CORRELATION && powers_below_zero(&pairs);
     let evidence = if is_constant {
         format!("the effort is {effort:.3} N/kg throughout")
     } else if is_unsigned && !is_turned {
@@ -80,12 +78,34 @@ pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apar
 /// few, or where the sign of all efforts is turned.
 pub(crate) fn brakes(rows: &[Sample]) -> Option<[usize; 2]> {
     let windows: Vec<(f64, f64)> = stretches(rows, BRAKE_WINDOW_S).into_iter().filter_map(window).collect();
+    let [against, all] = braking(&windows);
+    (all >= LEAST_OWN_BRAKES && !powers_below_zero(&windows)).then_some([against, all])
+}
+
+/// Windows of a braking train in which the effort is far above zero, and all of a braking one.
+fn braking(windows: &[(f64, f64)]) -> [usize; 2] {
     let brakes = windows.iter().filter(|(change, _)| *change < -BRAKES_MPS2);
     let against = brakes.clone().filter(|(change, effort)| *effort > -FOLLOWS * change).count();
-    let all = brakes.count();
+    [against, brakes.count()]
+}
+
+/// Where the train powers the efforts are below zero, in sum.
+fn powers_below_zero(windows: &[(f64, f64)]) -> bool {
     let powers = windows.iter().filter(|(change, _)| *change > BRAKES_MPS2);
-    let is_turned = powers.map(|(_, effort)| effort).sum::<f64>() < 0.0;
-    (all >= LEAST_OWN_BRAKES && !is_turned).then_some([against, all])
+    powers.map(|(_, effort)| effort).sum::<f64>() < 0.0
+}
+
+/// Coefficients by least squares, and the inverse of the normal matrix.
+pub(crate) fn least_squares<const N: usize>(
+    rows: &[(SVector<f64, N>, f64)],
+) -> Option<(SVector<f64, N>, SMatrix<f64, N, N>)> {
+    let (mut normal, mut score) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
+    for (x, y) in rows {
+        normal += x * x.transpose();
+        score += x * *y;
+    }
+    let inverse = normal.cholesky()?.inverse();
+    Some((inverse * score, inverse))
 }
 
 /// Acceleration, m/s^2, and mean effort, N/kg, of windows in which the train moves and each row has both.

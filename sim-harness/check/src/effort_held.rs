@@ -45,24 +45,26 @@ pub(crate) struct HeldEfforts {
 /// Of the runs of a unit. Where some stretches are shown to be old, all are taken to be whose effort is that of no other stretch: the train may have answered to
 /// others in them by less than can be seen.
 pub(crate) fn of(runs: &[&[Sample]]) -> Option<HeldEfforts> {
-    let repeats: Vec<Vec<Range<usize>>> = runs.iter().map(|rows| repeats(rows)).collect();
-    let all = || runs.iter().zip(&repeats).flat_map(|(rows, of_run)| of_run.iter().map(|range| (*rows, range.clone())));
-    let shown = all().filter(|(rows, range)| is_shown(rows, range)).count();
+    let asked = |rows: &[Sample]| -> Vec<_> {
+        repeats(rows).into_iter().map(|range| (is_shown(rows, &range), range)).collect()
+    };
+    let repeats: Vec<Vec<(bool, Range<usize>)>> = runs.iter().map(|rows| asked(rows)).collect();
+    let shown = repeats.iter().flatten().filter(|(is_shown, _)| *is_shown).count();
     if shown < LEAST_STRETCHES {
         return None;
     }
-    let mut times: BTreeMap<u64, usize> = BTreeMap::new();
     let value = |rows: &[Sample], range: &Range<usize>| rows[range.start].effort_n_per_kg.map_or(0, f64::to_bits);
-    for (rows, range) in all() {
-        *times.entry(value(rows, &range)).or_default() += 1;
+    let mut times: BTreeMap<u64, usize> = BTreeMap::new();
+    for (rows, of_run) in runs.iter().zip(&repeats) {
+        of_run.iter().for_each(|(_, range)| *times.entry(value(rows, range)).or_default() += 1);
     }
-    let is_old = |rows: &[Sample], range: &Range<usize>| times[&value(rows, range)] == 1 || is_shown(rows, range);
     let mut held = HeldEfforts { shown, ..HeldEfforts::default() };
-    for (rows, mut of_run) in runs.iter().zip(repeats.clone()) {
-        of_run.retain(|range| is_old(rows, range));
-        held.stretches += of_run.len();
-        held.mean_s += of_run.iter().map(|range| rows[range.end - 1].time_s - rows[range.start].time_s).sum::<f64>();
-        held.rows.push(of_run);
+    for (rows, of_run) in runs.iter().zip(repeats) {
+        let old = of_run.into_iter().filter(|(is_shown, range)| *is_shown || times[&value(rows, range)] == 1);
+        let old: Vec<Range<usize>> = old.map(|(_, range)| range).collect();
+        held.stretches += old.len();
+        held.mean_s += old.iter().map(|range| rows[range.end - 1].time_s - rows[range.start].time_s).sum::<f64>();
+        held.rows.push(old);
     }
     held.mean_s /= held.stretches as f64;
     Some(held)

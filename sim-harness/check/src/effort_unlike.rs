@@ -10,8 +10,8 @@
 
 use crate::agreement::Figure;
 use crate::compared::spread;
-use crate::effort::{stretches, window};
-use nalgebra::{Matrix3, Vector3};
+use crate::effort::{least_squares, stretches, window};
+use nalgebra::Vector3;
 use rundown_files::sample::Sample;
 use rundown_files::units::median;
 
@@ -29,42 +29,33 @@ const SURE: f64 = 5.0;
 /// Neighbours have gradients in common: so much wider is the scatter of a fit than that of rows that know nothing of each other.
 const WIDER: f64 = 1.5;
 
-/// What the train answers in a window, m/s², and what explains it.
-struct Answered {
-    acceleration_mps2: f64,
-    x: Vector3<f64>,
-}
+/// What explains the answer of the train in a window, and that, m/s².
+type Answered = (Vector3<f64>, f64);
 
 /// None where the train stands at one of the ends.
 fn answered(rows: &[Sample]) -> Option<Answered> {
     let (acceleration_mps2, effort) = window(rows)?;
     let [first, last] = [rows.first()?.speed_mps?, rows.last()?.speed_mps?];
     let mean = 0.5 * (first + last);
-    (first.min(last) > 0.0).then(|| Answered { acceleration_mps2, x: Vector3::new(effort, 1.0, mean * mean) })
+    (first.min(last) > 0.0).then(|| (Vector3::new(effort, 1.0, mean * mean), acceleration_mps2))
 }
 
 /// The acceleration that a run has for its effort: 0 where the column stands still. None where too little of it powers and brakes.
 pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
     let windows: Vec<Answered> = stretches(rows, WINDOW_S).into_iter().filter_map(answered).collect();
     let n = windows.len() as f64;
-    let changes: Vec<f64> = windows.iter().map(|window| window.acceleration_mps2).collect();
+    let changes: Vec<f64> = windows.iter().map(|(_, change)| *change).collect();
     let mean = changes.iter().sum::<f64>() / n;
     let scatter = (changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / n).sqrt();
     if windows.len() < LEAST_WINDOWS || scatter < LEAST_CHANGE_MPS2 {
         return None;
     }
-    let effort = windows[0].x[0];
-    if windows.iter().all(|window| (window.x[0] - effort).abs() < 1e-9) {
+    let effort = windows[0].0[0];
+    if windows.iter().all(|(x, _)| (x[0] - effort).abs() < 1e-9) {
         return Some(Figure { value: 0.0, sd: 0.0 });
     }
-    let (mut normal, mut score) = (Matrix3::zeros(), Vector3::zeros());
-    for Answered { acceleration_mps2, x } in &windows {
-        normal += x * x.transpose();
-        score += x * *acceleration_mps2;
-    }
-    let inverse = normal.cholesky()?.inverse();
-    let beta = inverse * score;
-    let left = |window: &Answered| (window.acceleration_mps2 - window.x.dot(&beta)).powi(2);
+    let (beta, inverse) = least_squares(&windows)?;
+    let left = |(x, acceleration): &Answered| (acceleration - x.dot(&beta)).powi(2);
     let variance = windows.iter().map(left).sum::<f64>() / (n - 3.0);
     Some(Figure { value: beta[0], sd: WIDER * (variance * inverse[(0, 0)]).sqrt() })
 }

@@ -329,7 +329,7 @@ impl RecorderCheck {
 
     /// Leaves out efforts that are old ones.
     pub(crate) fn held_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
-        let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
+        let own = self.usable(runs);
         let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
         let Some(held) = effort_held::of(&rows) else {
             return;
@@ -350,7 +350,7 @@ impl RecorderCheck {
 
     /// Leaves out the efforts of runs in which the train answers otherwise to them than in the others.
     pub(crate) fn unlike_efforts(&self, recordings: &mut [Recording], runs: &mut [RunCheck]) {
-        let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
+        let own = self.usable(runs);
         let brakes: Vec<Option<[usize; 2]>> = own.iter().map(|i| effort::brakes(&recordings[*i].rows)).collect();
         let without_sign = |place: &usize| brakes[*place].is_some_and(|[against, all]| 3 * against > 2 * all);
         let odd: Vec<usize> = (0..own.len()).filter(without_sign).collect();
@@ -375,7 +375,7 @@ impl RecorderCheck {
         if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) {
             return;
         }
-        let own: Vec<usize> = (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect();
+        let own = self.usable(runs);
         let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
         let found = smoothed::of(&rows).and_then(|s| Some((s, smoothed::averaged_efforts(&rows, s.value)?)));
         let Some((long_s, efforts)) = found else {
@@ -467,6 +467,11 @@ impl RecorderCheck {
     /// Whether a run is one of this recorder, and is used.
     fn has_usable(&self, run: &RunCheck) -> bool {
         run.unit == self.unit && run.refusal().is_none()
+    }
+
+    /// The places of these.
+    fn usable(&self, runs: &[RunCheck]) -> Vec<usize> {
+        (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect()
     }
 
     pub(crate) fn has(&self, kind: Kind) -> bool {

@@ -12,7 +12,7 @@
 use crate::agreement::Figure;
 use crate::clock::usual_step_s;
 use crate::effort;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 use rundown_files::sample::Sample;
 use std::ops::Range;
 
@@ -95,19 +95,8 @@ fn unexplained(rows: &[Sample]) -> Option<f64> {
         Some((SVector::from([effort, 1.0, mps * mps]), acceleration))
     };
     let rows: Vec<_> = effort::stretches(rows, BESIDE_S).into_iter().filter_map(explained).collect();
-    let (beta, _) = least_squares(&rows)?;
+    let (beta, _) = effort::least_squares(&rows)?;
     Some(rows.iter().map(|(x, y)| (y - x.dot(&beta)).powi(2)).sum())
-}
-
-/// Coefficients, and the inverse of the normal matrix.
-fn least_squares<const N: usize>(rows: &[(SVector<f64, N>, f64)]) -> Option<(SVector<f64, N>, SMatrix<f64, N, N>)> {
-    let (mut normal, mut score) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
-    for (x, y) in rows {
-        normal += x * x.transpose();
-        score += x * *y;
-    }
-    let inverse = normal.try_inverse()?;
-    Some((inverse * score, inverse))
 }
 
 /// The rows of the windows in which the train runs and each row has both readings.
@@ -158,7 +147,7 @@ fn second_order(rows: &[WayDifference]) -> Option<Figure> {
     if rows.len() < LEAST_ROWS {
         return None;
     }
-    let (beta, inverse) = least_squares(rows)?;
+    let (beta, inverse) = effort::least_squares(rows)?;
     let left: f64 = rows.iter().map(|(x, apart_m)| (apart_m - x.dot(&beta)).powi(2)).sum();
     let sd = (left / (rows.len() as f64 - 4.0) * inverse[(0, 0)]).sqrt();
     // Even without any noise no surer than the integral of rows a second apart.
