@@ -310,9 +310,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         let acting = Acting::new(self.effects.borrow(), run.journey);
         // That of a tick of 10 s.
         let noise_mps2 = self.config.learning.acceleration_noise_mps2;
-        let speed_mps = estimate.belief.mean[SPEED];
-        let noise =
-            10.0 * noise_mps2 * noise_mps2 + self.config.track_doubt.density(self.train.gravity_n_per_kg(), speed_mps);
+        let now = &estimate.belief.mean;
+        let noise = 10.0 * noise_mps2 * noise_mps2 + self.config.track_doubt.density(&line, now[LOCATION], now[SPEED]);
         coast_ahead::predict(&self.config.coast, &line, &acting, noise, estimate)
     }
 

@@ -282,7 +282,7 @@ fn evidence(
     let interval_s = to.time_s - from.time_s;
     let midway_mps = 0.5 * (from.speed_mps + to.speed_mps);
     let (max_effort_n_per_kg, _) = acting.limits_n_per_kg(line.train, to.location_m, midway_mps);
-    let of_track = config.track_doubt.mean_sd_n_per_kg(line.train.gravity_n_per_kg(), midway_mps, interval_s);
+    let of_track = config.track_doubt.mean_sd_n_per_kg(line, to.location_m, midway_mps, interval_s);
     let of_train = resistance_sd(belief, midway_mps);
     Evidence {
         interval_s,
@@ -297,9 +297,9 @@ fn evidence(
 
 /// Of no effort.
 fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Tick {
-    let speed_mps = run.kinematics.belief().mean[SPEED];
+    let now = &run.kinematics.belief().mean;
     Tick {
-        track_density: config.track_doubt.density(line.train.gravity_n_per_kg(), speed_mps),
+        track_density: config.track_doubt.density(line, now[LOCATION], now[SPEED]),
         time_s: judged.time_s,
         dt_s: judged.dt_s,
         location_m: judged.location_m.ok(),

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! A lever that stays where it is repeats efforts as well, but the train goes with them. A gradient changes a - e, but the effort does not jump by as much where it ends.
-//! Zeros are none of these: every coast repeats them.
+//! Zeros are none of these: every coast repeats them. Where a column hardly ever repeats an effort, because it has noise and digits, those that do for so long in
+//! a few runs are old ones, too, unless the train is seen to go with them.
 
 use crate::effort::window;
 use rundown_files::sample::Sample;
@@ -28,6 +29,13 @@ const ALIKE: f64 = 0.3;
 const AS_MUCH: Range<f64> = 0.6..1.6;
 /// One such stretch may be a gradient.
 const LEAST_STRETCHES: usize = 2;
+/// A column of this many neighbours that repeats no larger share of them outside of such stretches ...
+const LEAST_NEIGHBOURS: f64 = 1000.0;
+const MOST_REPEATED: f64 = 0.05;
+/// ... has so many, one in so many of the runs, for a reason, where fewer than this are expected by chance.
+const STRANGE_STRETCHES: usize = 3;
+const FEW_RUNS: usize = 5;
+const CHANCE: f64 = 0.01;
 
 /// Efforts that are old ones.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,25 +50,37 @@ pub(crate) struct HeldEfforts {
     pub mean_s: f64,
 }
 
+/// What the train says of efforts that repeat: it went with them, it answered to others, or nothing is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Says {
+    Same,
+    Other,
+    Nothing,
+}
+
+/// Rows that repeat an effort.
+type Stretch = (Says, Range<usize>);
+
 /// Of the runs of a unit. Where some stretches are shown to be old, all are taken to be whose effort is that of no other stretch: the train may have answered to
 /// others in them by less than can be seen.
 pub(crate) fn of(runs: &[&[Sample]]) -> Option<HeldEfforts> {
-    let asked = |rows: &[Sample]| -> Vec<_> {
-        repeats(rows).into_iter().map(|range| (is_shown(rows, &range), range)).collect()
+    let asked = |rows: &[Sample]| -> Vec<Stretch> {
+        repeats(rows).into_iter().map(|rows_of| (says(rows, &rows_of), rows_of)).collect()
     };
-    let repeats: Vec<Vec<(bool, Range<usize>)>> = runs.iter().map(|rows| asked(rows)).collect();
-    let shown = repeats.iter().flatten().filter(|(is_shown, _)| *is_shown).count();
-    if shown < LEAST_STRETCHES {
-        return None;
-    }
+    let repeats: Vec<Vec<Stretch>> = runs.iter().map(|rows| asked(rows)).collect();
+    let shown = count(&repeats, Says::Other);
     let value = |rows: &[Sample], range: &Range<usize>| rows[range.start].effort_n_per_kg.map_or(0, f64::to_bits);
     let mut times: BTreeMap<u64, usize> = BTreeMap::new();
     for (rows, of_run) in runs.iter().zip(&repeats) {
         of_run.iter().for_each(|(_, range)| *times.entry(value(rows, range)).or_default() += 1);
     }
+    let once = |rows: &[Sample], range: &Range<usize>| times[&value(rows, range)] == 1;
+    if shown < LEAST_STRETCHES && !are_strange(runs, &repeats, once) {
+        return None;
+    }
     let mut held = HeldEfforts { shown, ..HeldEfforts::default() };
     for (rows, of_run) in runs.iter().zip(repeats) {
-        let old = of_run.into_iter().filter(|(is_shown, range)| *is_shown || times[&value(rows, range)] == 1);
+        let old = of_run.into_iter().filter(|(says, range)| *says == Says::Other || once(rows, range));
         let old: Vec<Range<usize>> = old.map(|(_, range)| range).collect();
         held.stretches += old.len();
         held.mean_s += old.iter().map(|range| rows[range.end - 1].time_s - rows[range.start].time_s).sum::<f64>();
@@ -68,6 +88,38 @@ pub(crate) fn of(runs: &[&[Sample]]) -> Option<HeldEfforts> {
     }
     held.mean_s /= held.stretches as f64;
     Some(held)
+}
+
+/// Few runs repeat efforts for longer than chance would, as rarely as the column repeats one elsewhere.
+fn are_strange(runs: &[&[Sample]], repeats: &[Vec<Stretch>], once: impl Fn(&[Sample], &Range<usize>) -> bool) -> bool {
+    let [mut neighbours, mut repeated] = [0.0, 0.0];
+    for (rows, of_run) in runs.iter().zip(repeats) {
+        let is_asked = |i: &usize| !of_run.iter().any(|(_, range)| range.contains(i) && range.contains(&(i + 1)));
+        for i in (0..rows.len().saturating_sub(1)).filter(is_asked) {
+            if let (Some(a), Some(b)) = (rows[i].effort_n_per_kg, rows[i + 1].effort_n_per_kg)
+                && a != 0.0
+            {
+                neighbours += 1.0;
+                repeated += f64::from(a == b);
+            }
+        }
+    }
+    let share = repeated.max(1.0) / neighbours;
+    let by_chance = |range: &Range<usize>| neighbours * share.powi(range.len() as i32 - 1);
+    let strange = |(rows, of_run): (&&[Sample], &Vec<Stretch>)| {
+        of_run.iter().filter(|(_, range)| by_chance(range) < CHANCE && once(rows, range)).count()
+    };
+    let of_runs: Vec<usize> = runs.iter().zip(repeats).map(strange).collect();
+    let concerned = of_runs.iter().filter(|count| **count > 0).count();
+    neighbours >= LEAST_NEIGHBOURS
+        && share <= MOST_REPEATED
+        && of_runs.iter().sum::<usize>() >= STRANGE_STRETCHES
+        && concerned * FEW_RUNS <= runs.len()
+        && count(repeats, Says::Same) <= count(repeats, Says::Other)
+}
+
+fn count(repeats: &[Vec<Stretch>], wanted: Says) -> usize {
+    repeats.iter().flatten().filter(|(says, _)| *says == wanted).count()
 }
 
 /// Rows that have one effort, other than 0, for long.
@@ -85,9 +137,9 @@ fn repeats(rows: &[Sample]) -> Vec<Range<usize>> {
     found
 }
 
-/// The train answers to another effort at its end.
-fn is_shown(rows: &[Sample], range: &Range<usize>) -> bool {
-    let shown = || {
+/// What the train answers to at its end.
+fn says(rows: &[Sample], range: &Range<usize>) -> Says {
+    let apart = || {
         let (first, last) = (range.start, range.end - 1);
         let effort = rows[first].effort_n_per_kg?;
         let before = answered(&rows[..=first], rows[first].time_s - WINDOW_S)?;
@@ -96,11 +148,15 @@ fn is_shown(rows: &[Sample], range: &Range<usize>) -> bool {
         let ends = last + rows[last..].iter().take_while(|row| row.time_s <= until_s).count();
         let after = answered(&rows[last..ends], rows[last].time_s)?;
         let jump = after.1 - effort;
-        let apart = at_end.0 - 0.5 * (before.0 + after.0);
         let is_alike = (before.0 - after.0).abs() < ALIKE * jump.abs();
-        Some(jump.abs() > LEAST_JUMP_N_PER_KG && is_alike && AS_MUCH.contains(&(apart / jump)))
+        let apart = (at_end.0 - 0.5 * (before.0 + after.0)) / jump;
+        (jump.abs() > LEAST_JUMP_N_PER_KG && is_alike).then_some(apart)
     };
-    shown().unwrap_or(false)
+    match apart() {
+        Some(apart) if AS_MUCH.contains(&apart) => Says::Other,
+        Some(apart) if apart.abs() < ALIKE => Says::Same,
+        _ => Says::Nothing,
+    }
 }
 
 /// Acceleration less effort, and the effort, of the rows since then; none where these are too few, lack something, or the train is slow.
@@ -178,6 +234,18 @@ mod tests {
             let at: Vec<usize> = held.rows[2].iter().map(|range| range.start).collect();
             assert!(at.iter().all(|at| [25, 200, 310].contains(at)), "{at:?}");
         }
+    }
+
+    #[test]
+    fn a_column_that_never_repeats_an_effort_stands_still_where_it_does_unless_the_train_goes_with_it() {
+        let of_runs = |at: &[usize]| -> Vec<Vec<Sample>> {
+            let reads = |i: u64, efforts: &[f64]| frozen(efforts, if i == 2 { at } else { &[] });
+            (0..6).map(|i| run(i, 0.01, |efforts| reads(i, efforts))).collect()
+        };
+        // Of the first nothing is seen, in the second the train lets go, in the third it does what it did.
+        let held = found(&of_runs(&[2, 205, 365])).unwrap();
+        assert_eq!((held.shown, held.stretches), (1, 3), "{held:?}");
+        assert_eq!(found(&of_runs(&[185, 365, 545])), None);
     }
 
     #[test]

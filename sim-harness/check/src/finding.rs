@@ -175,7 +175,7 @@ impl Kind {
                 "efforts are unlike those of the other runs: acceleration for the effort, over theirs"
             }
             Self::UnsignedBrake => "efforts are above zero while the train brakes",
-            Self::EffortHeld => "efforts stand still while the train answers to others, for a mean of",
+            Self::EffortHeld => "efforts stand still, as the last one that arrived does, for a mean of",
             Self::EffortLate => "measured efforts are older than the speed (below zero: the speed is)",
             Self::EffortOffset => "the effort of a train that stands is not 0 but",
             Self::EffortZeros => "the effort is 0 while the train brakes or holds its speed",

@@ -277,6 +277,7 @@ settings! {
         below_kmh: f64 = 3.0, /// What a speed changes between two readings of an accelerating train, km/h. Derived: 10 s at 0.08 m/s².
         little_less: f64 = 0.85, /// Above this factor what a section lacks in power may as well be a resistance in it, where the effort is calculated. Judgement.
         coasted_rows: usize = 10, /// Intervals that must coast in a section for its resistance to be known there. Judgement.
+        coasted_drag: f64 = 0.5, /// These intervals deny a resistance where they show less than this share of it, with 95 %. Judgement.
         same_mass: f64 = 0.5, /// Masses by air drag and by power agree within this share of the first. Judgement.
         same_mass_at_least: f64 = 0.02, /// And this share of the train. Judgement.
     }

@@ -1,6 +1,7 @@
 //! Less power in a feeding section.
 
 use crate::candidates::kit::*;
+use crate::naming::confounded::may_drag;
 use rundown::model::effects::PowerLimitSection;
 
 pub struct This;
@@ -35,10 +36,7 @@ impl Candidate for This {
             let on_line = |at: f64| at.clamp(0.0, surroundings.length_m);
             named.intervals.push((name, on_line(low), on_line(high)));
         }
-        // Enough intervals coasted in the section for its resistance to be known there.
-        let coasted =
-            || naming.rows.iter().filter(|row| (from_m..to_m).contains(&row.interval.middle().location_m)).count();
-        let or_drag = !naming.measured && factor > certainty.little_less && coasted() < certainty.coasted_rows;
+        let or_drag = factor > certainty.little_less && may_drag(&effect, naming);
         Some((named, or_drag.then_some((EffectKind::TunnelDrag, 1.0)).into_iter().collect()))
     }
 

@@ -7,6 +7,7 @@ use crate::data::rows::Row;
 use crate::named::Named;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{DavisError, Effect, EffectKind, PowerLimitSection, TractionScale};
+use rundown_check::agreement::HALF_95;
 
 /// Length of the places at which the described gradient is looked at, m.
 const PLACE_M: f64 = 100.0;
@@ -37,10 +38,9 @@ fn rivals(effect: &Effect, gain: Option<f64>, wrong: &[[f64; 2]], naming: &Namin
         let wind = wind.then_some(EffectKind::SteadyWind);
         return wind.into_iter().chain(gain.map(|_| EffectKind::MassError)).collect();
     }
-    if let Effect::PowerLimitSection(PowerLimitSection { from_m, to_m, .. }) = effect {
-        let section = [*from_m, *to_m];
-        let climbs = !naming.measured && may_climb(section, wrong, naming);
-        let drags = !naming.measured && !is_coasted(section, naming);
+    if let Effect::PowerLimitSection(limit) = effect {
+        let climbs = !naming.measured && may_climb([limit.from_m, limit.to_m], wrong, naming);
+        let drags = may_drag(limit, naming);
         let climbs = climbs.then_some(EffectKind::GradientError);
         return climbs.into_iter().chain(drags.then_some(EffectKind::TunnelDrag)).collect();
     }
@@ -72,10 +72,34 @@ fn may_climb(section: [f64; 2], wrong: &[[f64; 2]], naming: &Naming<'_>) -> bool
         || (!is_coasted(section, naming) && (is_level || !wrong.is_empty()))
 }
 
+/// Without efforts the power may go into a resistance k v² of the section: unless enough rows coast there and surely show less than half of it, even
+/// if the power is short of the least, at the highest speed.
+pub fn may_drag(limit: &PowerLimitSection, naming: &Naming<'_>) -> bool {
+    let section = [limit.from_m, limit.to_m];
+    if naming.measured || !is_coasted(section, naming) {
+        return !naming.measured;
+    }
+    let speeds = naming.rows.iter().map(|row| row.interval.mean_speed_mps());
+    let fastest_mps = speeds.fold(f64::MIN_POSITIVE, f64::max);
+    let lacks_n_per_kg = (1.0 - limit.factor) * naming.context.believed.train().max_effort_n_per_kg(fastest_mps);
+    let expected = |row: &Row| lacks_n_per_kg * (row.interval.mean_speed_mps() / fastest_mps).powi(2);
+    let sum = |of: &dyn Fn(&Row) -> f64| coasted(section, naming).map(of).sum::<f64>();
+    let weight = sum(&|row| expected(row).powi(2));
+    let shown = sum(&|row| expected(row) * row.residual_n_per_kg) / weight;
+    let left = sum(&|row| (row.residual_n_per_kg - shown * expected(row)).powi(2));
+    let sd = (left / (coasted(section, naming).count() as f64 - 1.0) / weight).sqrt();
+    let certainty = &naming.context.config.certainty;
+    // Of a limit that lacks nothing there is no number, and nothing is known.
+    !(shown + HALF_95 * sd < certainty.coasted_drag)
+}
+
 /// Enough of the rows lie in the section to show a resistance there.
-fn is_coasted([from_m, to_m]: [f64; 2], naming: &Naming<'_>) -> bool {
-    let coasts = naming.rows.iter().filter(|row| (from_m..to_m).contains(&row.interval.middle().location_m));
-    coasts.count() >= naming.context.config.certainty.coasted_rows
+fn is_coasted(section: [f64; 2], naming: &Naming<'_>) -> bool {
+    coasted(section, naming).count() >= naming.context.config.certainty.coasted_rows
+}
+
+fn coasted<'a>([from_m, to_m]: [f64; 2], naming: &Naming<'a>) -> impl Iterator<Item = &'a Row> + use<'a> {
+    naming.rows.iter().filter(move |row| (from_m..to_m).contains(&row.interval.middle().location_m))
 }
 
 /// A wind that blows would add as much at the usual speed: r2 ((v + w)² - v²).
@@ -131,6 +155,27 @@ mod tests {
                 assert_eq!(rivals(context, section, wrong, 0, false), SHARED);
                 assert_eq!(rivals(context, section, wrong, 12, false), []);
             }
+        });
+    }
+
+    #[test]
+    fn a_section_whose_coasts_show_its_resistance_may_have_no_limit() {
+        on_a_hilly_line(20, |context| {
+            let limit = PowerLimitSection { from_m: 10e3, to_m: 14e3, factor: 0.9 };
+            let lacks = 0.1 * context.believed.train().max_effort_n_per_kg(30.0);
+            let may_drag = |share: f64, scatter: f64| {
+                let row = |i: usize| Row {
+                    residual_n_per_kg: share * lacks + if i % 2 == 0 { scatter } else { -scatter },
+                    ..Row::coasting(Direction::Up, 12e3, 30.0)
+                };
+                let rows: Vec<Row> = (0..12).map(row).collect();
+                let kinematics = Kinematics::default();
+                super::may_drag(&limit, &Naming { rows: &rows, measured: false, ..Naming::plain(context, &kinematics) })
+            };
+            assert!(may_drag(0.8, 0.3 * lacks));
+            assert!(!may_drag(0.0, 0.3 * lacks));
+            // Rows that scatter too much to know.
+            assert!(may_drag(0.0, 2.0 * lacks));
         });
     }
 
