@@ -9,6 +9,7 @@ use crate::input::Input;
 use crate::investigation::most_held_out;
 use crate::leap::leap;
 use crate::readings::brakes::{needed, powered_hard};
+use crate::readings::delay::{self, delay};
 use crate::refusal::Refusal;
 use crate::slopes;
 use rundown_check::agreement::Figure;
@@ -39,12 +40,23 @@ pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> 
     if let Some(leap) = leap(&input.runs, config) {
         return Err(Refusal::Leap { leap, all: runs });
     }
-    let most = config.effort.most_factor;
-    let rows = rows_as_read(given, &input.runs).unwrap_or_default();
-    match effort_factor(given, &rows) {
-        Some(factor) if !(1.0 / most..=most).contains(&factor) => Err(Refusal::EffortColumn { factor }),
-        _ => slopes(input, given, &rows),
+    let mut rows = rows_as_read(given, &input.runs).unwrap_or_default();
+    if wrong_factor(given, &rows).is_some() {
+        // On short hops a column that is late has little to do with the motion.
+        let late = delay(given, &input.runs, false);
+        let moved = delay::put_right(given, &input.runs, late.reading, late.delay_s.map_or(0.0, |late| late.value));
+        rows = rows_as_read(given, &moved).unwrap_or_default();
     }
+    match wrong_factor(given, &rows) {
+        Some(factor) => Err(Refusal::EffortColumn { factor }),
+        None => slopes(input, given, &rows),
+    }
+}
+
+/// What no gain of a column explains.
+fn wrong_factor(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
+    let most = given.config.effort.most_factor;
+    effort_factor(given, rows).filter(|factor| !(1.0 / most..=most).contains(factor))
 }
 
 /// The described slopes are those of the line: by the effort column, and without one, or where it does not show them, by the coasts.

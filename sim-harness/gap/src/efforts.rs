@@ -179,7 +179,7 @@ impl Looked<'_> {
             let rounding_n_per_kg = steps::rounding(run.recorded.effort_step_n_per_kg);
             let sampled = self.effort == EffortReading::Momentary || usual_step_s(run) < config.fast_s;
             let powering = if sampled {
-                sampled_powering(line.train, index, run, traction_config)
+                sampled_powering(line.train, index, run, self.effort, traction_config)
             } else {
                 powering(line.train, intervals, &self.efforts(run, intervals), sd, traction_config)
             };

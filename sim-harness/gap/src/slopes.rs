@@ -64,10 +64,13 @@ pub fn of_level(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
         let count = residuals.len() as f64;
         let mean = residuals.iter().sum::<f64>() / count;
         let variance = residuals.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        (mean.abs(), (variance / count).sqrt())
+        (mean, (variance / count).sqrt())
     };
     let seen: Vec<(f64, f64)> = places.values().filter(|rows| rows.len() >= LEAST_IN_PLACE).map(of_place).collect();
-    let (size, noise) = (median(seen.iter().map(|(mean, _)| *mean))?, median(seen.iter().map(|(_, sd)| *sd))?);
+    // A wind turns with the train as slopes do, and is the same everywhere.
+    let wind = median(seen.iter().map(|(mean, _)| *mean))?;
+    let (size, noise) =
+        (median(seen.iter().map(|(mean, _)| (mean - wind).abs()))?, median(seen.iter().map(|(_, sd)| *sd))?);
     let permille = 1000.0 / given.believed.train().gravity_n_per_kg();
     (seen.len() >= LEAST_PLACES && size > SURE * noise).then_some(MEDIAN_TO_SD * size * permille)
 }
@@ -152,6 +155,29 @@ mod tests {
             let one_place = |km: f64| if (10.0..13.0).contains(&km) { 5.0 } else { 0.0 };
             assert!(on_level(one_place, seed).is_none_or(|slopes| slopes < 0.7));
             assert_eq!(on_level(|_| 0.0, seed), None);
+        }
+    }
+
+    /// 2 r2 w v of a wind of 5 m/s: to each direction of travel a slope of its own.
+    #[test]
+    fn a_wind_on_a_level_line_is_no_slope() {
+        for seed in 0..10 {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let slopes = on_a_level_line(20, |context| {
+                let r2 = context.believed.train().davis().r2;
+                let row = |i: usize| {
+                    let direction = [Direction::Up, Direction::Down][i % 2];
+                    let mut row = Row::coasting(direction, 500.0 * (i % 60) as f64, rng.random_range(15.0..40.0));
+                    row.interval.speed_mps[1] += 0.5;
+                    let noise: f64 = StandardNormal.sample(&mut rng);
+                    row.residual_n_per_kg =
+                        10.0 * direction.sign() * r2 * row.interval.mean_speed_mps() + 0.003 * noise;
+                    row.effort_n_per_kg = rng.random_range(0.0..0.2);
+                    row
+                };
+                of_level(context, &(0..20 * 60).map(row).collect::<Vec<Row>>())
+            });
+            assert!(slopes.is_none_or(|permille| permille < 0.2), "{slopes:?}");
         }
     }
 

@@ -90,7 +90,8 @@ pub fn may_drag(limit: &PowerLimitSection, naming: &Naming<'_>) -> bool {
     let sd = (left / (coasted(section, naming).count() as f64 - 1.0) / weight).sqrt();
     let certainty = &naming.context.config.certainty;
     // Of a limit that lacks nothing there is no number, and nothing is known.
-    !(shown + HALF_95 * sd < certainty.coasted_drag)
+    let most = shown + HALF_95 * sd;
+    most.is_nan() || most >= certainty.coasted_drag
 }
 
 /// Enough of the rows lie in the section to show a resistance there.
@@ -165,7 +166,7 @@ mod tests {
             let lacks = 0.1 * context.believed.train().max_effort_n_per_kg(30.0);
             let may_drag = |share: f64, scatter: f64| {
                 let row = |i: usize| Row {
-                    residual_n_per_kg: share * lacks + if i % 2 == 0 { scatter } else { -scatter },
+                    residual_n_per_kg: share * lacks + if i.is_multiple_of(2) { scatter } else { -scatter },
                     ..Row::coasting(Direction::Up, 12e3, 30.0)
                 };
                 let rows: Vec<Row> = (0..12).map(row).collect();

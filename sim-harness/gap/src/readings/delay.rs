@@ -4,10 +4,10 @@
 //! their efforts moved to where they belong.
 //!
 //! ```text
-//! largest over reading and d:   -n ln(mean |y(d)|) - d²/2 sd²        y(d): residual with the effort that is shown d later
+//! largest over reading, d and q:   -n ln(mean |y|) - d²/2 sd²        y = q u(d) - dv/dt - r - g: residual with the effort that is shown d later
 //! ```
 //!
-//! where n counts the intervals in which the effort changes: only these tell. Efforts are resampled, not differentiated: a sample of 10 s is no small delay. An effect
+//! where q is the gain of the column, for where the power limits an effort that reads too much looks like one that is too old: it falls as the speed rises. n counts the intervals in which the effort changes: only these tell. Efforts are resampled, not differentiated: a sample of 10 s is no small delay. An effect
 //! that is looked for is a tenth of a switch of the regime.
 
 use crate::config::NuisanceConfig;
@@ -102,7 +102,7 @@ pub fn put_right(context: &Context<'_>, runs: &[Run], reading: EffortReading, de
     runs.iter().map(|run| read_later(run, reading, delay_s, gap)).collect()
 }
 
-/// Residuals of all moving intervals; of those in which trains brake not where the readings of the brake are none.
+/// Residuals of all moving intervals, with the gain that makes them smallest; of those in which trains brake not where the readings of the brake are none.
 fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f64, brakes: bool) -> Sizes {
     let moved: Vec<Run>;
     let runs = if delay_s == 0.0 {
@@ -113,19 +113,32 @@ fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f
     };
     let slowest_mps = context.config.interval.slowest_mps;
     let cut = cut::all(context, runs, reading);
-    let of_run = |(run, intervals): (&Run, Vec<Interval>)| {
+    let of_run = |(run, intervals): (&Run, Vec<Interval>)| -> Vec<[f64; 2]> {
         let line = context.believed.line(run.direction);
         let moves = |i: &&Interval| i.speed_mps[0].min(i.speed_mps[1]) > slowest_mps;
         let moving = intervals.iter().filter(moves).filter(|i| brakes || !is_braked(context, run, i));
-        moving.fold((0.0, 0.0), |(sum, count), interval| match interval.effort_n_per_kg {
-            Some(effort) => {
-                let residual = effort - interval.acceleration_mps2() - believed_load(line, interval);
-                (sum + residual.abs(), count + 1.0)
-            }
-            None => (sum, count),
-        })
+        let given = |i: &Interval| Some([i.effort_n_per_kg?, i.acceleration_mps2() + believed_load(line, i)]);
+        moving.filter_map(given).collect()
     };
-    runs.iter().zip(cut).map(of_run).collect()
+    let given: Vec<Vec<[f64; 2]>> = runs.iter().zip(cut).map(of_run).collect();
+    let nuisance = &context.config.nuisance;
+    let gain = gain(given.iter().flatten(), nuisance.most_sd * nuisance.effort_gain_sd);
+    let size = |[effort, needed]: &[f64; 2]| (gain * effort - needed).abs();
+    given.iter().map(|of_run| (of_run.iter().map(size).sum(), of_run.len() as f64)).collect()
+}
+
+/// The multiple of the efforts that is nearest to those needed, in the mean of the distances: the median of the ratios, weighed by the efforts.
+fn gain<'a>(given: impl Iterator<Item = &'a [f64; 2]>, most: f64) -> f64 {
+    let ratio = |[effort, needed]: &[f64; 2]| (*effort != 0.0).then(|| (needed / effort, effort.abs()));
+    let mut ratios: Vec<(f64, f64)> = given.filter_map(ratio).collect();
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut below = 0.0;
+    let middle = ratios.iter().find(|(_, weight)| {
+        below += weight;
+        below >= half
+    });
+    middle.map_or(1.0, |(ratio, _)| ratio.clamp(1.0 - most, 1.0 + most))
 }
 
 fn mean(sizes: &Sizes, left_out: Option<usize>, groups: usize) -> f64 {

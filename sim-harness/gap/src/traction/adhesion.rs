@@ -155,7 +155,7 @@ pub fn adhesion(
 mod tests {
     use super::*;
     use crate::config::GapConfig;
-    use crate::data::runs::{Recorded, Run};
+    use crate::data::runs::{EffortReading, Recorded, Run};
     use crate::traction::powering::sampled_powering;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -225,7 +225,7 @@ mod tests {
         let powering = |index: usize| {
             let (handle, cap) = of(index);
             let run = run(&mut rng, &train, handle, cap);
-            sampled_powering(&train, index, &run, &config.traction)
+            sampled_powering(&train, index, &run, EffortReading::Momentary, &config.traction)
         };
         let powering: Vec<Vec<SteadyPower>> = (0..32).map(powering).collect();
         adhesion(&powering.iter().collect::<Vec<_>>(), &config.traction, &config.penalty)
@@ -262,7 +262,7 @@ mod tests {
             let still = 0.93 + 0.005 * (7 * index % 11) as f64;
             let handle = if index.is_multiple_of(4) { Handle::Moved(&[0.98, 0.98, 0.7]) } else { Handle::Still(still) };
             let run = run(&mut rng, &train, handle, None);
-            let read = sampled_powering(&train, index, &run, &config).into_iter();
+            let read = sampled_powering(&train, index, &run, EffortReading::Momentary, &config).into_iter();
             read.map(|p| if p.by_power { SteadyPower { ratio: 1.015 * p.ratio, ..p } } else { p }).collect()
         };
         let powering: Vec<Vec<SteadyPower>> = (0..32).map(powering).collect();

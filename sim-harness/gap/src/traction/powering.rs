@@ -2,7 +2,7 @@
 
 use crate::config::TractionConfig;
 use crate::data::interval::Interval;
-use crate::data::runs::Run;
+use crate::data::runs::{EffortReading, Run};
 use rundown::model::train::Train;
 use rundown_files::sample::Sample;
 
@@ -182,17 +182,28 @@ fn floats(read: &[(f64, SteadyPower)], here: usize, config: &TractionConfig) -> 
     times.1 - times.0 >= config.floating_s && speeds.1 - speeds.0 >= config.floating_mps
 }
 
-/// Intervals of steady power where the effort is measured at the moments of its samples: no mean over an interval is needed, and a fast log shows more of the first
-/// seconds.
-pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &TractionConfig) -> Vec<SteadyPower> {
+/// Intervals of steady power where the effort is read off the samples: no mean over an interval is needed, and a fast log shows more of the first seconds. A mean
+/// since the sample before belongs half-way between the two, where the train was slower.
+pub fn sampled_powering(
+    train: &Train,
+    index: usize,
+    run: &Run,
+    reading: EffortReading,
+    config: &TractionConfig,
+) -> Vec<SteadyPower> {
     let most = train.max_effort_n_per_kg(0.1);
-    let read = |s: &Sample| {
-        let speed_mps = s.speed_mps?;
+    let read = |(i, s): (usize, &Sample)| {
+        let from = match reading {
+            EffortReading::Momentary => s,
+            EffortReading::MeanSinceLast => &run.samples[i.checked_sub(1)?],
+        };
+        let speed_mps = 0.5 * (from.speed_mps? + s.speed_mps?);
+        let location_m = 0.5 * (from.location_m? + s.location_m?);
         let limits = [train.max_effort_n_per_kg(speed_mps.max(0.5)), most];
-        let (at, sd) = ((index, s.location_m?, speed_mps), [0.0, config.sampled_speed_sd_mps]);
-        Some((s.time_s, SteadyPower::read(at, s.effort_n_per_kg?, limits, sd, config)))
+        let sd = [0.0, config.sampled_speed_sd_mps];
+        Some((s.time_s, SteadyPower::read((index, location_m, speed_mps), s.effort_n_per_kg?, limits, sd, config)))
     };
-    let read: Vec<(f64, SteadyPower)> = run.samples.iter().filter_map(read).collect();
+    let read: Vec<(f64, SteadyPower)> = run.samples.iter().enumerate().filter_map(read).collect();
     let mut powering: Vec<PhasePart> = Vec::new();
     let mut last_s = f64::NEG_INFINITY;
     for (i, (time_s, power)) in read.iter().enumerate() {
