@@ -15,7 +15,11 @@ use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
 use crate::holdout::{journey::Journey, share::Share};
 use crate::named::Named;
-use crate::naming::{confounded::confounded, names::named, on_line::on_line};
+use crate::naming::{
+    confounded::{confounded, of_one_alone},
+    names::named,
+    on_line::on_line,
+};
 use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
 use crate::readings::kinematics::{own_scales, scaled_recorders};
 use crate::readings::nuisances::{self, Nuisance, nuisances, righted};
@@ -207,6 +211,7 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
     let mut all = named(&findings.terms, limit, &naming);
     let gain = findings.gain.filter(|gain| nuisances::is_told(*gain, context.config)).map(|gain| gain.value);
     confounded(&mut all, gain, &naming);
+    of_one_alone(&mut all, &findings.differing.standouts, &context.config.certainty);
     // What no board takes is no effect of a train; the residuals still say that something is left.
     all.retain(|one| one.effect.check().is_ok());
     for one in &mut all {

@@ -82,7 +82,9 @@ pub fn with_ends(value: f64, interval: Option<(f64, f64)>) -> (String, Option<[S
     match interval {
         Some((low, high)) if high > low => {
             let sd = 0.5 * (high - low) / HALF_95;
-            let text = |v| digits(v, sd, value);
+            // An end beside zero is not written as zero.
+            let nearest = low.abs().min(high.abs());
+            let text = |v| digits(v, nearest.clamp(0.1 * sd, sd), value);
             (text(value), Some([text(low), text(high)]))
         }
         _ => (short(value), None),
@@ -143,5 +145,7 @@ mod tests {
         let (value, ends) = with_ends(2.04, Some((1.84, 2.24)));
         assert_eq!(value, "2.0");
         assert_eq!(ends.unwrap(), ["1.8", "2.2"]);
+        let (value, ends) = with_ends(0.0025, Some((0.0003, 0.0047)));
+        assert_eq!((value.as_str(), ends.unwrap()), ("0.0025", ["0.0003", "0.0047"].map(String::from)));
     }
 }

@@ -6,7 +6,9 @@ use crate::answer::whole::Answer;
 use crate::candidate::ShowsIn;
 use crate::candidates;
 use crate::data::load::about_gradients;
+use crate::data::runs::{EffortReading, usual_step_s};
 use crate::findings::Findings;
+use crate::fit::median;
 use crate::investigation::Investigation;
 use crate::levels::{NotCompared, Standout};
 use crate::named::Named;
@@ -33,10 +35,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     notes.extend(told.map(Nuisance::sentence));
     notes.extend(found.findings.headwind.as_ref().map(measured_wind));
     if found.gap.is_worse(config) {
-        notes.push(format!(
-            "Worse than before: on the hold-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. Do not use the repaired model before this is understood.",
-            found.gap.after, found.gap.before
-        ));
+        notes.push(worse(answer));
     }
     if runs <= least {
         notes.push(format!(
@@ -146,6 +145,26 @@ fn unseen_speeds(findings: &Findings) -> Option<String> {
 /// What is said where nothing could be evaluated by forces.
 pub fn no_rows(findings: &Findings) -> &'static str {
     if findings.measured { TOO_FEW_ROWS } else { NO_ROWS }
+}
+
+/// The repaired model is further off on the hold-out runs.
+fn worse(answer: &Answer) -> String {
+    let (found, config) = (&answer.found, &answer.config.effort);
+    let step_s = median(answer.input.runs.iter().map(usual_step_s)).unwrap_or(0.0);
+    let is_guessed =
+        found.findings.measured && found.findings.effort == EffortReading::Momentary && step_s >= config.fast_s;
+    let meaning = if is_guessed {
+        format!(
+            "Of momentary efforts {step_s:.0} s apart the simulation guesses what is between two of them, so that this says little: \
+             the p-value with the effects in the model says more"
+        )
+    } else {
+        "Do not use the repaired model before this is understood".to_owned()
+    };
+    format!(
+        "Worse than before: on the hold-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. {meaning}.",
+        found.gap.after, found.gap.before
+    )
 }
 
 /// Without an effort column and without coasting.

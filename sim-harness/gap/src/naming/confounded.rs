@@ -2,8 +2,10 @@
 
 use crate::candidate::Naming;
 use crate::candidates::separates;
+use crate::config::CertaintyConfig;
 use crate::data::believed::Context;
 use crate::data::rows::Row;
+use crate::levels::Standout;
 use crate::named::Named;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{DavisError, Effect, EffectKind, PowerLimitSection, TractionScale};
@@ -22,10 +24,28 @@ pub fn confounded(all: &mut [Named], gain: Option<f64>, naming: &Naming<'_>) {
         .map(Into::into)
         .collect();
     for named in all {
+        let is_drag = named.effect.kind() == EffectKind::DraggingBrake;
+        if is_drag && !naming.measured && (1..=certainty.few_dragging).contains(&named.runs.len()) {
+            // Coasts that begin while a brake is let go look so, in one run of many by chance.
+            named.or_else("brakes that were released late", certainty.confounded, "the pressure of the brake");
+        }
         for rival in rivals(&named.effect, gain, &wrong, naming) {
             if !named.ambiguous_with.contains(&rival) {
                 named.rival(rival, certainty.confounded, separates(named.effect.kind(), rival, naming.have()));
             }
+        }
+    }
+}
+
+/// Wrong coefficients of all runs may be those of one unit or driver of two, where the other has the described resistance.
+pub fn of_one_alone(all: &mut [Named], standouts: &[Standout], certainty: &CertaintyConfig) {
+    let is_alone = |standout: &Standout| {
+        let of_other = standout.other.as_ref().map(|(_, described)| described.abs());
+        of_other.is_some_and(|of_other| of_other < certainty.as_described * standout.share.value.abs())
+    };
+    if standouts.iter().any(is_alone) {
+        for one in all.iter_mut().filter(|one| one.effect.kind() == EffectKind::DavisError) {
+            one.or_else("one unit or driver alone", certainty.alone, "the runs of each by themselves");
         }
     }
 }
@@ -117,8 +137,10 @@ fn is_like_wind(davis: &DavisError, naming: &Naming<'_>) -> bool {
 mod tests {
     use super::*;
     use crate::data::believed::tests::on_a_hilly_line;
+    use crate::levels::Level;
     use crate::readings::kinematics::Kinematics;
     use rundown::model::effects::GradientError;
+    use rundown_check::agreement::Figure;
 
     /// Rivals of a limit in this section, where gradients are wrong in `wrong` and so many intervals coasted in it.
     fn rivals(
@@ -157,6 +179,27 @@ mod tests {
                 assert_eq!(rivals(context, section, wrong, 12, false), []);
             }
         });
+    }
+
+    #[test]
+    fn coefficients_of_all_runs_are_those_of_one_unit_where_the_other_is_as_described() {
+        let certainty = CertaintyConfig::default();
+        let confidence = |of_other: f64| {
+            let davis = DavisError { dr0: 2e-3, dr1: 0.0, dr2: 0.0 };
+            let mut all = vec![Named::plain(davis.into(), Vec::new(), 40.0, 30.0)];
+            let standout = Standout {
+                level: Level::Unit,
+                of: "u02".to_owned(),
+                runs: 15,
+                share: Figure { value: 0.16, sd: 0.01 },
+                described: 0.16 + of_other,
+                other: Some(("u01".to_owned(), of_other)),
+                p_value: 0.001,
+            };
+            of_one_alone(&mut all, &[standout], &certainty);
+            all[0].confidence
+        };
+        assert!(confidence(0.01) < 0.25 && confidence(0.08) > 0.9);
     }
 
     #[test]

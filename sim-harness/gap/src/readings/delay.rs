@@ -223,6 +223,10 @@ mod tests {
                         let power = if speed < 25.0 { 0.25 } else { -0.2 };
                         effort = if effort == 0.0 { power } else { 0.0 };
                     }
+                    if effort > 0.0 {
+                        // Of constant power.
+                        effort = 6.0 / speed;
+                    }
                     let shown = (speed, location_m, effort);
                     speed += effort - line.train.davis().resistance_n_per_kg(speed);
                     location_m += speed;
@@ -268,6 +272,21 @@ mod tests {
                     assert!((late_s - (age * step) as f64).abs() <= 0.5, "{step} s, {found:?}");
                     assert_eq!(found.reading, EffortReading::Momentary, "{step} s");
                 }
+            }
+        });
+    }
+
+    #[test]
+    fn an_effort_that_reads_too_much_or_too_little_is_as_old_as_it_is() {
+        on_a_level_line(12, |context| {
+            for reading in [EffortReading::MeanSinceLast, EffortReading::Momentary] {
+                let age = |gain: f64| {
+                    let mut runs = runs(context, 10, 0, reading);
+                    let samples = runs.iter_mut().flat_map(|run| &mut run.samples);
+                    samples.filter_map(|s| s.effort_n_per_kg.as_mut()).for_each(|effort| *effort *= gain);
+                    delay(context, &runs, true).delay_s.unwrap().value
+                };
+                assert_eq!([0.9, 0.95, 1.05, 1.1].map(age), [age(1.0); 4], "{reading:?}");
             }
         });
     }

@@ -21,6 +21,8 @@ pub struct Scan {
     pub term: Term,
     config: SearchConfig,
     edges_m: Vec<f64>,
+    /// Where the rows lie, in order.
+    middles_m: Vec<f64>,
     columns: DMatrix<f64>,
     gram: DMatrix<f64>,
 }
@@ -82,7 +84,15 @@ impl Scan {
             edges_m.iter().map(|edge| whitening.whiten(&cumulative.before(*edge))).collect();
         let columns = DMatrix::from_columns(&columns);
         let gram = columns.transpose() * &columns;
-        Self { term, config, edges_m, columns, gram }
+        let mut middles_m: Vec<f64> = rows.iter().map(|row| row.interval.middle().location_m).collect();
+        middles_m.sort_by(f64::total_cmp);
+        Self { term, config, edges_m, middles_m, columns, gram }
+    }
+
+    /// Rows lie in it: the ends of trains that coast beside a section say little of it, and it may explain any of them.
+    fn is_seen(&self, [from_m, to_m]: [f64; 2]) -> bool {
+        let before = |edge_m: f64| self.middles_m.partition_point(|middle_m| *middle_m < edge_m);
+        before(to_m) - before(from_m) >= self.config.least_in_section
     }
 
     /// The columns times the residual, and their Gram matrix, beside the current model.
@@ -97,7 +107,8 @@ impl Scan {
         for a in 0..self.edges_m.len() {
             for b in a + 1..self.edges_m.len() {
                 let length_m = self.edges_m[b] - self.edges_m[a];
-                if !(self.config.shortest_m..=longest_m).contains(&length_m) {
+                let section = [self.edges_m[a], self.edges_m[b]];
+                if !(self.config.shortest_m..=longest_m).contains(&length_m) || !self.is_seen(section) {
                     continue;
                 }
                 let information = gram[(a, a)] + gram[(b, b)] - 2.0 * gram[(a, b)];
@@ -107,7 +118,7 @@ impl Scan {
                 }
                 let gain = 0.5 * score * score / information;
                 if best.is_none_or(|(_, most)| gain > most) {
-                    best = Some(([self.edges_m[a], self.edges_m[b]], gain));
+                    best = Some((section, gain));
                 }
             }
         }
@@ -170,7 +181,8 @@ impl Scan {
             range: ANYWHERE,
         };
         let allowed = |section: &[f64; 2]| {
-            section[1] - section[0] >= self.config.shortest_m && section.iter().all(|edge| on_grid.contains(edge))
+            let is_long = section[1] - section[0] >= self.config.shortest_m;
+            is_long && section.iter().all(|edge| on_grid.contains(edge)) && self.is_seen(*section)
         };
         let at = |section: [f64; 2]| allowed(&section).then(|| gain(section));
         Some(climb.from(section, at).0)
