@@ -18,7 +18,7 @@ use rundown_check::limits;
 use rundown_check::{Check, Known, RecorderCheck, check_beside};
 use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
-use rundown_files::recording::{DirectionChoice, ROW_LEFT_OUT, Recording};
+use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_rows;
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::sample::Sample;
@@ -119,8 +119,7 @@ fn examined(
         }
     }
     let warnings = recordings.iter().flat_map(first_warnings).collect();
-    let lacks_rows = |recording: &&Recording| recording.warnings.iter().any(|text| text.ends_with(ROW_LEFT_OUT));
-    let lacking = recordings.iter().filter(lacks_rows).count();
+    let lacking = recordings.iter().filter(|recording| recording.rows_left_out > 0).count();
     if lacking > 0 {
         notes.push(format!(
             "{lacking} of {} logs have rows that cannot be read, and are diagnosed without these; a replay uses such a run with \

@@ -117,6 +117,14 @@ fn a_check_says_which_rows_it_left_out() {
 }
 
 #[test]
+fn of_too_few_runs_the_first_that_is_left_out_is_named_and_no_row() {
+    let folder = Folder::new().with("a.csv", &format!("{RUN}not a row\n")).with("b.csv", "no log\n");
+    let (train, track) = (common::reference("train.toml"), common::reference("track.toml"));
+    let said = folder.rundown(&["gap", "--train", &train, "--track", &track, "--runs", "a.csv", "b.csv"]);
+    assert!(said.err.contains("1 usable runs (1 log was left out: b.csv:"), "{}", said.err);
+}
+
+#[test]
 fn a_study_of_runs_that_teach_nothing_has_the_exit_code_of_a_replay() {
     let folder = Folder::new().with("a.csv", &RUN.lines().take(3).map(|line| format!("{line}\n")).collect::<String>());
     let (train, track) = (common::reference("train.toml"), common::reference("track.toml"));

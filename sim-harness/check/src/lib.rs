@@ -37,7 +37,6 @@
 //! use rundown_check::{check, finding::Kind};
 //! use rundown_files::recording::Recording;
 //! use rundown_files::sample::Sample;
-//! use rundown::model::direction::Direction;
 //!
 //! // Half a quantum is lost in each reading of a run between 5 and 35 m/s.
 //! let row = |i: u32| {
@@ -45,10 +44,7 @@
 //!     let (speed, location_m) = (20.0 - 15.0 * (t / 200.0).cos(), 20.0 * t - 3000.0 * (t / 200.0).sin());
 //!     Sample { time_s: t, location_m: Some(location_m), speed_mps: Some((3.6 * speed).floor() / 3.6), ..Sample::default() }
 //! };
-//! let mut recordings = [Recording {
-//!     name: "run".into(), path: "run.csv".into(), unit: String::new(), driver: String::new(), direction: Direction::Up,
-//!     day: None, rows: (0..3000).map(row).collect(), perturbed: None, warnings: vec![],
-//! }];
+//! let mut recordings = [Recording { name: "run".into(), rows: (0..3000).map(row).collect(), ..Recording::default() }];
 //! let found = check(&mut recordings);
 //! assert!(found.recorders[0].findings.iter().any(|finding| finding.kind == Kind::TruncatedSpeed));
 //! assert!((3.6 * recordings[0].rows[500].speed_mps.unwrap() % 1.0 - 0.5).abs() < 1e-6); // put right: the middle of its step

@@ -182,7 +182,6 @@ mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
-    use rundown::model::direction::Direction;
     use rundown_files::sample::Sample;
 
     const STOPS_M: [f64; 5] = [0.0, 9_000.0, 22_000.0, 41_000.0, 60_000.0];
@@ -200,19 +199,7 @@ mod tests {
                     rows.push(Sample { time_s, location_m, speed_mps: Some(mps), ..Sample::default() });
                 }
             }
-            let (name, path) = (index.to_string(), format!("{index}.csv").into());
-            let (unit, driver) = (String::new(), String::new());
-            Recording {
-                name,
-                path,
-                unit,
-                driver,
-                direction: Direction::Up,
-                day: None,
-                rows,
-                perturbed: None,
-                warnings: vec![],
-            }
+            Recording { name: index.to_string(), path: format!("{index}.csv").into(), rows, ..Recording::default() }
         };
         (0..6).map(run).collect()
     }

@@ -1,10 +1,13 @@
 //! Are runs that were held up recognised, and the others left in peace?
 
+mod simulated;
+
 use rundown::model::direction::Direction;
 use rundown_check::perturbed::{Cause, Perturbation};
 use rundown_check::{Check, Known, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use simulated::recording;
 
 const LENGTH_M: f64 = 20_000.0;
 const CRUISE_MPS: f64 = 30.0;
@@ -43,17 +46,7 @@ fn run(index: usize, direction: Direction, style: &Style) -> Recording {
         mps = may_mps.clamp(mps - 0.8, mps + 0.6).max(0.5);
         at_m += mps;
     }
-    Recording {
-        name: format!("run{index:02}"),
-        path: "run.csv".into(),
-        unit: String::new(),
-        driver: String::new(),
-        direction,
-        day: None,
-        rows,
-        perturbed: None,
-        warnings: vec![],
-    }
+    Recording { direction, ..recording(&format!("run{index:02}"), rows) }
 }
 
 fn calm(_: f64) -> (f64, f64) {

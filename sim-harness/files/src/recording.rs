@@ -14,9 +14,6 @@ use crate::{effect_file::day_of, run_set::RunFile};
 use rundown::{model::direction::Direction, model::effects::Surroundings};
 use std::path::{Path, PathBuf};
 
-/// What a warning on an unreadable row ends with, where such rows are left out.
-pub const ROW_LEFT_OUT: &str = "; the row was left out";
-
 /// Locations at each end of a run that decide its direction.
 const DECIDING: usize = 25;
 /// A run shorter than this, m, has no direction of its own: what the index says is not doubted.
@@ -36,7 +33,7 @@ pub enum DirectionChoice {
 }
 
 /// A run, ready to be replayed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "as in RunFile, where not said")]
 pub struct Recording {
     pub name: String,
@@ -50,6 +47,8 @@ pub struct Recording {
     pub day: Option<f64>,
     /// All rows of the log, whatever their times.
     pub rows: Vec<Sample>,
+    /// Rows of the log that could not be read, and are not among these.
+    pub rows_left_out: usize,
     /// What outside the train held the run up, where a diagnosis of all runs found it.
     pub perturbed: Option<String>,
     /// What looked wrong, one line each, with file and line.
@@ -80,7 +79,7 @@ impl Recording {
         line: Option<&CentreLine>,
         choice: DirectionChoice,
     ) -> Result<Self, ReadError> {
-        let mut warnings: Vec<String> = log.bad_rows.iter().map(|row| format!("{row}{ROW_LEFT_OUT}")).collect();
+        let mut warnings: Vec<String> = log.bad_rows.iter().map(|row| format!("{row}; the row was left out")).collect();
         warnings.extend(log.warnings.iter().map(ToString::to_string));
         warnings.extend(unknown_columns(&file.path, &log.other_columns));
         let mut rows = log.samples.clone();
@@ -98,6 +97,7 @@ impl Recording {
             direction,
             day: file.departure_utc.as_deref().and_then(day_of),
             rows,
+            rows_left_out: log.bad_rows.len(),
             perturbed: None,
             warnings,
         })

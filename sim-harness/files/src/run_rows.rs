@@ -197,10 +197,9 @@ impl Recordings {
             unit,
             driver,
             direction,
-            day: None,
             rows,
-            perturbed: None,
             warnings,
+            ..Recording::default()
         }))
     }
 }

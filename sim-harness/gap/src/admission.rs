@@ -21,8 +21,7 @@ pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> 
     let config = given.config;
     let (runs, least) = (input.runs.len(), config.holdout.least_training);
     if runs < least {
-        let first = input.notes.iter().find(|note| note.contains("left out")).cloned();
-        return Err(Refusal::TooFew { runs, left_out: input.left_out, first, least });
+        return Err(Refusal::TooFew { runs, left_out: input.left_out, first: input.first_left_out.clone(), least });
     }
     let most = most_held_out(runs, &config.holdout);
     if let Some(wanted) = hold_out.filter(|wanted| *wanted > most) {

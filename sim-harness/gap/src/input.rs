@@ -42,6 +42,8 @@ pub struct Input {
     pub provenance: Provenance,
     /// How many logs could not be used.
     pub left_out: usize,
+    /// Of the first of them why.
+    pub first_left_out: Option<String>,
     /// What was said while they were read.
     pub notes: Vec<String>,
 }
@@ -66,7 +68,7 @@ impl Described {
     /// `count`: of the runs that were to be read.
     fn with(self, loaded: Loaded, count: usize, dataset: String, provenance: Provenance) -> Input {
         let Self { train_file, train, track_file, track, .. } = self;
-        let Loaded { runs, recordings, check, notes } = loaded;
+        let Loaded { runs, recordings, check, notes, first_left_out } = loaded;
         let mut coasts = Coasts::default();
         coasts.add(&recordings, &train);
         let gradient_doubt = coasts.doubt(&train, &track, track_file.gradient_sd_permille());
@@ -78,6 +80,7 @@ impl Described {
             track_file,
             track,
             left_out: count - runs.len(),
+            first_left_out,
             runs,
             recordings,
             check,

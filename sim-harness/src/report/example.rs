@@ -3,10 +3,7 @@
 use super::{Report, RunView, Vehicle};
 use rundown::estimator::config::{Config, Mode};
 use rundown::model::train::{Train, TrainDescription};
-use rundown::{
-    Real, estimator::Estimator, features::FeatureConfig, filter::gaussian::Gaussian, model::direction::Direction,
-    model::track::Track,
-};
+use rundown::{Real, estimator::Estimator, features::FeatureConfig, filter::gaussian::Gaussian, model::track::Track};
 use rundown_files::replay::{ReplayedRun, Tick, replay};
 use rundown_files::{recording::Recording, sample::Sample};
 use std::ops::Range;
@@ -72,12 +69,8 @@ fn replayed(rows: Vec<Sample>) -> ReplayedRun {
         name: "run01".to_owned(),
         path: "run01.csv".into(),
         unit: "unit".to_owned(),
-        direction: Direction::Up,
-        driver: String::new(),
-        day: None,
         rows,
-        perturbed: None,
-        warnings: Vec::new(),
+        ..Recording::default()
     };
     let track = Track::try_new(40_000.0, []).unwrap();
     let estimator = Estimator::try_new(Config::with_mode(Mode::Gated), train(), track).unwrap();

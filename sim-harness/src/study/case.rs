@@ -113,8 +113,7 @@ impl Case {
                 driver: run.facts.plan.driver.map_or_else(String::new, |turn| turn.name()),
                 day: Some(run.facts.plan.departure_s as f64 / 86_400.0),
                 rows: run.samples.iter().enumerate().map(row).collect(),
-                perturbed: None,
-                warnings: Vec::new(),
+                ..Recording::default()
             },
             as_recorded: None,
             truth: Some(CaseTruth { facts: RunTruth::from(&run.facts), samples: run.truth }),

@@ -4,7 +4,6 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rundown::model::direction::Direction;
 use rundown_check::finding::{Finding, Kind};
 use rundown_check::{Check, check};
 use rundown_files::recording::Recording;
@@ -206,17 +205,7 @@ impl Recorder {
 }
 
 pub fn recording(name: &str, rows: Vec<Sample>) -> Recording {
-    Recording {
-        name: name.to_owned(),
-        path: name.into(),
-        unit: String::new(),
-        driver: String::new(),
-        direction: Direction::Up,
-        day: None,
-        rows,
-        perturbed: None,
-        warnings: vec![],
-    }
+    Recording { name: name.to_owned(), path: name.into(), rows, ..Recording::default() }
 }
 
 pub fn all(check: &Check) -> Vec<&Finding> {

@@ -163,12 +163,9 @@ mod tests {
             name: format!("run {index}"),
             path: "run.csv".into(),
             unit: "unit 7".to_owned(),
-            direction: Direction::Up,
             driver: format!("driver {index}"),
-            day: None,
             rows: (0..40).map(row).collect(),
-            perturbed: None,
-            warnings: Vec::new(),
+            ..Recording::default()
         }
     }
 

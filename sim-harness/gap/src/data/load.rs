@@ -43,6 +43,8 @@ pub struct Loaded {
     /// What the recorders did; none where the runs were taken as recorded.
     pub check: Option<Check>,
     pub notes: Vec<String>,
+    /// Why the first of the runs that cannot be used was left out.
+    pub first_left_out: Option<String>,
 }
 
 /// Reads all runs of a set, those that can be used. With `as_recorded` nothing is diagnosed nor put right.
@@ -74,7 +76,7 @@ fn usable(read: Vec<Result<Recording, LoadError>>, train: &Train, track: &TrackF
                 loaded.notes.extend(recording.warnings.iter().cloned());
                 loaded.recordings.push(recording);
             }
-            Err(error) => loaded.notes.push(format!("{error}; the run was left out")),
+            Err(error) => loaded.leave_out(&error.to_string()),
         }
     }
     if as_recorded {
@@ -97,20 +99,23 @@ impl Loaded {
         loaded
     }
 
+    fn leave_out(&mut self, why: &str) {
+        let note = format!("{why}; the run was left out");
+        self.first_left_out.get_or_insert_with(|| note.clone());
+        self.notes.push(note);
+    }
+
     /// Counted twice a run would stand on both sides of the hold-out, put right or not.
     fn leave_out_copies(&mut self) {
         let mut seen = Seen::default();
-        let Self { recordings, notes, .. } = self;
-        recordings.retain(|recording| match seen.earlier(recording) {
-            Some(earlier) => {
-                notes.push(format!(
-                    "{}: it holds the same rows as {earlier}; the run was left out",
-                    recording.path.display()
-                ));
-                false
+        for recording in std::mem::take(&mut self.recordings) {
+            match seen.earlier(&recording) {
+                Some(earlier) => {
+                    self.leave_out(&format!("{}: it holds the same rows as {earlier}", recording.path.display()));
+                }
+                None => self.recordings.push(recording),
             }
-            None => true,
-        });
+        }
     }
 
     fn diagnose(&mut self, known: &Known) {
@@ -127,11 +132,7 @@ impl Loaded {
         let recordings = std::mem::take(&mut self.recordings);
         for (recording, of_run) in recordings.into_iter().zip(&check.runs) {
             if let Some(finding) = of_run.refusal() {
-                self.notes.push(format!(
-                    "{}: {}; the run was left out",
-                    recording.path.display(),
-                    of_run.said(finding)
-                ));
+                self.leave_out(&format!("{}: {}", recording.path.display(), of_run.said(finding)));
                 continue;
             }
             self.runs.push(run(&recording, recorded(&check, of_run)));

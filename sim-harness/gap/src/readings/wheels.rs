@@ -314,13 +314,8 @@ mod tests {
             Recording {
                 name: format!("run{i}"),
                 path: format!("run{i}.csv").into(),
-                unit: String::new(),
-                driver: String::new(),
-                direction: Direction::Up,
-                day: None,
                 rows: samples,
-                perturbed: None,
-                warnings: Vec::new(),
+                ..Recording::default()
             }
         };
         Loaded::of(scales.iter().enumerate().map(run).collect()).runs
