@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use rundown_check::agreement::Figure;
 use rundown_check::finding::{Finding, Kind};
 use rundown_check::{Check, Known, check, check_beside};
-use rundown_files::units::median;
+use rundown_files::statistics::median;
 use rundown_truth::recorders::odometer;
 use rundown_truth::scenario::DriveError;
 use rundown_truth::sensors::{LocationWalk, Sensors, SpeedReading};
@@ -393,7 +393,7 @@ fn tally(defect: Defect, outcomes: &[SetOutcome]) -> DefectRow {
         found: outcomes.iter().filter(|outcome| outcome.found).count(),
         accused: outcomes.iter().filter(|outcome| !outcome.accused.is_empty()).count(),
         accused_of,
-        error: (!errors.is_empty()).then(|| median(&errors)),
+        error: median(errors.iter().copied()),
         largest_error: errors.iter().copied().reduce(f64::max),
         intervals: [with_interval().count(), with_interval().filter(holds).count()],
     }

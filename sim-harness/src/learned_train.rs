@@ -15,6 +15,7 @@ use rundown::model::resistance::Davis;
 use rundown::tick::foresight::ORDINARY_SCATTER;
 use rundown_files::folder::Provenance;
 use rundown_files::refusal::{Place, ReadError};
+use rundown_files::statistics::mean_median;
 use rundown_files::train_file::TrainFile;
 use rundown_wire::Learned;
 use serde::Deserialize;
@@ -340,7 +341,8 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
     let limit = |described: f64, value: fn(&Features) -> Option<f64>| {
         let values: Vec<f64> = runs.iter().filter_map(|run| value(&run.features)).collect();
         let runs = values.len();
-        let used = (runs >= LEAST_RUNS).then(|| Used { median: rotating_mass_kg * median(values), runs });
+        let median = mean_median(values).filter(|_| runs >= LEAST_RUNS);
+        let used = median.map(|median| Used { median: rotating_mass_kg * median, runs });
         Limit { described, used }
     };
     let effort = limit(described.max_tractive_effort_n, |f| f.max_effort_mean_n_per_kg);
@@ -380,12 +382,6 @@ fn check_published(last: &Run) -> Result<(), Wrong> {
          found `{published}` after the last run of unit {unit:?}; {advice}"
     );
     Err(("runs", message))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use rundown_files::sample::Sample;
-use rundown_files::units::median;
+use rundown_files::statistics::median;
 
 const DAY_S: f64 = 86_400.0;
 /// A clock that goes back by less is a matter of single rows, which a replay drops and counts, s.
@@ -30,8 +30,7 @@ const SAME_WAY: f64 = 1e-9;
 /// Usual time between rows, s.
 pub fn usual_step_s(rows: &[Sample]) -> f64 {
     let steps = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
-    let steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
-    if steps.is_empty() { 1.0 } else { median(&steps) }
+    median(steps.filter(|step| *step > 0.0)).unwrap_or(1.0)
 }
 
 /// Time that passed before a row by the distance from the rows before it to those from it on, where all of them move: a few on both sides, as one

@@ -3,7 +3,6 @@
 //! In: rows of a run. Out: differences between rows some seconds apart, and their fit with the noise that is most likely.
 
 use nalgebra::{Matrix3, Vector3};
-use rundown_files::units::median;
 
 /// A row with everything that is compared: time, s, location in the direction of travel, m, speed reading, m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -213,12 +212,6 @@ pub(crate) fn best_fit(differences: &Differences) -> Option<Fit> {
     let ratios = (-16..=8).map(|exponent| f64::from(exponent).exp2());
     let fits = ratios.filter_map(|ratio| fit(differences, ratio));
     fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
-}
-
-/// Standard deviation from the median of the sizes.
-pub(crate) fn spread(values: &[f64]) -> f64 {
-    let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
-    if sizes.is_empty() { 0.0 } else { 1.4826 * median(&sizes) }
 }
 
 /// Standard deviation from the mean of the sizes: the median is zero where an odometer counts whole metres at one speed. Outliers are drawn in step by step.

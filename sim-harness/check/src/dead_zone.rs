@@ -12,7 +12,7 @@
 use crate::agreement::{Figure, HALF_95};
 use crate::clock::usual_step_s;
 use rundown_files::sample::Sample;
-use rundown_files::units::median;
+use rundown_files::statistics::median;
 
 /// A threshold below is that of every recorder, km/h, or a matter of its step.
 const LEAST_KMH: f64 = 3.0;
@@ -77,7 +77,7 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh: f64) -> Option
         return None;
     }
     // The readings just above it are even over one step of the clock: the least of them is nearer, the more there are.
-    let rise_mps = median(&passes.iter().map(|pass| pass.rate_mps2 * pass.step_s).collect::<Vec<f64>>());
+    let rise_mps = median(passes.iter().map(|pass| pass.rate_mps2 * pass.step_s))?;
     let below_mps = rise_mps * (FEW_BELOW * (wild + 1) as f64 / passes.len() as f64).min(1.0);
     let half_kmh = 0.5 * step_kmh;
     let [low_kmh, high_kmh] = [3.6 * (least_mps - below_mps) - half_kmh, 3.6 * least_mps + half_kmh];

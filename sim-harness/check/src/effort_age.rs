@@ -12,10 +12,9 @@
 //! moment: both readings are tried, and what they do not decide is doubt. Gradients are noise here: they change slowly beside an effort.
 
 use crate::agreement::Figure;
-use crate::compared::spread;
 use nalgebra::{Matrix4, Vector4};
 use rundown_files::sample::Sample;
-use rundown_files::units::median;
+use rundown_files::statistics::{median_of, spread};
 
 /// A window is at least so long, s.
 const WINDOW_S: f64 = 4.0;
@@ -139,7 +138,6 @@ fn windows(stretches: &[Vec<&Sample>], most_s: f64) -> Vec<Window> {
     found
 }
 
-/// Residuals of all windows for an age.
 fn residuals(windows: &[Window], efforts: &[EffortStretch], age_s: f64) -> Option<Vec<f64>> {
     let mut rows = Vec::with_capacity(windows.len());
     let (mut normal, mut score) = (Matrix4::zeros(), Vector4::zeros());
@@ -226,8 +224,8 @@ pub(crate) fn usual<'a>(runs: impl Iterator<Item = (&'a [Sample], f64)>) -> Opti
 /// Mean, and the standard deviation between runs.
 fn pooled(ages: impl Iterator<Item = Figure> + Clone) -> (Figure, f64) {
     let values: Vec<f64> = ages.clone().map(|age| age.value).collect();
-    let middle_s = median(&values);
-    let spread_s = spread(&values.iter().map(|value| value - middle_s).collect::<Vec<f64>>());
+    let middle_s = median_of(&values);
+    let spread_s = spread(values.iter().map(|value| value - middle_s));
     let weight = |age: Figure| (age.sd.powi(2) + spread_s * spread_s).recip();
     let all: f64 = ages.clone().map(weight).sum();
     let value = ages.map(|age| weight(age) * age.value).sum::<f64>() / all;

@@ -9,11 +9,10 @@
 //! `k` is 1 of a column in N/kg of the moving mass, and the same in all runs of a unit but for its load. Gradients are noise here.
 
 use crate::agreement::Figure;
-use crate::compared::spread;
 use crate::effort::{least_squares, stretches, window};
 use nalgebra::Vector3;
 use rundown_files::sample::Sample;
-use rundown_files::units::median;
+use rundown_files::statistics::{median_of, spread};
 
 /// Windows are at least so long, s: the effort of a second earlier or later does not matter.
 const WINDOW_S: f64 = 10.0;
@@ -66,11 +65,11 @@ pub(crate) fn unlike(runs: &[Option<Figure>]) -> Vec<(usize, Figure)> {
     if values.len() < LEAST_RUNS {
         return Vec::new();
     }
-    let usual = median(&values);
+    let usual = median_of(&values);
     if usual <= 0.0 {
         return Vec::new();
     }
-    let between = spread(&values.iter().map(|value| value - usual).collect::<Vec<f64>>());
+    let between = spread(values.iter().map(|value| value - usual));
     let is_unlike = |one: &Figure| {
         let off = (one.value - usual).abs();
         off > LEAST_OFF * usual && off > SURE * one.sd.hypot(between)

@@ -13,7 +13,7 @@ use crate::agreement::Figure;
 use crate::clock::usual_step_s;
 use crate::finding::{Done, Finding, Kind};
 use rundown_files::sample::Sample;
-use rundown_files::units::median;
+use rundown_files::statistics::median;
 
 /// Rows of the recorder are looked for at every second row to every 60th.
 const MOST_ROWS: i64 = 60;
@@ -77,7 +77,7 @@ fn readings(bends: &[Bend]) -> Option<(i64, i64)> {
     }
     let metres = || bends.iter().map(|bend| bend.metres);
     let written_m = metres().filter(|metres| *metres > LEAST_BEND_M).min_by(f64::total_cmp).unwrap_or(LEAST_BEND_M);
-    let usual_m = median(&metres().collect::<Vec<f64>>());
+    let usual_m = median(metres())?;
     let digits_m = BEND * usual_m.max(written_m);
     let beyond = |bend: &Bend| (bend.metres - digits_m).max(0.0);
     let all: f64 = bends.iter().map(beyond).sum();

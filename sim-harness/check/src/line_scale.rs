@@ -13,7 +13,7 @@ use crate::agreement::Figure;
 use crate::profile::Profile;
 use crate::{LEAST_SCALE, SURE};
 use rundown_files::recording::Recording;
-use rundown_files::units::median;
+use rundown_files::statistics::{median, spread};
 
 /// A wheel is off by less, worn out or described wrongly.
 pub const MOST_OFF: f64 = 0.03;
@@ -121,13 +121,9 @@ fn own_offset_m(recording: &Recording, described_m: &[f64], scale: f64) -> f64 {
 
 /// The scale of all runs of a recorder, where it matters and is beyond doubt.
 fn usual(fits: &[StopsLine]) -> Option<Figure> {
-    if fits.is_empty() {
-        return None;
-    }
-    let value = median(&fits.iter().map(|fit| fit.scale).collect::<Vec<_>>());
-    let apart: Vec<f64> = fits.iter().map(|fit| (fit.scale - value).abs()).collect();
-    let of_runs = 1.4826 * median(&apart) / (fits.len() as f64).sqrt();
-    let of_platforms = PLATFORM_SD_M / median(&fits.iter().map(|fit| fit.spread_m).collect::<Vec<_>>());
+    let value = median(fits.iter().map(|fit| fit.scale))?;
+    let of_runs = spread(fits.iter().map(|fit| fit.scale - value)) / (fits.len() as f64).sqrt();
+    let of_platforms = PLATFORM_SD_M / median(fits.iter().map(|fit| fit.spread_m))?;
     let scale = Figure { value, sd: of_runs.hypot(of_platforms) };
     ((value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE).then_some(scale)
 }

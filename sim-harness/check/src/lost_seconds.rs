@@ -8,11 +8,12 @@
 //! period is one of the recorder, the phase one of each run. Single steps may drown in the noise of the location; some dozens at even intervals do not.
 
 use crate::agreement::Figure;
-use crate::compared::{Compared, Differences, PAIR_S, spread};
+use crate::compared::{Compared, Differences, PAIR_S};
 use crate::finding::{Done, Finding, Kind};
 use crate::{RunCheck, differences, places};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::spread;
 
 /// Periods that are looked for, s. A longer one does less than a wheel that matters.
 const PERIODS_S: [f64; 2] = [40.0, 800.0];
@@ -177,7 +178,7 @@ fn steps_stand_out(asked: &[Compared]) -> bool {
     let mut is_noisy = false;
     for run in asked {
         let left_m = run.left_m();
-        let sd_m = spread(&left_m);
+        let sd_m = spread(left_m.iter().copied());
         ahead += left_m.iter().filter(|metres| **metres > STANDS_OUT * sd_m).count() as f64;
         behind += left_m.iter().filter(|metres| **metres < -STANDS_OUT * sd_m).count() as f64;
         let Differences { by_speed, dt, .. } = &run.differences;
@@ -271,7 +272,7 @@ fn lost_at(rows: &[Sample], comb: Comb) -> Vec<usize> {
         })
         .collect();
     let metres: Vec<f64> = beyond.iter().flatten().map(|[metres, _]| *metres).collect();
-    let sd_m = spread(&metres);
+    let sd_m = spread(metres.iter().copied());
     let stands_out = |i: usize| {
         let [metres, speed_mps] = beyond.get(i.checked_sub(1)?).copied().flatten()?;
         (metres > 0.5 * speed_mps && metres > 3.0 * sd_m).then_some(metres)

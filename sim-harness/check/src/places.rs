@@ -1,10 +1,10 @@
 //! Locations and speeds that a sensor made wrong: wraps, resets, spikes, sensors that stand still, two directions.
 
 use crate::agreement::Figure;
-use crate::compared::spread;
 use crate::finding::{Done, Finding, Kind};
 use crate::steps;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::spread;
 
 /// Turns of odometers, m.
 const TURNS_M: [f64; 6] = [10_000.0, 32_768.0, 65_536.0, 100_000.0, 1_000_000.0, 10_000_000.0];
@@ -92,7 +92,7 @@ fn noise_m(rows: &[Sample], sign: f64) -> f64 {
         let step_m = pair[1].location_m? - pair[0].location_m?;
         Some(step_m - sign * between(&pair[0], &pair[1]))
     });
-    spread(&off.collect::<Vec<f64>>())
+    spread(off)
 }
 
 /// +1 where locations grow more often than they fall.

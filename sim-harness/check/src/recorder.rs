@@ -1,7 +1,6 @@
 //! What all runs of one recorder say together: how the speed is shown, its scale, its age; what it leaves out and holds; what the runs exceed.
 
 use crate::agreement::{Agreement, Figure, Pooled, pooled};
-use crate::compared::spread;
 use crate::finding::{Done, Finding, Kind};
 use crate::own::Grown;
 use crate::wheel_change::OfRun;
@@ -13,6 +12,7 @@ use crate::{
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::spread;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -490,8 +490,7 @@ impl RecorderCheck {
         let Some(middle) = skews.get(skews.len() / 2).copied() else {
             return;
         };
-        let off: Vec<f64> = skews.iter().map(|skew| skew.value - middle.value).collect();
-        let spread_s = spread(&off);
+        let spread_s = spread(skews.iter().map(|skew| skew.value - middle.value));
         let n = (skews.len() as f64).sqrt();
         let skew_s = Figure { value: middle.value, sd: (1.2533 * spread_s / n).max(middle.sd / n) };
         (self.skew_s, self.skew_spread_s) = (Some(skew_s), Some(spread_s));

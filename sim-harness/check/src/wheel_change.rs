@@ -8,10 +8,10 @@
 //! apart for how surely they are known. Both are said; what comes after is brought to the scale from before, and then the runs are judged as those of one wheel.
 
 use crate::agreement::{Agreement, Figure, Pooled, pooled};
-use crate::compared::{Compared, spread};
+use crate::compared::Compared;
 use crate::{LEAST_SCALE, SURE, rounding};
 use rundown_files::sample::Sample;
-use rundown_files::units::median;
+use rundown_files::statistics::{median, spread};
 use std::collections::BTreeMap;
 
 /// Places that are tried in a run.
@@ -186,8 +186,8 @@ fn sides(runs: &[OfRun], from: usize) -> [Figure; 2] {
         let middle = mean(part, 0.0).value;
         part.iter().map(move |run| run.scale.value - middle)
     });
-    let known: Vec<f64> = runs.iter().map(|run| run.scale.sd.powi(2)).collect();
-    let own = (spread(&off.collect::<Vec<f64>>()).powi(2) - median(&known)).max(0.0);
+    let known = median(runs.iter().map(|run| run.scale.sd.powi(2))).unwrap_or(0.0);
+    let own = (spread(off).powi(2) - known).max(0.0);
     parts.map(|part| mean(part, own))
 }
 

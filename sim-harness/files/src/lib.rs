@@ -34,6 +34,7 @@ pub mod run_log;
 pub mod run_rows;
 pub mod run_set;
 pub mod sample;
+pub mod statistics;
 pub mod table;
 pub mod toml_file;
 pub mod track_file;

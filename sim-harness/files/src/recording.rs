@@ -9,7 +9,8 @@ use crate::map_matching::{CentreLine, MatchState, NoMatch};
 use crate::refusal::{Place, ReadError};
 use crate::run_log::{BadRows, RunLog};
 use crate::sample::{LOCATION, Sample};
-use crate::units::{self, median};
+use crate::statistics::median_of;
+use crate::units;
 use crate::{effect_file::day_of, run_set::RunFile};
 use rundown::{model::direction::Direction, model::effects::Surroundings};
 use std::path::{Path, PathBuf};
@@ -220,7 +221,7 @@ fn travelled_m(rows: &[Sample]) -> Option<f64> {
     if deciding == 0 {
         return None;
     }
-    Some(median(&known[known.len() - deciding..]) - median(&known[..deciding]))
+    Some(median_of(&known[known.len() - deciding..]) - median_of(&known[..deciding]))
 }
 
 #[cfg(test)]

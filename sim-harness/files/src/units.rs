@@ -4,6 +4,7 @@
 //! thousandth. An effort that is a force has values that no train has. Medians, so that no single wild reading decides.
 
 use crate::sample::Sample;
+use crate::statistics::median_of;
 use thiserror::Error;
 
 /// A column that seems to hold another unit.
@@ -66,7 +67,7 @@ pub fn far(rows: &[Sample]) -> Option<(f64, u64)> {
 fn far_ratio(pieces: &[Piece]) -> Option<f64> {
     let changing: Vec<f64> = pieces.iter().filter(|piece| piece.changes).map(|piece| piece.ratio).collect();
     let ratio = middle(pieces.iter().map(|piece| piece.ratio)).filter(|ratio| is_far(*ratio))?;
-    let is_agreed = changing.len() >= FEW_CHANGING && (ratio / FAR..ratio * FAR).contains(&median(&changing));
+    let is_agreed = changing.len() >= FEW_CHANGING && (ratio / FAR..ratio * FAR).contains(&median_of(&changing));
     is_agreed.then_some(ratio)
 }
 
@@ -79,7 +80,7 @@ fn far_part(mut pieces: Vec<Piece>) -> Option<(f64, u64)> {
     }
     let part = |split: usize| {
         let halves = [&pieces[..split], &pieces[split..]];
-        let [one, two] = halves.map(|part| median(&part.iter().map(|piece| piece.ratio).collect::<Vec<f64>>()));
+        let [one, two] = halves.map(|part| median_of(&part.iter().map(|piece| piece.ratio).collect::<Vec<f64>>()));
         let (far, near) = if is_far(one) { (one, two) } else { (two, one) };
         let agrees = |piece: &Piece, usual: f64| (usual / ALIKE..usual * ALIKE).contains(&piece.ratio);
         let agree = halves.iter().zip([one, two]).map(|(part, usual)| part.iter().filter(|p| agrees(p, usual)).count());
@@ -156,14 +157,7 @@ fn joined(steps: &[Option<Stride>], piece_m: f64) -> Vec<Piece> {
 
 fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
     let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    (values.len() >= FEW).then(|| median(&values))
-}
-
-/// Middle value, the upper one of two; of a list that is not empty.
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
+    (values.len() >= FEW).then(|| median_of(&values))
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
+pub use rundown_files::statistics::median;
+
 /// Log-likelihood that a value at the end of its 95 % interval loses: half the square of [`HALF_95`](rundown_check::agreement::HALF_95).
 pub const LOSS_AT_LIMIT: f64 = 1.92;
 
@@ -68,13 +70,6 @@ impl<const N: usize> Climb<N> {
 
 /// Neighbours that are more alike make no finite variance of a mean.
 const MOST_ALIKE: f64 = 0.9;
-
-/// The middle of values in any order.
-pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
-}
 
 /// A design in whitened rows, reduced to what fits need.
 #[derive(Clone, Debug)]

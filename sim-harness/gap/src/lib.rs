@@ -74,7 +74,6 @@ pub mod verdict;
 mod wording;
 
 pub use candidate::{HiddenSize, Hide};
-pub use fit::median;
 
 use admission::admitted;
 use answer::rivals::rivals;

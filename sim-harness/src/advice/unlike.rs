@@ -13,7 +13,8 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::state::R0;
 use rundown::tick::estimate::Estimate;
 use rundown_check::agreement::Figure;
-use rundown_files::{replay::ReplayedRun, units::median};
+use rundown_files::replay::ReplayedRun;
+use rundown_files::statistics::{median, spread};
 
 /// From fewer runs it is not known how runs scatter.
 const LEAST_RUNS: usize = 8;
@@ -76,8 +77,8 @@ pub(super) fn note(runs: &[Taught], vehicle: impl Fn(&str) -> Option<Gaussian<3>
     if shares.len() < LEAST_RUNS {
         return None;
     }
-    let middle = median(&shares.iter().map(|(share, _)| share.value).collect::<Vec<_>>());
-    let scatter = 1.4826 * median(&shares.iter().map(|(share, _)| (share.value - middle).abs()).collect::<Vec<_>>());
+    let middle = median(shares.iter().map(|(share, _)| share.value))?;
+    let scatter = spread(shares.iter().map(|(share, _)| share.value - middle));
     let is_far = |share: &Figure| {
         let away = (share.value - middle).abs();
         away > LEAST_SHARE && away > FAR * scatter && away > SURE * share.sd

@@ -4,7 +4,7 @@ use crate::gap_bench::draw::{SIZES, SetRequest};
 use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
 use rundown_check::agreement::HALF_95;
-use rundown_gap::median;
+use rundown_files::statistics::median;
 use rundown_pages::numbers::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -1,6 +1,5 @@
 //! Many runs on one chainage: as they are, by the places where trains stop, by their speeds over the location, or on a centre line.
 
-use super::evidence::middle;
 use super::line;
 use super::mapping::Method;
 use super::odometer;
@@ -8,6 +7,7 @@ use super::staged::Staged;
 use rundown_check::line_scale::{self, through};
 use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::sample::MOST_LOCATION_M;
+use rundown_files::statistics::{correlation, median};
 use rundown_files::track_file::CentreLinePoint;
 
 /// Where the locations of a run go.
@@ -174,7 +174,7 @@ fn decided(runs: &[Staged], given: &Given) -> (Method, String) {
 /// The length that four fifths of the runs have, and how many have it.
 fn one_length(runs: &[&Staged]) -> Option<(f64, usize)> {
     let lengths_m: Vec<f64> = runs.iter().map(|run| run.length_m()).collect();
-    let length_m = middle(lengths_m.clone())?;
+    let length_m = median(lengths_m.iter().copied())?;
     let alike = lengths_m.iter().filter(|other| (**other - length_m).abs() < STOP_M).count();
     (runs.len() > 1 && 10 * alike >= 8 * runs.len()).then_some((length_m, alike))
 }
@@ -275,7 +275,7 @@ impl KnownLine {
                             .min_by(|a, b| a.abs().total_cmp(&b.abs()))
                     };
                     let near: Vec<f64> = own.iter().filter_map(off).filter(|off| off.abs() < STOP_M).collect();
-                    let refined = offset_m + middle(near.clone()).unwrap_or(0.0);
+                    let refined = offset_m + median(near.iter().copied()).unwrap_or(0.0);
                     best.push((near.len(), sign, refined));
                 }
             }
@@ -401,22 +401,7 @@ impl KnownLine {
                 Some((*mps, sum / f64::from(*count)))
             })
             .collect();
-        if pairs.len() < least {
-            return None;
-        }
-        let count = pairs.len() as f64;
-        let (a, b) = (
-            pairs.iter().map(|pair| pair.0).sum::<f64>() / count,
-            pairs.iter().map(|pair| pair.1).sum::<f64>() / count,
-        );
-        let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-        for (x, y) in &pairs {
-            ab += (x - a) * (y - b);
-            aa += (x - a) * (x - a);
-            bb += (y - b) * (y - b);
-        }
-        let r = ab / (aa * bb).sqrt();
-        r.is_finite().then_some(r)
+        if pairs.len() < least { None } else { correlation(&pairs) }
     }
 }
 
@@ -467,21 +452,7 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing>
         }
         known.all_seen = true;
     }
-    let least = runs.iter().zip(&places).filter_map(|(run, place)| match place {
-        Some(Placing::Shift { factor, offset_m, .. }) => {
-            Some(offset_m + (factor * run.ends_m.0).min(factor * run.ends_m.1))
-        }
-        _ => None,
-    });
-    let least_m = least.min_by(f64::total_cmp).unwrap_or(0.0);
-    // The chainage of a track stays.
-    let zero_m = match stops_m {
-        [] if runs.iter().any(|run| odometer::is_far(run.ends_m)) => least_m,
-        // A reading of a few metres below the first platform is noise.
-        [] if least_m > -STOP_M => 0.0,
-        [] => least_m,
-        _ => 0.0,
-    };
+    let zero_m = zero_m(runs, &places, stops_m);
     let (others, else_by) = match known.of_track {
         true => ("the track", "without --track runs are placed beside each other"),
         false => ("the other runs", "--track K.toml places runs by the stops of a track"),
@@ -499,4 +470,23 @@ fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing>
             other => other,
         })
         .collect()
+}
+
+/// What all locations count from.
+fn zero_m(runs: &[Staged], places: &[Option<Placing>], stops_m: &[f64]) -> f64 {
+    let least = runs.iter().zip(places).filter_map(|(run, place)| match place {
+        Some(Placing::Shift { factor, offset_m, .. }) => {
+            Some(offset_m + (factor * run.ends_m.0).min(factor * run.ends_m.1))
+        }
+        _ => None,
+    });
+    let least_m = least.min_by(f64::total_cmp).unwrap_or(0.0);
+    // The chainage of a track stays.
+    match stops_m {
+        [] if runs.iter().any(|run| odometer::is_far(run.ends_m)) => least_m,
+        // A reading of a few metres below the first platform is noise.
+        [] if least_m > -STOP_M => 0.0,
+        [] => least_m,
+        _ => 0.0,
+    }
 }

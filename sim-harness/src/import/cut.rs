@@ -7,6 +7,7 @@ use super::rows::Record;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_check::{clock, places};
 use rundown_files::sample::{MOST_LOCATION_M, Sample};
+use rundown_files::statistics::median;
 use std::ops::Range;
 
 /// Rows that are held at most before a stretch is cut without another reason.
@@ -484,9 +485,9 @@ impl Stretch {
     /// Middle places and lengths (s) of standing. A log that begins or ends at walking pace begins or ends at a stop.
     pub fn stops(&self) -> Vec<(f64, f64)> {
         let place = |range: &Range<usize>| {
-            let places: Vec<f64> = self.rows[range.clone()].iter().filter_map(|row| row.location_m).collect();
+            let places = self.rows[range.clone()].iter().filter_map(|row| row.location_m);
             let seconds = self.rows[range.end - 1].time_s - self.rows[range.start].time_s;
-            super::evidence::middle(places).map(|place| (place, seconds))
+            median(places).map(|place| (place, seconds))
         };
         let end = |row: Option<&Sample>| {
             row.and_then(|row| row.location_m.filter(|_| row.speed_mps.is_some_and(|mps| mps < WALKS_MPS)))

@@ -12,6 +12,7 @@ use super::source::SourceFile;
 use super::source::row::{Event, RowField};
 use super::units::{self, Unit};
 use rundown_files::refusal::ReadError;
+use rundown_files::statistics::median;
 use std::collections::BTreeMap;
 
 /// Rows of a file that are looked at.
@@ -334,7 +335,7 @@ fn stretches(all: &[WrittenRow], columns: &Columns) -> Option<Stretches> {
     speeds.sort_by(f64::total_cmp);
     let fastest = *speeds.get(speeds.len() * 99 / 100)?;
     let steps = rows.windows(2).filter_map(|pair| Some(pair[1]?.time - pair[0]?.time));
-    let step = middle(steps.filter(|step| *step > 0.0).collect())?;
+    let step = median(steps.filter(|step| *step > 0.0))?;
     let goes_on = |(a, b): &(Passing, Passing)| {
         a.speed.min(b.speed) > 0.25 * fastest && b.time > a.time && b.time - a.time < 10.0 * step
     };
@@ -356,12 +357,11 @@ fn stretches(all: &[WrittenRow], columns: &Columns) -> Option<Stretches> {
     // A train that stands where its speed is large denies the speed.
     let tried = ratios.len();
     ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
-    let ratio = middle(ratios.clone()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
+    let ratio = median(ratios.iter().copied()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
     let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / tried as f64;
     Some(Stretches { ratio, alike, fastest, step })
 }
 
-/// A row as it is written.
 #[derive(Debug, Default)]
 struct WrittenRow {
     /// Time as a number, location, speed, latitude, longitude.
@@ -437,7 +437,7 @@ struct Stretches {
 fn kind_of(times: &[f64], texts: &[&String], has_unit: bool) -> ClockKind {
     if 2 * times.len() > texts.len() || texts.is_empty() {
         let is_dated = |text: &&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::Civil(_)));
-        return match middle(times.to_vec()) {
+        return match median(times.iter().copied()) {
             _ if !has_unit
                 && texts.len() > 1
                 && texts.iter().take(1000).all(|text| text.len() >= 14 && is_dated(text)) =>
@@ -463,7 +463,7 @@ const SHEET_STEP: std::ops::Range<f64> = 1e-7..7e-3;
 /// Numbers that go forward by seconds, if they are days: a clock in seconds would be read a hundred times a second and more.
 fn are_days(times: &[f64]) -> bool {
     let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
-    middle(steps.collect()).is_some_and(|step| SHEET_STEP.contains(&step))
+    median(steps).is_some_and(|step| SHEET_STEP.contains(&step))
 }
 
 /// Numbers of which none ends on 60 to 99, and whose last two digits begin again while those before go on: `hhmmss`.
@@ -570,10 +570,4 @@ fn value(field: Option<&RowField>, decimal: char) -> Option<f64> {
             .filter(|(_, rest)| !rest.starts_with([':', '/', 'T']))
             .map(|(number, _)| number),
     }
-}
-
-/// Middle value, the upper one of two.
-pub fn middle(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

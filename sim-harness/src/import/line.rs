@@ -1,9 +1,9 @@
 //! A centre line from the positions of many runs: the longest run as the first guess, then the median of all across it.
 
-use super::evidence::middle;
 use super::geo::{self, Fix};
 use super::staged::Staged;
 use rundown_files::map_matching::{CentreLine, MatchState};
+use rundown_files::statistics::median;
 use rundown_files::track_file::CentreLinePoint;
 
 /// Distance between points of the line, m.
@@ -127,11 +127,11 @@ fn moved(line: &[CentreLinePoint], runs: &[&&Staged]) -> Vec<Fix> {
             }
         }
         for (all, own) in across.iter_mut().zip(own) {
-            all.extend(middle(own));
+            all.extend(median(own));
         }
     }
     // Smooth: the mean of three neighbours, so that one fix makes no kink.
-    let medians: Vec<f64> = across.into_iter().map(|all| middle(all).unwrap_or(0.0)).collect();
+    let medians: Vec<f64> = across.into_iter().map(|all| median(all).unwrap_or(0.0)).collect();
     let smooth = |i: usize| {
         let near = &medians[i.saturating_sub(1)..(i + 2).min(medians.len())];
         near.iter().sum::<f64>() / near.len() as f64

@@ -1,7 +1,7 @@
 //! A track from runs: its length, where trains stop, the centre line, and gradients by the altitudes with their doubt.
 
-use super::evidence::middle;
 use rundown_files::WriteError;
+use rundown_files::statistics::median;
 use rundown_files::track_file::CentreLinePoint;
 use std::fmt::Write;
 use std::path::Path;
@@ -80,7 +80,7 @@ fn stations(runs: &[Passed]) -> Vec<(f64, usize, f64)> {
         }
     }
     let station = |group: &Vec<(f64, usize)>| {
-        let at_m = middle(group.iter().map(|stop| stop.0).collect())?;
+        let at_m = median(group.iter().map(|stop| stop.0))?;
         let passing =
             runs.iter().filter(|run| run.ends_m.0 - STATION_M <= at_m && at_m <= run.ends_m.1 + STATION_M).count();
         let mut of_runs: Vec<usize> = group.iter().map(|stop| stop.1).collect();
@@ -102,7 +102,7 @@ fn gradients(runs: &[Passed], length_m: f64) -> Vec<(f64, f64, f64)> {
     while from_m < length_m {
         let (low, high) = (from_m - 0.5 * section_m, from_m + 1.5 * section_m);
         let slopes: Vec<f64> = runs.iter().filter_map(|run| slope(run, low, high)).collect();
-        if let Some(permille) = middle(slopes.clone()) {
+        if let Some(permille) = median(slopes.iter().copied()) {
             let count = slopes.len() as f64;
             let square = slopes.iter().map(|slope| (slope - permille).powi(2)).sum::<f64>();
             let alone = 1000.0 * DRIFT_M / section_m;
@@ -124,7 +124,7 @@ fn slope(run: &Passed, low: f64, high: f64) -> Option<f64> {
         bins.entry((at_m / BIN_M).floor() as i64).or_default().push(*altitude_m);
     }
     let points: Vec<(f64, f64)> =
-        bins.into_iter().filter_map(|(bin, all)| Some((bin as f64 * BIN_M, middle(all)?))).collect();
+        bins.into_iter().filter_map(|(bin, all)| Some((bin as f64 * BIN_M, median(all)?))).collect();
     let (first, last) = (points.first()?.0, points.last()?.0);
     if last - first < 0.5 * (high - low) || points.len() < 5 {
         return None;

@@ -376,13 +376,8 @@ impl Gathered {
     fn add_speed_errors(&mut self, recording: &Recording, truth: &CaseTruth, [paper, gated]: [&ReplayedRun; 2]) {
         let true_kmh = |index: usize| Some(3.6 * truth.samples.get(index)?.speed_mps);
         let rms = |speeds_mps: &mut dyn Iterator<Item = Option<f64>>| {
-            let mut squares = Moments::default();
-            for (index, speed_mps) in speeds_mps.enumerate() {
-                if let Some((seen, was)) = speed_mps.zip(true_kmh(index)) {
-                    squares.add((3.6 * seen - was).powi(2));
-                }
-            }
-            squares.mean().map(f64::sqrt)
+            let pairs = speeds_mps.enumerate().filter_map(|(index, speed_mps)| speed_mps.zip(true_kmh(index)));
+            pairs.map(|(seen, was)| (3.6 * seen - was).powi(2)).collect::<Moments>().mean().map(f64::sqrt)
         };
         let filtered = |run: &ReplayedRun| {
             let speeds = run.estimates.iter().map(|e| e.belief.mean[state::SPEED]);

@@ -19,6 +19,14 @@ impl Default for Moments {
     }
 }
 
+impl FromIterator<f64> for Moments {
+    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
+        let mut moments = Self::default();
+        values.into_iter().for_each(|value| moments.add(value));
+        moments
+    }
+}
+
 impl Moments {
     /// Adds a value; one that is not finite is left out.
     pub fn add(&mut self, value: f64) {
@@ -60,25 +68,13 @@ impl Moments {
     }
 }
 
-/// Of x and y; none without spread.
-pub fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
-    let n = pairs.len() as f64;
-    let x = pairs.iter().map(|p| p.0).sum::<f64>() / n;
-    let y = pairs.iter().map(|p| p.1).sum::<f64>() / n;
-    let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
-    let xy = sum(&|p| (p.0 - x) * (p.1 - y));
-    let scale = (sum(&|p| (p.0 - x).powi(2)) * sum(&|p| (p.1 - y).powi(2))).sqrt();
-    (scale > 0.0).then(|| xy / scale)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn four_values_have_these_moments() {
-        let mut moments = Moments::default();
-        [2.0, 4.0, 4.0, 6.0].into_iter().for_each(|value| moments.add(value));
+        let moments: Moments = [2.0, 4.0, 4.0, 6.0].into_iter().collect();
         assert_eq!((moments.mean(), moments.skewness()), (Some(4.0), Some(0.0)));
         assert!((moments.sd().unwrap() - (8.0_f64 / 3.0).sqrt()).abs() < 1e-12);
     }
@@ -86,9 +82,7 @@ mod tests {
     #[test]
     fn one_value_at_a_time_is_all_at_once() {
         let values: Vec<f64> = (0..200).map(|i| f64::from(i * i % 97).sqrt() + 1e3).collect();
-        let mut moments = Moments::default();
-        values.iter().for_each(|value| moments.add(*value));
-        moments.add(f64::NAN);
+        let moments: Moments = values.iter().copied().chain([f64::NAN]).collect();
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let central = |power: i32| values.iter().map(|v| (v - mean).powi(power)).sum::<f64>();
@@ -103,9 +97,7 @@ mod tests {
     fn without_values_nothing_is_said() {
         let none = Moments::default();
         assert_eq!((none.mean(), none.sd(), none.variation()), (None, None, None));
-        let mut same = Moments::default();
-        same.add(3.0);
-        same.add(3.0);
+        let same: Moments = [3.0, 3.0].into_iter().collect();
         assert_eq!((same.sd(), same.skewness()), (Some(0.0), None));
     }
 }

@@ -8,6 +8,7 @@ use crate::accuracy_bench::score::regime;
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
+use rundown_files::statistics::mean_median;
 use rundown_truth::regime::Regime as TrueRegime;
 use rundown_truth::sensors::TruthSample;
 use std::ops::RangeInclusive;
@@ -185,7 +186,7 @@ impl Seen {
         let learned_s = run.estimates.iter().filter(|estimate| estimate.learning).map(|estimate| estimate.dt_s);
         let outcome = ViewOutcome {
             cruise_kmh: features.cruise_speed_median_mps.map(|v| 3.6 * v),
-            plain_cruise_kmh: median(cruising.map(|estimate| 3.6 * speed_mps(estimate)).collect()),
+            plain_cruise_kmh: mean_median(cruising.map(|estimate| 3.6 * speed_mps(estimate))),
             brake_steps_mps2: features.brake_rate_mps2.each_ref().map(|step| (step.count > 0).then_some(step.mean)),
             largest_brake_mps2: rates_mps2.reduce(f64::max),
             coast_s: of(&features.final_coast),
@@ -279,12 +280,6 @@ impl FirstAcceleration {
         }
         self.without < OVER_SAMPLES
     }
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let last = values.len().checked_sub(1)?;
-    Some(0.5 * (values[last / 2] + values[last.div_ceil(2)]))
 }
 
 /// Mean of each ATB-EG step, of intervals of one length.
@@ -425,13 +420,6 @@ mod tests {
         points[3].follows = false;
         assert_eq!(of(&points), Some((60.0, 2100.0)), "two and two are the longest");
         assert_eq!(of(&points[..1]), None);
-    }
-
-    #[test]
-    fn a_median_is_between_the_halves() {
-        assert_eq!(median(vec![4.0, 1.0, 2.0]), Some(2.0));
-        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), Some(2.5));
-        assert_eq!(median(Vec::new()), None);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::perturbed::near_m;
 use crate::profile::Profile;
-use rundown_files::units::median;
+use rundown_files::statistics::median_of;
 
 /// Trains stop no farther from one place, m: platforms are long, and a train is as long as they are.
 const MOST_NEAR_M: f64 = 150.0;
@@ -86,7 +86,7 @@ impl Group {
         self.runs.push(run);
         self.ends_m = [self.ends_m[0].min(from_m), self.ends_m[1].max(to_m)];
         for at_m in calls_m {
-            match self.places_m.iter_mut().find(|place| (median(place) - at_m).abs() <= self.near_m) {
+            match self.places_m.iter_mut().find(|place| (median_of(place) - at_m).abs() <= self.near_m) {
                 Some(place) => place.push(*at_m),
                 None => self.places_m.push(vec![*at_m]),
             }
@@ -96,7 +96,7 @@ impl Group {
     /// Where at least half of them stop, m, from the first to the last.
     fn stations_m(&self) -> Vec<f64> {
         let usual = |place: &&Vec<f64>| 2 * place.len() >= self.runs.len();
-        let mut stations_m: Vec<f64> = self.places_m.iter().filter(usual).map(|place| median(place)).collect();
+        let mut stations_m: Vec<f64> = self.places_m.iter().filter(usual).map(|place| median_of(place)).collect();
         stations_m.sort_by(f64::total_cmp);
         stations_m
     }
@@ -111,7 +111,7 @@ impl Group {
                 |at_m: &&f64| (others.ends_m[0] - self.near_m..=others.ends_m[1] + self.near_m).contains(*at_m);
             let stations_m = own.stations_m();
             let all = stations_m.iter().filter(passed).count();
-            let places_m: Vec<f64> = others.places_m.iter().map(|place| median(place)).collect();
+            let places_m: Vec<f64> = others.places_m.iter().map(|place| median_of(place)).collect();
             let same = stations_m.iter().filter(passed).filter(|at_m| is_near(&places_m, **at_m, self.near_m)).count();
             same as f64 / all.max(1) as f64
         };

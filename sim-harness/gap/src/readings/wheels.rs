@@ -18,6 +18,7 @@ use rundown::model::direction::Direction;
 use rundown::model::effects::{Effect, SpeedScale};
 use rundown_check::agreement::Figure;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::spread;
 
 /// A wheel that is not as believed.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +71,7 @@ pub fn wheels(runs: &[Run], surroundings: &Surroundings, config: &GapConfig) -> 
 /// Middle and scatter of many runs, which a few exceptions do not move.
 fn middle(scales: &[Scale], config: &WheelConfig) -> Option<(f64, f64)> {
     let middle = median(scales.iter().map(|s| s.value))?;
-    let scatter = 1.4826 * median(scales.iter().map(|s| (s.value - middle).abs()))?;
+    let scatter = spread(scales.iter().map(|s| s.value - middle));
     Some((middle, scatter.max(config.least_scatter)))
 }
 

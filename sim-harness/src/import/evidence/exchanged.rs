@@ -1,11 +1,12 @@
 //! Latitude and longitude under each other's name.
 
-use super::{SeenRows, WrittenRow, middle};
+use super::{SeenRows, WrittenRow};
 use crate::import::columns::Columns;
 use crate::import::geo;
 use crate::import::mapping::{SAY_IT, SourceMapping, line};
 use crate::import::meaning::Meaning;
 use crate::import::units::Unit;
+use rundown_files::statistics::median;
 
 /// Ways by positions are compared in chords of so many metres, of which so many decide.
 const CHORD_M: f64 = 150.0;
@@ -83,7 +84,8 @@ impl SeenRows {
                 begin = Some((fix, 0.0));
             }
         }
-        let [named, other] = ratios.map(|ratios| middle(ratios.clone()).filter(|_| ratios.len() >= LEAST_CHORDS));
+        let [named, other] =
+            ratios.map(|ratios| median(ratios.iter().copied()).filter(|_| ratios.len() >= LEAST_CHORDS));
         Some([named?, other?])
     }
 }

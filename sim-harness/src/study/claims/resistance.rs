@@ -6,13 +6,13 @@ use crate::study::tallies::{R0_BAND, Tallies};
 use crate::{
     study::case::CaseTruth,
     study::moments::Moments,
-    study::moments::correlation,
     study::trials::Sensitivity,
     study::view::{self, CLOUDS_KMH, LARGEST_OVER_S, Seen},
     study::visible,
 };
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate};
 use rundown_files::replay::ReplayedRun;
+use rundown_files::statistics::correlation;
 use rundown_pages::numbers::number;
 
 /// Why no verdict on the resistance speaks of the truth.

@@ -108,9 +108,7 @@ impl Answer {
     /// Of a column, over the sets.
     pub fn moments(&self, variant: &str, arm: &str, column: usize) -> Moments {
         let of = self.rows.iter().filter(|row| row.variant == variant && row.arm.name == arm);
-        let mut moments = Moments::default();
-        of.filter_map(|row| row.values[column]).for_each(|value| moments.add(value));
-        moments
+        of.filter_map(|row| row.values[column]).collect()
     }
 
     /// The table on the screen.

@@ -185,13 +185,7 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 pub fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    moments(values).mean()
-}
-
-fn moments(values: impl Iterator<Item = f64>) -> Moments {
-    let mut moments = Moments::default();
-    values.for_each(|value| moments.add(value));
-    moments
+    values.collect::<Moments>().mean()
 }
 
 /// What was seen and what was, of the judged runs that have both.
@@ -205,7 +199,8 @@ fn absolute(look: &Look<'_>, of: fn(&ViewOutcome) -> Option<f64>) -> Option<f64>
 
 /// Coefficient of variation over the runs, %.
 fn variation(runs: &[Seen], of: fn(&ViewOutcome) -> Option<f64>) -> Option<f64> {
-    moments(runs.iter().filter_map(|seen| of(&seen.outcome))).variation().map(|share| 100.0 * share)
+    let moments: Moments = runs.iter().filter_map(|seen| of(&seen.outcome)).collect();
+    moments.variation().map(|share| 100.0 * share)
 }
 
 fn largest(runs: &[Seen], of: fn(&ViewOutcome) -> Option<f64>) -> Option<f64> {

@@ -12,12 +12,13 @@ use super::sweep::Estimated;
 use super::variant::Variant;
 use crate::report::resistance::Resistance;
 use crate::study::Refused;
-use crate::study::moments::{Moments, correlation};
+use crate::study::moments::Moments;
 use crate::study::readings::comparison::seed_of;
 use rayon::prelude::*;
 use rundown::estimator::config::Mode;
 use rundown::filter::gaussian::Gaussian;
 use rundown_files::replay::ReplayedRun;
+use rundown_files::statistics::correlation;
 
 const UNITS: usize = 6;
 /// Half of the true spread between units, shares.
@@ -109,7 +110,5 @@ fn carried(look: &Look<'_>, mode: Mode) -> Option<f64> {
 }
 
 fn spread_percent(values: &[f64]) -> Option<f64> {
-    let mut moments = Moments::default();
-    values.iter().for_each(|value| moments.add(*value));
-    moments.variation().map(|share| 100.0 * share)
+    values.iter().copied().collect::<Moments>().variation().map(|share| 100.0 * share)
 }

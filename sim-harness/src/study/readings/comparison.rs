@@ -66,18 +66,12 @@ impl Compared {
 
     /// Mean and standard deviation over the seeds.
     pub fn moments(&self, of: impl Fn(&JudgedRuns) -> f64) -> Moments {
-        moments(self.judged.iter().map(of))
+        self.judged.iter().map(of).collect()
     }
 
     pub fn gains(&self) -> Moments {
-        moments(self.gain.iter().copied())
+        self.gain.iter().copied().collect()
     }
-}
-
-fn moments(values: impl Iterator<Item = f64>) -> Moments {
-    let mut moments = Moments::default();
-    values.for_each(|value| moments.add(value));
-    moments
 }
 
 /// Seed of a set of runs, counted from 0.

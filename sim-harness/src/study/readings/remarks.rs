@@ -4,9 +4,10 @@
 //! ends of that interval are asked for. A change counts from the size on that a reader could see: [`visible`].
 
 use super::pass::{Filter, Pass, R0_NOISE, way};
-use crate::study::moments::{Moments, correlation};
+use crate::study::moments::Moments;
 use crate::study::tallies::R0_BAND;
 use crate::study::visible;
+use rundown_files::statistics::correlation;
 
 /// Runs of a seed on which other settings are tried.
 pub const TRIED: usize = 20;
@@ -173,9 +174,7 @@ fn share(passes: &[Pass], is: impl Fn(&Pass) -> bool) -> f64 {
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let mut squares = Moments::default();
-    values.for_each(|value| squares.add(value * value));
-    squares.mean().map_or(f64::NAN, f64::sqrt)
+    values.map(|value| value * value).collect::<Moments>().mean().map_or(f64::NAN, f64::sqrt)
 }
 
 /// The value below which this share lies; not a number without values.
@@ -216,8 +215,7 @@ fn is_larger_when_slow(pass: &Pass) -> bool {
 
 /// None where r0 does not move visibly.
 fn alike(pass: &Pass) -> Option<f64> {
-    let mut r0 = Moments::default();
-    pass.davis.iter().for_each(|davis| r0.add(davis[0]));
+    let r0: Moments = pass.davis.iter().map(|davis| davis[0]).collect();
     if !visible::R0.sees(r0.largest - r0.least) {
         return None;
     }

@@ -1,0 +1,54 @@
+//! Middle, spread and correlation of lists.
+
+fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// Middle value in any order, the upper one of two.
+pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let values = sorted(values);
+    values.get(values.len() / 2).copied()
+}
+
+/// The same of a list that is not empty.
+pub fn median_of(values: &[f64]) -> f64 {
+    let values = sorted(values.iter().copied());
+    values[values.len() / 2]
+}
+
+/// Middle value, the mean of two.
+pub fn mean_median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let values = sorted(values);
+    let last = values.len().checked_sub(1)?;
+    Some(0.5 * (values[last / 2] + values[last.div_ceil(2)]))
+}
+
+/// Standard deviation by the median of the sizes, which a few exceptions do not move; 0 of none.
+pub fn spread(off: impl IntoIterator<Item = f64>) -> f64 {
+    median(off.into_iter().map(f64::abs)).map_or(0.0, |size| 1.4826 * size)
+}
+
+/// Correlation of x and y; none without spread.
+pub fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
+    let n = pairs.len() as f64;
+    let x = pairs.iter().map(|p| p.0).sum::<f64>() / n;
+    let y = pairs.iter().map(|p| p.1).sum::<f64>() / n;
+    let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
+    let xy = sum(&|p| (p.0 - x) * (p.1 - y));
+    let scale = (sum(&|p| (p.0 - x).powi(2)) * sum(&|p| (p.1 - y).powi(2))).sqrt();
+    (scale > 0.0).then(|| xy / scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_median_is_between_the_halves() {
+        assert_eq!(mean_median([4.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(mean_median([4.0, 1.0, 2.0, 3.0]), Some(2.5));
+        assert_eq!(mean_median([]), None);
+    }
+}
