@@ -130,7 +130,7 @@ fn examined(
     let recorded = kept(&recordings);
     let mut found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
     if let (Some(found), Some(train), Some(core), Some(track)) = (&mut found, train, core_track, &track) {
-        let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.refusal().is_none());
+        let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.is_usable());
         let mut coasts = Coasts::default();
         usable.for_each(|(recording, _)| coasts.add(std::slice::from_ref(recording), &train));
         found.gradients = coasts.doubt(&train, &core, track.gradient_sd_permille());

@@ -2,102 +2,94 @@
 
 use crate::agreement::Figure;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt;
 
-/// What is the matter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// The clock went back at midnight: seconds of the day.
-    Midnight,
-    /// The clock was set back.
-    ClockSetBack,
-    /// The clock was set forward: the train did not move as long as that.
-    ClockSetForward,
-    /// Rows hold the distance of one second more than their clock says.
-    LostSeconds,
-    /// No rows while the train stood.
-    MissingStandstill,
-    /// No rows while the train moved.
-    Gaps,
-    /// The odometer began again at zero after a full turn.
-    Wrap,
-    /// The locations began again elsewhere.
-    Reset,
-    /// Single locations far from both neighbours.
-    LocationSpikes,
-    /// The location stays although the speed does not.
-    StuckLocation,
-    /// The speed stays although the location says otherwise.
-    StuckSpeed,
-    /// There and back in one log.
-    TwoDirections,
-    /// Speeds are multiples of a step, the nearest one.
-    RoundedSpeed,
-    /// Speeds are multiples of a step, the one below.
-    TruncatedSpeed,
-    /// Speeds are multiples of a step; to the nearest or the one below is not known.
-    SteppedSpeed,
-    /// The speed reads too low or high by the same everywhere.
-    SpeedOffset,
-    /// The speed reads too low or high by a factor: a wheel that is not as believed.
-    SpeedScale,
-    /// That factor changes within a run, or from one run on.
-    WheelChange,
-    /// The speed is a mean over some seconds around its time.
-    SmoothedSpeed,
-    /// The speed is older than the location.
-    Skew,
-    /// The locations grow too fast or too slowly beside the described stops: an odometer with a wheel that is not as believed.
-    LocationScale,
-    /// A column holds another unit.
-    OtherUnit,
-    /// Readings that are no numbers, or beyond the range of their column.
-    Impossible,
-    /// Single speeds far from both neighbours.
-    SpeedSpikes,
-    /// Rows without a location or without a speed.
-    MissingReadings,
-    /// The readings of another log.
-    SameRows,
-    /// Faster than the track describes.
-    AboveSpeedLimit,
-    /// More tractive effort is measured than the train is described with.
-    AboveTraction,
-    /// More braking effort is measured than the train is described with.
-    AboveBrake,
-    /// The measured effort has nothing to do with the train's acceleration.
-    EffortApart,
-    /// The measured effort has steps as large as the resistance.
-    EffortSteps,
-    /// The train answers otherwise to the measured effort of this run than in the other runs.
-    EffortUnlike,
-    /// The measured effort is above zero while the train brakes.
-    UnsignedBrake,
-    /// The measured effort stands still for a while, beside a train that answers to another one.
-    EffortHeld,
-    /// The measured effort is older than the speed.
-    EffortLate,
-    /// The measured effort of a train that stands is not 0.
-    EffortOffset,
-    /// The measured effort is 0 where the train brakes, or holds its speed.
-    EffortZeros,
-    /// The speed reads zero below a threshold.
-    DeadZone,
-    /// The speed repeats the last value in some rows, and catches up after them.
-    HeldSpeeds,
-    /// Rows were written out of their order.
-    OutOfOrder,
-    /// Rows have the time of the row before.
-    CoarseClock,
-    /// Rows lie on straight lines between every few of them.
-    Interpolated,
-    /// Some of the readings are those of another log.
-    SharedRows,
-    /// The locations count from another place than those of the other runs.
-    OtherChainage,
-    /// The locations count from the other end of the line.
-    TurnedChainage,
+/// Each kind, what it is in words, and what one can do about it, where there is something.
+macro_rules! kinds {
+    ($($Kind:ident $words:literal $(=> $remedy:literal)?;)*) => {
+        /// What is the matter.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Kind {
+            $(#[doc = $words] $Kind,)*
+        }
+
+        impl Kind {
+            /// What it is, in words.
+            pub fn words(self) -> &'static str {
+                match self { $(Self::$Kind => $words,)* }
+            }
+
+            /// What one can do about it, where there is something.
+            pub fn remedy(self) -> Option<&'static str> {
+                match self { $(Self::$Kind => None $(.or(Some($remedy)))?,)* }
+            }
+        }
+    };
+}
+
+kinds! {
+    Midnight "the clock goes back at midnight";
+    ClockSetBack "the clock was set back";
+    ClockSetForward "the clock was set forward";
+    LostSeconds "rows hold one second more than their clock says";
+    MissingStandstill "no rows while standing";
+    Gaps "gaps while moving";
+    Wrap "the odometer began again at zero";
+    Reset "the locations began again elsewhere" => "give the chainage where the log begins again";
+    LocationSpikes "single locations far from their neighbours";
+    StuckLocation "the location stands still while the train runs" => "look at the sensor";
+    StuckSpeed "the speed stays the same while the locations say otherwise" => "look at the sensor";
+    TwoDirections "the train goes there and back in one log" => "cut the log where the train turns";
+    RoundedSpeed "speeds are rounded to the nearest step";
+    TruncatedSpeed "speeds are truncated to the step below";
+    SteppedSpeed "speeds have a step; rounded or truncated is not known";
+    SpeedOffset "the speed is off by the same everywhere: true less read"
+        => "r(v) is learned at speeds that are off by as much";
+    SpeedScale "the speed is off by a factor: read over true"
+        => "compare the wheel diameter of the recorder, or the length of the track";
+    WheelChange "the speed's scale changes: after over before"
+        => "look when the wheels were turned, or their diameter was entered";
+    SmoothedSpeed "speeds are means over some time"
+        => "record momentary speeds; starts, stops and coasts begin and end within so long";
+    Skew "the speed is older than the location";
+    LocationScale "the locations are off by a factor beside the described stops: read over described"
+        => "compare the wheel diameter of the recorder, or the length of the track";
+    OtherUnit "a column holds another unit: location over speed is off by a factor"
+        => "convert the column to the unit of its name; `rundown import` does with a --mapping that it prints";
+    Impossible "readings are no numbers, or beyond what any train or line has";
+    SpeedSpikes "single speeds far from their neighbours";
+    MissingReadings "rows without a location or without a speed";
+    SameRows "the log holds the same rows as another one";
+    AboveSpeedLimit "speeds are above the described limits"
+        => "look whether the logs and the speed limits belong to this line";
+    AboveTraction "measured efforts are above the described tractive effort"
+        => "look whether train and mass are the described ones, and in which unit the effort is";
+    AboveBrake "measured efforts are beyond the described brake"
+        => "look whether train and mass are the described ones, and in which unit the effort is";
+    EffortApart "measured efforts do not go with the train's acceleration: correlation"
+        => "look at the column: which train's, which sign, which clock";
+    EffortSteps "measured efforts have steps too large for a resistance:" => "record the effort with more digits";
+    EffortUnlike "efforts are unlike those of the other runs: acceleration for the effort, over theirs"
+        => "look at the column: is it in another unit, halved, cut off, frozen, another train's?";
+    UnsignedBrake "efforts are above zero while the train brakes" => "write the effort of a brake below zero";
+    EffortHeld "efforts stand still, as the last one that arrived does, for a mean of"
+        => "look at the column: does a signal freeze, or come late?";
+    EffortLate "measured efforts are older than the speed (below zero: the speed is)";
+    EffortOffset "the effort of a train that stands is not 0 but";
+    EffortZeros "the effort is 0 while the train brakes or holds its speed"
+        => "leave the field empty where no effort is recorded";
+    DeadZone "the speed reads zero below a threshold: readings of zero beside movement";
+    HeldSpeeds "the speed repeats its last value in some rows and catches up after them";
+    OutOfOrder "rows are out of order";
+    CoarseClock "rows have the time of the row before, and other readings" => "write the times as fine as the rows";
+    Interpolated "rows lie on straight lines between readings so far apart" => "export the rows of the recorder";
+    SharedRows "the log shares rows with another one" => "cut what is there twice: it teaches twice";
+    OtherChainage "the locations are off from those of other runs by the same everywhere"
+        => "bring the runs onto one chainage: `rundown import --chainage align`";
+    TurnedChainage "the locations count from the other end of the line: their sum with those of other runs"
+        => "bring the runs onto one chainage: `rundown import --chainage align`";
 }
 
 /// What was done about it.
@@ -131,104 +123,8 @@ pub struct Finding {
     pub done: Done,
 }
 
-impl Kind {
-    /// What it is, in words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Midnight => "the clock goes back at midnight",
-            Self::ClockSetBack => "the clock was set back",
-            Self::ClockSetForward => "the clock was set forward",
-            Self::LostSeconds => "rows hold one second more than their clock says",
-            Self::MissingStandstill => "no rows while standing",
-            Self::Gaps => "gaps while moving",
-            Self::Wrap => "the odometer began again at zero",
-            Self::Reset => "the locations began again elsewhere",
-            Self::LocationSpikes => "single locations far from their neighbours",
-            Self::StuckLocation => "the location stands still while the train runs",
-            Self::StuckSpeed => "the speed stays the same while the locations say otherwise",
-            Self::TwoDirections => "the train goes there and back in one log",
-            Self::RoundedSpeed => "speeds are rounded to the nearest step",
-            Self::TruncatedSpeed => "speeds are truncated to the step below",
-            Self::SteppedSpeed => "speeds have a step; rounded or truncated is not known",
-            Self::SpeedOffset => "the speed is off by the same everywhere: true less read",
-            Self::SpeedScale => "the speed is off by a factor: read over true",
-            Self::LocationScale => "the locations are off by a factor beside the described stops: read over described",
-            Self::WheelChange => "the speed's scale changes: after over before",
-            Self::SmoothedSpeed => "speeds are means over some time",
-            Self::Skew => "the speed is older than the location",
-            Self::OtherUnit => "a column holds another unit: location over speed is off by a factor",
-            Self::Impossible => "readings are no numbers, or beyond what any train or line has",
-            Self::SpeedSpikes => "single speeds far from their neighbours",
-            Self::MissingReadings => "rows without a location or without a speed",
-            Self::OtherChainage => "the locations are off from those of other runs by the same everywhere",
-            Self::TurnedChainage => {
-                "the locations count from the other end of the line: their sum with those of other runs"
-            }
-            Self::DeadZone => "the speed reads zero below a threshold: readings of zero beside movement",
-            Self::HeldSpeeds => "the speed repeats its last value in some rows and catches up after them",
-            Self::AboveSpeedLimit => "speeds are above the described limits",
-            Self::AboveTraction => "measured efforts are above the described tractive effort",
-            Self::AboveBrake => "measured efforts are beyond the described brake",
-            Self::EffortApart => "measured efforts do not go with the train's acceleration: correlation",
-            Self::EffortSteps => "measured efforts have steps too large for a resistance:",
-            Self::EffortUnlike => {
-                "efforts are unlike those of the other runs: acceleration for the effort, over theirs"
-            }
-            Self::UnsignedBrake => "efforts are above zero while the train brakes",
-            Self::EffortHeld => "efforts stand still, as the last one that arrived does, for a mean of",
-            Self::EffortLate => "measured efforts are older than the speed (below zero: the speed is)",
-            Self::EffortOffset => "the effort of a train that stands is not 0 but",
-            Self::EffortZeros => "the effort is 0 while the train brakes or holds its speed",
-            Self::OutOfOrder => "rows are out of order",
-            Self::Interpolated => "rows lie on straight lines between readings so far apart",
-            Self::CoarseClock => "rows have the time of the row before, and other readings",
-            Self::SharedRows => "the log shares rows with another one",
-            Self::SameRows => "the log holds the same rows as another one",
-        }
-    }
-
-    /// What one can do about it, where there is something.
-    pub fn remedy(self) -> Option<&'static str> {
-        match self {
-            Self::TwoDirections => Some("cut the log where the train turns"),
-            Self::OtherUnit => Some(
-                "convert the column to the unit of its name; `rundown import` does with a --mapping that it prints",
-            ),
-            Self::SpeedScale | Self::LocationScale => {
-                Some("compare the wheel diameter of the recorder, or the length of the track")
-            }
-            Self::SmoothedSpeed => {
-                Some("record momentary speeds; starts, stops and coasts begin and end within so long")
-            }
-            Self::WheelChange => Some("look when the wheels were turned, or their diameter was entered"),
-            Self::Interpolated => Some("export the rows of the recorder"),
-            Self::SpeedOffset => Some("r(v) is learned at speeds that are off by as much"),
-            Self::CoarseClock => Some("write the times as fine as the rows"),
-            Self::SharedRows => Some("cut what is there twice: it teaches twice"),
-            Self::StuckSpeed | Self::StuckLocation => Some("look at the sensor"),
-            Self::Reset => Some("give the chainage where the log begins again"),
-            Self::AboveSpeedLimit => Some("look whether the logs and the speed limits belong to this line"),
-            Self::AboveTraction | Self::AboveBrake => {
-                Some("look whether train and mass are the described ones, and in which unit the effort is")
-            }
-            Self::EffortZeros => Some("leave the field empty where no effort is recorded"),
-            Self::EffortApart => Some("look at the column: which train's, which sign, which clock"),
-            Self::EffortUnlike => {
-                Some("look at the column: is it in another unit, halved, cut off, frozen, another train's?")
-            }
-            Self::UnsignedBrake => Some("write the effort of a brake below zero"),
-            Self::EffortHeld => Some("look at the column: does a signal freeze, or come late?"),
-            Self::EffortSteps => Some("record the effort with more digits"),
-            Self::OtherChainage | Self::TurnedChainage => {
-                Some("bring the runs onto one chainage: `rundown import --chainage align`")
-            }
-            _ => None,
-        }
-    }
-}
-
 impl Done {
-    /// In words.
+    /// What it is, in words.
     pub fn words(self) -> &'static str {
         match self {
             Self::PutRight => "put right",
@@ -243,6 +139,32 @@ impl Finding {
     /// It is a defect of the log. That speeds are rounded to the nearest step is none: every display does, and their mean is right.
     pub fn is_defect(&self) -> bool {
         self.kind != Kind::RoundedSpeed
+    }
+
+    /// It changed a reading, or spoils results and was not changed.
+    pub(crate) fn spoils(&self) -> bool {
+        match self.done {
+            Done::PutRight | Done::LeftOut => true,
+            Done::Refused => false,
+            Done::Said => matches!(
+                self.kind,
+                Kind::AboveBrake
+                    | Kind::AboveSpeedLimit
+                    | Kind::AboveTraction
+                    | Kind::CoarseClock
+                    | Kind::EffortApart
+                    | Kind::EffortLate
+                    | Kind::EffortSteps
+                    | Kind::MissingReadings
+                    | Kind::OtherChainage
+                    | Kind::Reset
+                    | Kind::SharedRows
+                    | Kind::Skew
+                    | Kind::SpeedOffset
+                    | Kind::TurnedChainage
+                    | Kind::WheelChange
+            ),
+        }
     }
 
     /// The figure with its 95 % interval, where it has one, and its unit.
@@ -272,6 +194,14 @@ impl fmt::Display for Finding {
         }
         write!(f, "; {}", done.words())?;
         kind.remedy().map_or(Ok(()), |remedy| write!(f, ": {remedy}"))
+    }
+}
+
+/// A finding as a sentence, with what says so.
+pub(crate) fn with_evidence(finding: &Finding, evidence: &BTreeMap<Kind, String>) -> String {
+    match evidence.get(&finding.kind) {
+        Some(evidence) => format!("{finding} ({evidence})"),
+        None => finding.to_string(),
     }
 }
 

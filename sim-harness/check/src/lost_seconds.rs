@@ -10,7 +10,8 @@
 use crate::agreement::Figure;
 use crate::compared::{Compared, Differences, PAIR_S};
 use crate::finding::{Done, Finding, Kind};
-use crate::{RunCheck, differences, places};
+use crate::places;
+use crate::run::{RunCheck, differences};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
@@ -134,7 +135,7 @@ pub(crate) const NOT_SEEN_S: f64 = 1.0 / SURE;
 
 /// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right.
 pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> Sought {
-    let usable = of_unit.iter().copied().filter(|i| runs[*i].refusal().is_none());
+    let usable = of_unit.iter().copied().filter(|i| runs[*i].is_usable());
     let mut longest: Vec<(usize, f64)> = usable.map(|i| (i, length_m(&recordings[i].rows))).collect();
     longest.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let of = |(i, _): &(usize, f64)| differences(&recordings[*i].rows, runs[*i].step_s);

@@ -7,8 +7,11 @@
 //! The location is moved to the age of the speed, not the speed to that of the location: the steps of a rounded speed stay what they are.
 
 use crate::agreement::{Agreement, Figure, pooled};
+use crate::correction::Correction;
+use crate::diagnosis::RecorderCheck;
 use crate::finding::{Done, Kind};
-use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE, places, put_right};
+use crate::run::RunCheck;
+use crate::{Known, LEAST_SCALE, SURE, places, put_right};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::sample::Sample;
 use std::slice;
@@ -89,7 +92,7 @@ pub(crate) fn of(
         None => (),
     }
     if let Some(skew) = run.skew_s {
-        let of_recorder = recorder.findings.iter().any(|finding| finding.kind == Kind::Skew);
+        let of_recorder = recorder.has(Kind::Skew);
         let beyond = skew.value.abs() > LEAST_OWN_SKEW_S && skew.away_from(0.0) > OWN_SURE;
         if !of_recorder && beyond {
             run.found(Kind::Skew, skew, "s", put_right(known.moves_locations));
@@ -108,7 +111,7 @@ enum Wheel {
 
 /// Asks the run alone: one that differs spoils what the recorder says of the others.
 fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
-    let has = |kind| recorder.findings.iter().any(|finding| finding.kind == kind);
+    let has = |kind| recorder.has(kind);
     // Where the model does not fit the recorder, it does not fit its runs.
     if recorder.compared < 2 || has(Kind::SpeedOffset) {
         return None;

@@ -78,7 +78,7 @@ fn lead(found: &Check, failed: &[Failed]) -> Markup {
 
 fn recorder_section(recorder: &RecorderCheck, found: &Check, logs: &Logs) -> Markup {
     let of_unit: Vec<usize> = (0..found.runs.len()).filter(|i| found.runs[*i].unit == recorder.unit).collect();
-    let usable = || of_unit.iter().filter(|i| found.runs[**i].refusal().is_none());
+    let usable = || of_unit.iter().filter(|i| found.runs[**i].is_usable());
     let windows: Vec<ComparedWindow> =
         usable().flat_map(|i| compared(&found.runs[*i], recorder, &logs.right[*i])).collect();
     if usable().next().is_none() {

@@ -1,0 +1,195 @@
+//! What is the matter with the efforts of a recorder: left out, moved, averaged before anything is learned from them.
+
+use crate::agreement::Figure;
+use crate::diagnosis::RecorderCheck;
+use crate::finding::{Done, Finding, Kind};
+use crate::run::RunCheck;
+use crate::{Known, SURE, effort, effort_age, effort_held, effort_unlike, effort_zero, limits, smoothed, steps};
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+
+/// A younger effort is what the estimator learns of its column, s ...
+const LEAST_AGE_S: f64 = 1.5;
+/// ... and with rows farther apart it cannot be moved, s.
+const MOVED_STEP_S: f64 = 2.0;
+/// Larger steps of an effort are left out, N/kg: half of one is a fifth of the resistance of a train at 100 km/h, and stays while the speed is held. Simulated
+/// fleets learn with steps of 0.01 as with none, and with 0.02 and more worse than from coasts alone.
+const LARGEST_EFFORT_STEP_N_PER_KG: f64 = 0.0125;
+/// Runs that the age of the effort is asked of.
+const AGED: usize = 12;
+
+impl RecorderCheck {
+    /// Judges the efforts and what is described of the train. Call it when the speeds are put right.
+    pub(crate) fn efforts(&mut self, recordings: &mut [Recording], runs: &mut [RunCheck], known: &Known) {
+        // First the single runs: one in another unit spoils what all say together.
+        self.held_efforts(recordings, runs);
+        self.unlike_efforts(recordings, runs);
+        self.exceeds(recordings, runs, known);
+        self.unfit_efforts(recordings, runs);
+        self.effort_zero(recordings, runs);
+        self.smoothed_speeds(recordings, runs);
+        self.effort_age(recordings, runs, known);
+    }
+
+    /// Says what of the descriptions its runs exceed, and an effort column that is not theirs. Call it when the readings are put right.
+    fn exceeds(&mut self, recordings: &[Recording], runs: &[RunCheck], known: &Known) {
+        let own = recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run));
+        let own: Vec<&Recording> = own.map(|(recording, _)| recording).collect();
+        for limits::Excess { kind, percent: figure, rows: count, evidence } in
+            limits::exceeded(own.iter().copied(), &known.limits)
+        {
+            self.findings.push(Finding { kind, figure, unit: "% of the rows", count, line: 0, done: Done::Said });
+            self.evidence.insert(kind, evidence);
+        }
+        self.effort_step_n_per_kg = steps::of_effort_n_per_kg(own.iter().flat_map(|recording| &recording.rows));
+        if let Some(effort::Apart { correlation, evidence, .. }) = effort::apart(own.iter().copied()) {
+            let done = if known.moves_locations { Done::LeftOut } else { Done::Said };
+            self.found_by(Kind::EffortApart, correlation, "", done, evidence);
+        } else if let Some(step) = self.effort_step_n_per_kg.filter(|step| *step > LARGEST_EFFORT_STEP_N_PER_KG) {
+            self.found(Kind::EffortSteps, Figure { value: step, sd: 0.0 }, "N/kg", Done::LeftOut);
+        }
+    }
+
+    /// Leaves out efforts that do not go with its trains, or have steps too large: nothing may be learned from them.
+    fn unfit_efforts(&self, recordings: &mut [Recording], runs: &[RunCheck]) {
+        let is_unfit = |kind| matches!(kind, Kind::EffortApart | Kind::EffortSteps);
+        if !self.findings.iter().any(|one| is_unfit(one.kind) && one.done == Done::LeftOut) {
+            return;
+        }
+        let own = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
+        own.flat_map(|(recording, _)| &mut recording.rows).for_each(|row| row.effort_n_per_kg = None);
+    }
+
+    /// Leaves out efforts that are old ones.
+    fn held_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
+        let own = self.usable(runs);
+        let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
+        let Some(held) = effort_held::of(&rows) else {
+            return;
+        };
+        let figure = Figure { value: held.mean_s, sd: 0.0 };
+        let kind = Kind::EffortHeld;
+        self.findings.push(Finding { kind, figure, unit: "s", count: held.stretches, line: 0, done: Done::LeftOut });
+        let concerned = held.rows.iter().filter(|rows| !rows.is_empty()).count();
+        let (stretches, shown) = (held.stretches, held.shown);
+        let text = format!("{stretches} times in {concerned} runs; {shown} times the train shows it");
+        self.evidence.insert(kind, text);
+        for (i, ranges) in own.iter().zip(held.rows) {
+            // The first of them was true.
+            let old = ranges.into_iter().flat_map(|range| range.skip(1));
+            old.for_each(|row| recordings[*i].rows[row].effort_n_per_kg = None);
+        }
+    }
+
+    /// Leaves out the efforts of runs in which the train answers otherwise to them than in the others.
+    fn unlike_efforts(&self, recordings: &mut [Recording], runs: &mut [RunCheck]) {
+        let own = self.usable(runs);
+        let brakes: Vec<Option<[usize; 2]>> = own.iter().map(|i| effort::brakes(&recordings[*i].rows)).collect();
+        let without_sign = |place: &usize| brakes[*place].is_some_and(|[against, all]| 3 * against > 2 * all);
+        let odd: Vec<usize> = (0..own.len()).filter(without_sign).collect();
+        // Where all runs have it, it is the column that is said to have nothing to do with the train.
+        if odd.len() < brakes.iter().flatten().count() {
+            for place in odd {
+                if let Some(windows) = brakes[place] {
+                    runs[own[place]].brakes_without_sign(windows);
+                    recordings[own[place]].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
+                }
+            }
+        }
+        let answers: Vec<Option<Figure>> = own.iter().map(|i| effort_unlike::of_run(&recordings[*i].rows)).collect();
+        for (place, figure) in effort_unlike::unlike(&answers) {
+            runs[own[place]].answers_otherwise(figure);
+            recordings[own[place]].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
+        }
+    }
+
+    /// Makes momentary efforts means over as long as the speeds are.
+    fn smoothed_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
+        if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) {
+            return;
+        }
+        let own = self.usable(runs);
+        let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
+        let found = smoothed::of(&rows).and_then(|s| Some((s, smoothed::averaged_efforts(&rows, s.value)?)));
+        let Some((long_s, efforts)) = found else {
+            return;
+        };
+        let is_short = long_s.value <= smoothed::MOST_S;
+        let (done, text) = if is_short {
+            (Done::PutRight, "the efforts are averaged over as long, and explain the accelerations better so")
+        } else {
+            (Done::LeftOut, "the efforts are, for averaged ones explain the accelerations better, and are not enough")
+        };
+        self.found_by(Kind::SmoothedSpeed, long_s, "s", done, text.to_owned());
+        for (i, efforts) in own.iter().zip(efforts) {
+            let rows = recordings[*i].rows.iter_mut().zip(efforts);
+            rows.for_each(|(row, effort)| row.effort_n_per_kg = effort.filter(|_| is_short));
+        }
+    }
+
+    /// Takes the zero of the effort from trains that stand, and leaves out zeros that are no effort of 0.
+    fn effort_zero(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
+        let own =
+            || recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run)).map(|(recording, _)| recording);
+        if self.has(Kind::EffortApart) {
+            return;
+        }
+        let offset = effort_zero::at_standstill(own());
+        let zeros = effort_zero::zeros(own());
+        let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
+        let rows: Vec<&mut [Sample]> = rows.map(|(recording, _)| recording.rows.as_mut_slice()).collect();
+        if let Some((figure, count)) = offset {
+            let text = format!("in {count} rows, and so taken from all");
+            self.found_by(Kind::EffortOffset, figure, "N/kg", Done::PutRight, text);
+            let efforts = rows.into_iter().flatten().filter_map(|row| row.effort_n_per_kg.as_mut());
+            efforts.for_each(|effort| *effort -= figure.value);
+            return;
+        }
+        let (stretches, what, leave_out): (_, _, fn(&mut [Sample]) -> usize) = if zeros.drop_what_is_small() {
+            (zeros.holds, "holds its speed: all efforts of 0", effort_zero::leave_out_zeros)
+        } else if zeros.lack_the_brake() {
+            (zeros.brakes, "brakes: its efforts while it brakes", effort_zero::leave_out_brakes)
+        } else {
+            return;
+        };
+        let count: usize = rows.into_iter().map(leave_out).sum();
+        let figure = Figure { value: count as f64, sd: 0.0 };
+        let of = format!("{} of {} stretches in which the train {what}", stretches.with_zeros, stretches.all);
+        self.found_by(Kind::EffortZeros, figure, "rows", Done::LeftOut, of);
+    }
+
+    /// Says that the effort is older than the speed, and brings it to its age where the rows are near enough in time. Where they are not, an effort that is late
+    /// by more than half a row is not what a later tick makes of it, and left out.
+    fn effort_age(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+        let has_effort = |rows: &[Sample]| rows.iter().any(|row| row.effort_n_per_kg.is_some());
+        let own = (0..runs.len()).filter(|i| self.has_usable(&runs[*i]) && has_effort(&recordings[*i].rows));
+        let own: Vec<usize> = own.collect();
+        if own.is_empty() || self.has(Kind::EffortApart) {
+            return;
+        }
+        let asked = own.iter().take(AGED).map(|i| (recordings[*i].rows.as_slice(), runs[*i].step_s));
+        let Some(usual) = effort_age::usual(asked) else { return };
+        let age_s = usual.age_s;
+        if age_s.value.abs() < LEAST_AGE_S || age_s.away_from(0.0) < SURE {
+            return;
+        }
+        let step_s = own.iter().map(|i| runs[*i].step_s).fold(0.0, f64::max);
+        let (done, said) = match step_s {
+            _ if !known.moves_locations => (Done::Said, "asked for beside its gain".to_owned()),
+            ..=MOVED_STEP_S => (Done::PutRight, format!("it differs by {:.1} s from run to run", usual.spread_s)),
+            _ if age_s.value.abs() <= 0.5 * step_s => {
+                (Done::Said, format!("within half of the {step_s:.0} s of a row"))
+            }
+            _ => (Done::LeftOut, format!("the efforts; rows are {step_s:.0} s apart, too far to move them")),
+        };
+        self.found_by(Kind::EffortLate, age_s, "s", done, said);
+        for i in own {
+            let rows = &mut recordings[i].rows;
+            match done {
+                Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, &usual),
+                Done::LeftOut => rows.iter_mut().for_each(|row| row.effort_n_per_kg = None),
+                Done::Said | Done::Refused => (),
+            }
+        }
+    }
+}
