@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use rundown_check::agreement::Figure;
 use rundown_check::finding::{Finding, Kind};
 use rundown_check::{Check, Known, check, check_beside};
+use rundown_files::recording::Recording;
 use rundown_files::statistics::median;
 use rundown_truth::recorders::odometer;
 use rundown_truth::scenario::DriveError;
@@ -23,81 +24,68 @@ use serde::Serialize;
 use sets::{COASTING, RUNS, SERVICES, SUBURBAN, on_stations, service, simulated};
 use spoil::{spoilt, turn};
 
-/// A defect that is injected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Defect {
-    /// Speeds cut off to whole km/h.
-    Truncated,
-    /// A wheel that reads up to 4 % wrong, beside satellites.
-    Wheel,
-    /// Both.
-    TruncatedWheel,
-    /// A speed older than the location by 1 to 4 s, each run by its own.
-    Skew,
-    /// A clock that loses a second every 106 s, beside an odometer.
-    LostSeconds,
-    /// Seconds of the day, across midnight.
-    Midnight,
-    /// The clock is set back by an hour.
-    SetBack,
-    /// The clock is set forward by ten minutes.
-    SetForward,
-    /// Standing is one row.
-    NoStandstill,
-    /// The odometer wraps at 65 536 m.
-    Wrap,
-    /// The locations begin again at zero.
-    Reset,
-    /// Single locations off by a kilometre.
-    Spikes,
-    /// The speed stays at zero.
-    StuckSpeed,
-    /// The location stays.
-    StuckLocation,
-    /// There and back in one log.
-    TwoDirections,
-    /// Speeds in m/s under the header of km/h.
-    OtherUnit,
-    /// A run is given again, under another name and by another clock.
-    SameRows,
-    /// All locations of one of eight runs off by 2.3 km.
-    OtherChainage,
-    /// The same by 300 m.
-    NearChainage,
-    /// One of eight runs counts its locations from the other end of the line.
-    TurnedChainage,
-    /// Speeds read zero below 12 km/h.
-    DeadZone,
-    /// The same below 5 km/h.
-    SmallDeadZone,
-    /// 3 % of the speeds repeat the last value.
-    Held,
-    /// 3 % of the speeds are held, in pieces of 2 to 6 rows.
-    HeldPieces,
-    /// The wheel of one run reads 1 % less from the middle third on.
-    WheelOnTheWay,
-    /// The wheels are turned before the third of four runs: 1 % less.
-    WheelTurned,
-    /// A clock that loses a second every 106 s, beside a wheel that hides it in the mean.
-    HiddenSeconds,
-    /// Efforts 5 s older than the speed.
-    LateEffort,
-    /// Efforts in steps of 0.03 N/kg.
-    EffortSteps,
-    /// An odometer with a wheel that is off gives speed and location, on a line whose stops are described.
-    OdometerWheel,
-    /// One of eight runs has half of its efforts.
-    HalfEffort,
-    /// The efforts of one of eight runs stand still for 30 s, eight times while the train powers.
-    FrozenEffort,
-    /// Speeds are means over 9 s around their time, efforts momentary.
-    SmoothedSpeed,
-    /// One of eight runs has brakes without their sign.
-    UnsignedBrake,
-    /// The speed of a coasting train stuck for 60 s.
-    StuckCoasting,
-    /// An exporter put nine rows on a straight line between each two of one run.
-    Interpolated,
+/// Each defect, the finding that it is to give, what it is in words, and the unit of its figure.
+macro_rules! defects {
+    ($($Defect:ident => $Kind:ident, $words:literal, $unit:literal;)*) => {
+        /// A defect that is injected.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Defect {
+            $(#[doc = $words] $Defect,)*
+        }
+
+        impl Defect {
+            /// All of them.
+            pub const ALL: [Self; [$($words),*].len()] = [$(Self::$Defect),*];
+
+            /// In words, with the unit of its figure.
+            pub fn words(self) -> (&'static str, &'static str) {
+                match self { $(Self::$Defect => ($words, $unit),)* }
+            }
+
+            fn kind(self) -> Kind {
+                match self { $(Self::$Defect => Kind::$Kind,)* }
+            }
+        }
+    };
+}
+
+defects! {
+    Truncated => TruncatedSpeed, "speeds cut off to whole km/h: their offset", "km/h";
+    Wheel => SpeedScale, "a wheel up to 4 % off", "%";
+    TruncatedWheel => SpeedScale, "the same beside truncation", "%";
+    Skew => Skew, "speed 1 to 4 s old, run by run", "s";
+    LostSeconds => LostSeconds, "a second lost every 106 s", "% of rows";
+    Midnight => Midnight, "midnight", "s";
+    SetBack => ClockSetBack, "clock set back an hour", "s";
+    SetForward => ClockSetForward, "clock set forward 10 min", "s";
+    NoStandstill => MissingStandstill, "no rows while standing", "s";
+    Wrap => Wrap, "odometer wraps at 65 536 m", "m";
+    Reset => Reset, "locations begin again at zero", "m";
+    Spikes => LocationSpikes, "single locations 1 km off", "m";
+    StuckSpeed => StuckSpeed, "speed stuck at zero for 60 s", "m";
+    StuckLocation => StuckLocation, "location stuck for 60 s", "m";
+    TwoDirections => TwoDirections, "there and back in one log", "m";
+    OtherUnit => OtherUnit, "speeds in m/s", "ratio";
+    SameRows => SameRows, "a run given again, an hour later", "rows";
+    OtherChainage => OtherChainage, "locations of one of 8 runs off by 2.3 km", "m";
+    NearChainage => OtherChainage, "locations of one of 8 runs off by 300 m", "m";
+    TurnedChainage => TurnedChainage, "one of 8 runs counts from the other end", "m";
+    DeadZone => DeadZone, "speeds read zero below 12 km/h", "km/h";
+    SmallDeadZone => DeadZone, "speeds read zero below 5 km/h", "km/h";
+    Held => HeldSpeeds, "3 % of the speeds repeat the last", "% of rows";
+    HeldPieces => HeldSpeeds, "3 % of the speeds held for 2 to 6 rows", "% of rows";
+    WheelOnTheWay => WheelChange, "a wheel that reads 1 % less from a place of one run on", "ratio";
+    WheelTurned => WheelChange, "wheels turned between runs, 1 %", "ratio";
+    HiddenSeconds => LostSeconds, "a second lost every 106 s that a wheel hides", "% of rows";
+    LateEffort => EffortLate, "efforts 5 s late", "s";
+    EffortSteps => EffortSteps, "efforts in steps of 0.03 N/kg", "N/kg";
+    OdometerWheel => LocationScale, "a wheel up to 2.8 % off that gives speed and location, stops described", "%";
+    HalfEffort => EffortUnlike, "one of 8 runs has half of its efforts", "ratio";
+    FrozenEffort => EffortHeld, "efforts of one of 8 runs stand still for 30 s, 8 times", "s";
+    UnsignedBrake => UnsignedBrake, "one of 8 runs has brakes without their sign", "% of its braking";
+    SmoothedSpeed => SmoothedSpeed, "speeds are means over 9 s", "s";
+    StuckCoasting => StuckSpeed, "speed of a coasting train stuck for 60 s", "m";
+    Interpolated => Interpolated, "one run interpolated between rows 10 s apart", "s";
 }
 
 /// A clean recorder.
@@ -121,124 +109,6 @@ const EFFORT_STEP_N_PER_KG: f64 = 0.03;
 const TURNED: f64 = 0.99;
 
 impl Defect {
-    /// All of them.
-    pub const ALL: [Self; 36] = [
-        Self::Truncated,
-        Self::Wheel,
-        Self::TruncatedWheel,
-        Self::Skew,
-        Self::LostSeconds,
-        Self::Midnight,
-        Self::SetBack,
-        Self::SetForward,
-        Self::NoStandstill,
-        Self::Wrap,
-        Self::Reset,
-        Self::Spikes,
-        Self::StuckSpeed,
-        Self::StuckLocation,
-        Self::TwoDirections,
-        Self::OtherUnit,
-        Self::SameRows,
-        Self::OtherChainage,
-        Self::NearChainage,
-        Self::TurnedChainage,
-        Self::DeadZone,
-        Self::SmallDeadZone,
-        Self::Held,
-        Self::HeldPieces,
-        Self::WheelOnTheWay,
-        Self::WheelTurned,
-        Self::HiddenSeconds,
-        Self::LateEffort,
-        Self::EffortSteps,
-        Self::OdometerWheel,
-        Self::HalfEffort,
-        Self::FrozenEffort,
-        Self::UnsignedBrake,
-        Self::SmoothedSpeed,
-        Self::StuckCoasting,
-        Self::Interpolated,
-    ];
-
-    /// In words, with the unit of its figure.
-    pub fn words(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Truncated => ("speeds cut off to whole km/h: their offset", "km/h"),
-            Self::Wheel => ("a wheel up to 4 % off", "%"),
-            Self::TruncatedWheel => ("the same beside truncation", "%"),
-            Self::Skew => ("speed 1 to 4 s old, run by run", "s"),
-            Self::LostSeconds => ("a second lost every 106 s", "% of rows"),
-            Self::Midnight => ("midnight", "s"),
-            Self::SetBack => ("clock set back an hour", "s"),
-            Self::SetForward => ("clock set forward 10 min", "s"),
-            Self::NoStandstill => ("no rows while standing", "s"),
-            Self::Wrap => ("odometer wraps at 65 536 m", "m"),
-            Self::Reset => ("locations begin again at zero", "m"),
-            Self::Spikes => ("single locations 1 km off", "m"),
-            Self::StuckSpeed => ("speed stuck at zero for 60 s", "m"),
-            Self::StuckLocation => ("location stuck for 60 s", "m"),
-            Self::TwoDirections => ("there and back in one log", "m"),
-            Self::OtherUnit => ("speeds in m/s", "ratio"),
-            Self::SameRows => ("a run given again, an hour later", "rows"),
-            Self::OtherChainage => ("locations of one of 8 runs off by 2.3 km", "m"),
-            Self::NearChainage => ("locations of one of 8 runs off by 300 m", "m"),
-            Self::TurnedChainage => ("one of 8 runs counts from the other end", "m"),
-            Self::DeadZone => ("speeds read zero below 12 km/h", "km/h"),
-            Self::SmallDeadZone => ("speeds read zero below 5 km/h", "km/h"),
-            Self::Held => ("3 % of the speeds repeat the last", "% of rows"),
-            Self::HeldPieces => ("3 % of the speeds held for 2 to 6 rows", "% of rows"),
-            Self::WheelOnTheWay => ("a wheel that reads 1 % less from a place of one run on", "ratio"),
-            Self::WheelTurned => ("wheels turned between runs, 1 %", "ratio"),
-            Self::HiddenSeconds => ("a second lost every 106 s that a wheel hides", "% of rows"),
-            Self::LateEffort => ("efforts 5 s late", "s"),
-            Self::EffortSteps => ("efforts in steps of 0.03 N/kg", "N/kg"),
-            Self::OdometerWheel => ("a wheel up to 2.8 % off that gives speed and location, stops described", "%"),
-            Self::HalfEffort => ("one of 8 runs has half of its efforts", "ratio"),
-            Self::FrozenEffort => ("efforts of one of 8 runs stand still for 30 s, 8 times", "s"),
-            Self::UnsignedBrake => ("one of 8 runs has brakes without their sign", "% of its braking"),
-            Self::SmoothedSpeed => ("speeds are means over 9 s", "s"),
-            Self::StuckCoasting => ("speed of a coasting train stuck for 60 s", "m"),
-            Self::Interpolated => ("one run interpolated between rows 10 s apart", "s"),
-        }
-    }
-
-    fn kind(self) -> Kind {
-        match self {
-            Self::Truncated => Kind::TruncatedSpeed,
-            Self::Wheel | Self::TruncatedWheel => Kind::SpeedScale,
-            Self::Skew => Kind::Skew,
-            Self::LostSeconds => Kind::LostSeconds,
-            Self::Midnight => Kind::Midnight,
-            Self::SetBack => Kind::ClockSetBack,
-            Self::SetForward => Kind::ClockSetForward,
-            Self::NoStandstill => Kind::MissingStandstill,
-            Self::Wrap => Kind::Wrap,
-            Self::Reset => Kind::Reset,
-            Self::Spikes => Kind::LocationSpikes,
-            Self::StuckSpeed => Kind::StuckSpeed,
-            Self::StuckLocation => Kind::StuckLocation,
-            Self::TwoDirections => Kind::TwoDirections,
-            Self::OtherUnit => Kind::OtherUnit,
-            Self::SameRows => Kind::SameRows,
-            Self::OtherChainage | Self::NearChainage => Kind::OtherChainage,
-            Self::TurnedChainage => Kind::TurnedChainage,
-            Self::DeadZone | Self::SmallDeadZone => Kind::DeadZone,
-            Self::Held | Self::HeldPieces => Kind::HeldSpeeds,
-            Self::WheelOnTheWay | Self::WheelTurned => Kind::WheelChange,
-            Self::HiddenSeconds => Kind::LostSeconds,
-            Self::LateEffort => Kind::EffortLate,
-            Self::EffortSteps => Kind::EffortSteps,
-            Self::OdometerWheel => Kind::LocationScale,
-            Self::HalfEffort => Kind::EffortUnlike,
-            Self::UnsignedBrake => Kind::UnsignedBrake,
-            Self::FrozenEffort => Kind::EffortHeld,
-            Self::SmoothedSpeed => Kind::SmoothedSpeed,
-            Self::StuckCoasting => Kind::StuckSpeed,
-            Self::Interpolated => Kind::Interpolated,
-        }
-    }
-
     /// What else is true of a log with this defect, and no false accusation.
     fn belongs(self, kind: Kind) -> bool {
         let by_design = match self {
@@ -407,40 +277,14 @@ fn all(check: &Check) -> impl Iterator<Item = &Finding> {
 
 fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0xC4EC);
-    let mut sensors = Clean::Satellites.sensors();
     let gain = 1.0 + random.random_range(0.007..0.04) * if random.random_bool(0.5) { 1.0 } else { -1.0 };
     let lags_s: Vec<f64> = (0..RUNS).map(|_| random.random_range(1.0..4.0)).collect();
-    match defect {
-        Defect::Truncated => sensors.speed = SpeedReading::Truncated,
-        Defect::Wheel => sensors.speed_gain = gain,
-        Defect::TruncatedWheel => (sensors.speed, sensors.speed_gain) = (SpeedReading::Truncated, gain),
-        Defect::LostSeconds => {
-            sensors = Sensors { lost_second_every_s: 106.0, ..Clean::Odometer.sensors() };
-        }
-        Defect::HiddenSeconds => (sensors.lost_second_every_s, sensors.speed_gain) = (106.0, 107.0 / 106.0),
-        Defect::LateEffort => sensors.effort_lag_s = 5.0,
-        Defect::SmoothedSpeed => sensors.speed_quantum_kmh = 0.1,
-        Defect::EffortSteps => sensors.effort_step_n_per_kg = EFFORT_STEP_N_PER_KG,
-        Defect::Midnight => sensors.day_clock_s = Some([85_800.0; 2]),
-        Defect::NoStandstill => sensors.standing_rows = false,
-        _ => {}
-    }
+    let sensors = sensors(defect, gain);
     let lags_s = if defect == Defect::Skew { lags_s } else { Vec::new() };
-    let mut recordings = match defect {
-        Defect::OtherChainage | Defect::NearChainage => on_stations(&SERVICES, &sensors, seed)?,
-        // Two ends look alike from both sides.
-        Defect::TurnedChainage => on_stations(&SERVICES[1..], &sensors, seed)?,
-        Defect::OdometerWheel
-        | Defect::HalfEffort
-        | Defect::FrozenEffort
-        | Defect::UnsignedBrake
-        | Defect::SmoothedSpeed => on_stations(&[SUBURBAN], &sensors, seed)?,
-        Defect::StuckCoasting => on_stations(&[COASTING], &sensors, seed)?,
-        _ => simulated(&sensors, seed, &lags_s)?,
-    };
-    let mut truth = spoilt(defect, &mut recordings, &mut random);
+    let mut recordings = recorded(defect, &sensors, seed, &lags_s)?;
+    let mut size = spoilt(defect, &mut recordings, &mut random);
     if matches!(defect, Defect::WheelOnTheWay | Defect::WheelTurned) {
-        truth = TURNED;
+        size = TURNED;
         let turned = simulated(&Sensors { speed_gain: TURNED, ..sensors }, seed, &[])?;
         turn(defect, &mut recordings, &turned, &mut random);
     }
@@ -451,39 +295,86 @@ fn injected(defect: Defect, seed: u64) -> Result<SetOutcome, DriveError> {
     let check = check_beside(&mut recordings, &Known { stops_m, ..Known::default() });
     let found: Vec<&Finding> = all(&check).filter(|finding| finding.kind == defect.kind()).collect();
     let accused = all(&check).map(|finding| finding.kind).filter(|kind| !defect.belongs(*kind)).collect();
-    let of_recorder = &check.recorders[0];
-    let percent = |scale: Figure| Figure { value: 100.0 * scale.value, sd: 100.0 * scale.sd };
-    let known: Vec<KnownFigure> = match defect {
-        _ if found.is_empty() => Vec::new(),
-        Defect::Truncated => {
-            of_recorder.offset_kmh.map(|found| KnownFigure { truth: 0.5, found }).into_iter().collect()
+    let injected = Injected { defect, size, gain, lags_s };
+    Ok(SetOutcome { found: !found.is_empty(), accused, known: injected.known(&found, &check) })
+}
+
+/// What records the runs.
+fn sensors(defect: Defect, gain: f64) -> Sensors {
+    let mut sensors = Clean::Satellites.sensors();
+    match defect {
+        Defect::Truncated => sensors.speed = SpeedReading::Truncated,
+        Defect::Wheel => sensors.speed_gain = gain,
+        Defect::TruncatedWheel => (sensors.speed, sensors.speed_gain) = (SpeedReading::Truncated, gain),
+        Defect::LostSeconds => return Sensors { lost_second_every_s: 106.0, ..Clean::Odometer.sensors() },
+        Defect::HiddenSeconds => (sensors.lost_second_every_s, sensors.speed_gain) = (106.0, 107.0 / 106.0),
+        Defect::LateEffort => sensors.effort_lag_s = 5.0,
+        Defect::SmoothedSpeed => sensors.speed_quantum_kmh = 0.1,
+        Defect::EffortSteps => sensors.effort_step_n_per_kg = EFFORT_STEP_N_PER_KG,
+        Defect::Midnight => sensors.day_clock_s = Some([85_800.0; 2]),
+        Defect::NoStandstill => sensors.standing_rows = false,
+        _ => {}
+    }
+    sensors
+}
+
+fn recorded(defect: Defect, sensors: &Sensors, seed: u64, lags_s: &[f64]) -> Result<Vec<Recording>, DriveError> {
+    match defect {
+        Defect::OtherChainage | Defect::NearChainage => on_stations(&SERVICES, sensors, seed),
+        // Two ends look alike from both sides.
+        Defect::TurnedChainage => on_stations(&SERVICES[1..], sensors, seed),
+        Defect::OdometerWheel
+        | Defect::HalfEffort
+        | Defect::FrozenEffort
+        | Defect::UnsignedBrake
+        | Defect::SmoothedSpeed => on_stations(&[SUBURBAN], sensors, seed),
+        Defect::StuckCoasting => on_stations(&[COASTING], sensors, seed),
+        _ => simulated(sensors, seed, lags_s),
+    }
+}
+
+/// A defect with its true figures.
+struct Injected {
+    defect: Defect,
+    /// Of what was done to rows.
+    size: f64,
+    /// Of a wheel.
+    gain: f64,
+    /// Of each run, where its speed is old.
+    lags_s: Vec<f64>,
+}
+
+impl Injected {
+    /// The figures of the findings beside their truth.
+    fn known(&self, found: &[&Finding], check: &Check) -> Vec<KnownFigure> {
+        if found.is_empty() {
+            return Vec::new();
         }
-        Defect::Wheel | Defect::TruncatedWheel => of_recorder
-            .scale
-            .map(|found| KnownFigure { truth: 100.0 * gain, found: percent(found) })
-            .into_iter()
-            .collect(),
-        Defect::Skew => {
-            let runs = check.runs.iter().zip(&lags_s);
-            runs.filter_map(|(run, lag_s)| Some(KnownFigure { truth: *lag_s, found: run.skew_s? })).collect()
+        let of_recorder = &check.recorders[0];
+        let percent = |scale: Figure| Figure { value: 100.0 * scale.value, sd: 100.0 * scale.sd };
+        let each = |truth: f64| found.iter().map(|one| KnownFigure { truth, found: one.figure }).collect();
+        let one =
+            |truth: f64, found: Option<Figure>| found.map(|found| KnownFigure { truth, found }).into_iter().collect();
+        match self.defect {
+            Defect::Truncated => one(0.5, of_recorder.offset_kmh),
+            Defect::Wheel | Defect::TruncatedWheel => one(100.0 * self.gain, of_recorder.scale.map(percent)),
+            Defect::Skew => {
+                let runs = check.runs.iter().zip(&self.lags_s);
+                runs.filter_map(|(run, lag_s)| Some(KnownFigure { truth: *lag_s, found: run.skew_s? })).collect()
+            }
+            // Every run shows it, and its own figure is nothing that was chosen.
+            Defect::LostSeconds | Defect::HiddenSeconds => each(100.0 / 106.0),
+            Defect::LateEffort => each(5.0),
+            Defect::EffortSteps => each(EFFORT_STEP_N_PER_KG),
+            Defect::OdometerWheel => {
+                let known = |one: &&Finding| KnownFigure { truth: 100.0 * self.size, found: percent(one.figure) };
+                found.iter().map(known).collect()
+            }
+            Defect::Midnight => each(86_400.0),
+            Defect::NoStandstill => Vec::new(),
+            _ => one(self.size, Some(found[0].figure)),
         }
-        // Every run shows it, and its own figure is nothing that was chosen.
-        Defect::LostSeconds | Defect::HiddenSeconds => {
-            found.iter().map(|one| KnownFigure { truth: 100.0 / 106.0, found: one.figure }).collect()
-        }
-        Defect::LateEffort => found.iter().map(|one| KnownFigure { truth: 5.0, found: one.figure }).collect(),
-        Defect::EffortSteps => {
-            found.iter().map(|one| KnownFigure { truth: EFFORT_STEP_N_PER_KG, found: one.figure }).collect()
-        }
-        Defect::OdometerWheel => {
-            let known = |one: &&Finding| KnownFigure { truth: 100.0 * truth, found: percent(one.figure) };
-            found.iter().map(known).collect()
-        }
-        Defect::Midnight => found.iter().map(|one| KnownFigure { truth: 86_400.0, found: one.figure }).collect(),
-        Defect::NoStandstill => Vec::new(),
-        _ => found.iter().take(1).map(|one| KnownFigure { truth, found: one.figure }).collect(),
-    };
-    Ok(SetOutcome { found: !found.is_empty(), accused, known })
+    }
 }
 
 impl CheckBench {
