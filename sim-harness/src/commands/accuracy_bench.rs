@@ -49,7 +49,7 @@ pub struct Arguments {
 
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let provenance = Provenance::begin(&arguments.config.iter().cloned().collect::<Vec<_>>());
+    let provenance = Provenance::begin(arguments.config.as_slice());
     let settings = config(arguments.config.as_deref())?;
     let wanted = |fleet: &Fleet| arguments.fleet.is_empty() || arguments.fleet.iter().any(|name| name == fleet.name);
     let fleets: Vec<Fleet> = all().into_iter().filter(wanted).collect();

@@ -128,9 +128,7 @@ fn speed(word: &str) -> Result<f64, String> {
 impl Arguments {
     fn source(&self) -> Result<FrameSource, Failure> {
         let board = |address: String| -> Result<FrameSource, Failure> {
-            let address: Address = address
-                .parse()
-                .map_err(|error| Failure { message: format!("{error}"), code: super::WRONG_ARGUMENTS })?;
+            let address: Address = address.parse().map_err(Failure::arguments)?;
             Ok(FrameSource::Board { address, listen_only: self.listen_only })
         };
         if let Some(port) = &self.port {
@@ -153,8 +151,9 @@ impl Arguments {
     /// The other units, each with a thread that listens. Of a recording its end is of interest: it is not played at a pace.
     fn beside(&self) -> Result<Vec<Arc<Hub>>, Failure> {
         if self.beside.len() > MOST_BESIDE {
-            let message = format!("--beside: expected at most {MOST_BESIDE} other units, found {}", self.beside.len());
-            return Err(Failure { message, code: super::WRONG_ARGUMENTS });
+            let found = self.beside.len();
+            let message = format_args!("--beside: expected at most {MOST_BESIDE} other units, found {found}");
+            return Err(Failure::arguments(message));
         }
         let listened = |source: &FrameSource| {
             let hub = Arc::new(Hub::new(source.to_string(), 1.0, Setup::default(), Box::new(|_, _| {})));

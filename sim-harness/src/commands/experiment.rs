@@ -1,6 +1,6 @@
 //! `rundown study --experiment NAME`: what the paper leaves to future work.
 
-use super::{Failure, WRONG_ARGUMENTS, screen};
+use super::{Failure, screen};
 use crate::study::experiments::answer::{Answer, to_json};
 use crate::study::experiments::plan::Plan;
 use crate::study::experiments::{Experiment, catalogue};
@@ -52,8 +52,7 @@ pub(super) fn list() -> ExitCode {
 pub(super) fn all(extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
     for (is_given, option) in [(as_json, "--json"), (extent.values.is_some(), "--values")] {
         if is_given {
-            let message = format!("{option}: expected one experiment, found all");
-            return Err(Failure { message, code: WRONG_ARGUMENTS });
+            return Err(Failure::arguments(format_args!("{option}: expected one experiment, found all")));
         }
     }
     for experiment in &catalogue::ALL {
@@ -76,16 +75,12 @@ pub(super) fn run(experiment: &Experiment, extent: &Extent, out: &Path, as_json:
     folder::write("study", out, &Provenance::begin(&[]), |folder| -> Result<(), WriteError> {
         write::pictures(folder, &[answer.picture()])
     })?;
-    if as_json {
-        screen::print(&format!("{:#}\n", to_json(&answer)));
-    } else {
-        screen::print(&answer.words());
-        screen::print(&format!("\nresults: {}\n", out.display()));
-    }
+    screen::results(as_json, &format!("{:#}\n", to_json(&answer)), &answer.words(), out);
     Ok(ExitCode::SUCCESS)
 }
 
 fn no_values(name: &str) -> Failure {
-    let message = format!("--values: expected an experiment whose variants are values, found {name}: its are kinds");
-    Failure { message, code: WRONG_ARGUMENTS }
+    Failure::arguments(format_args!(
+        "--values: expected an experiment whose variants are values, found {name}: its are kinds"
+    ))
 }

@@ -1,6 +1,6 @@
 //! `rundown export`: the results of a replay or a board's recording in; the learned train as other tools take it out.
 
-use super::{Failure, WRONG_ARGUMENTS, screen};
+use super::{Failure, screen};
 use crate::exchange::sfera;
 use crate::exporting::{ExchangeFormat, ExportError, ExportOrder, Results, Traction};
 use std::path::PathBuf;
@@ -73,7 +73,7 @@ impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
         match error {
             ExportError::Argument { name, reason } => {
-                Self { message: format!("--{}: {reason}", name.replace('_', "-")), code: WRONG_ARGUMENTS }
+                Self::arguments(format_args!("--{}: {reason}", name.replace('_', "-")))
             }
             ExportError::Write(error) => error.into(),
             refused => Self::refused(refused),

@@ -114,10 +114,8 @@ enum Effort {
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if !(0.0..=1.0).contains(&arguments.dirty) {
-        return Err(Failure {
-            message: format!("--dirty: expected a share of 0 to 1, found {}", arguments.dirty),
-            code: super::WRONG_ARGUMENTS,
-        });
+        let found = arguments.dirty;
+        return Err(Failure::arguments(format_args!("--dirty: expected a share of 0 to 1, found {found}")));
     }
     if let Some(folder) = &arguments.folder {
         return of_folder(folder, arguments);

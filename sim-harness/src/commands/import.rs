@@ -70,10 +70,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         let looked = order.preview()?;
         if let Some(path) = path {
             if path.extension().is_none_or(|extension| extension != "svg") {
-                return Err(Failure {
-                    message: format!("--preview: expected a name that ends in .svg, found {}", path.display()),
-                    code: super::WRONG_ARGUMENTS,
-                });
+                let found = path.display();
+                return Err(Failure::arguments(format_args!(
+                    "--preview: expected a name that ends in .svg, found {found}"
+                )));
             }
             crate::output::files::whole(path, &looked.picture())?;
         }

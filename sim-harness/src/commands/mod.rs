@@ -134,6 +134,10 @@ impl Failure {
         Self { message: error.to_string(), code: DESCRIPTION_REFUSED }
     }
 
+    fn arguments(error: impl std::fmt::Display) -> Self {
+        Self { message: error.to_string(), code: WRONG_ARGUMENTS }
+    }
+
     /// Of all runs none could be used.
     fn no_runs(message: impl Into<String>) -> Self {
         Self { message: message.into(), code: NOTHING_USABLE }

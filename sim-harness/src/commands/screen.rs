@@ -35,6 +35,15 @@ pub(super) fn print(text: &str) {
     taken(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()));
 }
 
+/// What a command found: its JSON and nothing else, or words and where the results are.
+pub(super) fn results(as_json: bool, json: &str, words: &str, out: &Path) {
+    if as_json {
+        print(json);
+    } else {
+        print(&format!("{words}\nresults: {}\n", out.display()));
+    }
+}
+
 /// Prints a file to stdout, as [`print()`] does.
 pub(super) fn print_file(path: &Path) -> io::Result<()> {
     let mut file = File::open(path)?;

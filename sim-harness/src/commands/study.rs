@@ -1,29 +1,29 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
+mod case;
+mod described;
 mod readings;
+mod self_test;
+mod tunnel;
+mod words;
 
+pub(super) use case::of_case_study;
+
+use super::Failure;
 use super::experiment::{self, Choice};
-use super::recorded::{OpenedCase, RecordedRuns};
-use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, WRONG_ARGUMENTS, screen};
-use crate::output::files;
-use crate::study::case::{calm, case_study, skewed_case_study};
-use crate::study::claims::{Claim, Verdict, summary};
-use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
-use crate::study::gather::{Estimators, GatherError, Gathered, Rows, gather};
-use crate::study::page::{self, StudyPage, known};
-use crate::study::readings::comparison;
-use crate::study::run_pages::RunPages;
-use crate::study::slope::{SlopeAnswer, SlopePlan};
-use crate::study::{claims, description, slope as self_test, tunnel as tunnel_at_best, write};
-use crate::{
-    simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
-};
-use rundown::{estimator::config::Config, model::track::Track, model::train::Train, tick::paper::Difference};
+use super::recorded::RecordedRuns;
+use crate::simulation::scenario_file::Simulation;
+use crate::study::case::{case_study, skewed_case_study};
+use crate::study::claims::{Claim, markdown};
+use crate::study::gather::Gathered;
+use crate::study::slope::SlopeAnswer;
+use crate::study::write;
+use case::Part;
+use rundown::estimator::config::Config;
+use rundown::tick::paper::Difference;
 use rundown_files::folder::{self, Provenance};
-use rundown_files::{WriteError, parquet::RunWriter, track_file::TrackFile, train_file::TrainFile};
-use rundown_pages::numbers::counted;
-use serde_json::json;
-use std::path::{Path, PathBuf};
+use rundown_files::refusal::ReadError;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
@@ -72,8 +72,6 @@ Files in the output folder:
   runs.csv, .parquet    a row for each run: both modes and the truth
   train.toml, track.toml  of simulated runs: what recorded ones bring with them";
 
-/// Vehicles of the slope in the report.
-const FEW_VEHICLES: usize = 30;
 const SEED: u64 = 1;
 
 #[derive(Debug, clap::Args)]
@@ -139,38 +137,21 @@ pub struct Arguments {
     json: bool,
 }
 
-struct DescribedCase {
-    train_name: String,
-    track_name: String,
-    train: Train,
-    track: Track,
-    source: RunSource,
-    words: String,
-    /// Of simulated runs: what recorded ones bring with them.
-    files: Option<(TrainFile, TrackFile)>,
-    /// Other sets on which the claims are judged, too.
-    others: Vec<RunSource>,
-    /// The files that are read.
-    inputs: Vec<PathBuf>,
-    /// Of the estimator, where the track has a doubt of its own.
-    config: Option<Config>,
-}
-
-/// What is kept or shown beside the rows of the runs.
-#[derive(Clone, Copy)]
-struct Kept<'a> {
-    /// A file for the runs themselves.
-    runs: Option<&'a Path>,
-    /// A page for each.
-    pages: bool,
-    /// The last figure, beside those of the runs: the tunnel.
-    last: Option<&'a Picture>,
-}
-
 pub(super) struct Study {
     pub(super) gathered: Gathered,
     pub(super) claims: Vec<Claim>,
     pub(super) answers: Vec<SlopeAnswer>,
+}
+
+impl Arguments {
+    fn seed(&self) -> u64 {
+        self.seed.unwrap_or(SEED)
+    }
+
+    /// What is simulated where no recorded runs are given.
+    fn simulation(&self) -> Result<Simulation, ReadError> {
+        self.scenario.as_deref().map_or_else(case_study, Simulation::read)
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -179,9 +160,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         return Ok(experiment::list());
     }
     if let Some(choice) = arguments.experiment {
-        let seed = arguments.seed.unwrap_or(SEED);
         let values = (!arguments.values.is_empty()).then_some(arguments.values.as_slice());
-        let extent = experiment::Extent { sets: arguments.seeds, runs: arguments.count, seed, values };
+        let extent =
+            experiment::Extent { sets: arguments.seeds, runs: arguments.count, seed: arguments.seed(), values };
         return match choice {
             Choice::All => experiment::all(&extent, &arguments.out, arguments.json),
             Choice::One(one) => experiment::run(one, &extent, &arguments.out, arguments.json),
@@ -191,20 +172,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         return all(arguments, config);
     }
     if arguments.truth_slope {
-        return truth_slope(arguments, config, &arguments.out);
+        return self_test::run(arguments, config, &arguments.out);
     }
     if arguments.readings {
         return readings::compare(arguments, &arguments.out);
     }
     if arguments.tunnel {
-        return tunnel(arguments, &arguments.out).map(|_| ExitCode::SUCCESS);
+        return tunnel::run(arguments, &arguments.out).map(|_| ExitCode::SUCCESS);
     }
-    let simulation = match &arguments.scenario {
-        Some(path) => Simulation::read(path),
-        None => case_study(),
-    }?;
-    let as_recorded = arguments.recorded.as_recorded;
-    Ok(case_study_or_runs(arguments, config, simulation, as_recorded, None, &arguments.out)?.0)
+    let (simulation, as_recorded) = (arguments.simulation()?, arguments.recorded.as_recorded);
+    let part = Part { config, simulation, as_recorded, last: None };
+    Ok(case::study_part(arguments, part, &arguments.out)?.0)
 }
 
 /// Every figure and table, each part in a folder of its own.
@@ -218,387 +196,19 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
         ("skewed", config, skewed_case_study()?, true),
         ("skewed_put_right", config, skewed_case_study()?, false),
     ];
-    let tunnel = tunnel(arguments, &part("tunnel"))?;
+    let tunnel = tunnel::run(arguments, &part("tunnel"))?;
     let (mut codes, mut compared) = (Vec::new(), Vec::new());
-    for ((folder, config, simulation, as_recorded), name) in cases.into_iter().zip(claims::markdown::READINGS) {
+    for ((folder, config, simulation, as_recorded), name) in cases.into_iter().zip(markdown::READINGS) {
         let last = (folder == "study").then_some(&tunnel);
-        let (code, claims) = case_study_or_runs(arguments, config, simulation, as_recorded, last, &part(folder))?;
+        let of_case = Part { config, simulation, as_recorded, last };
+        let (code, claims) = case::study_part(arguments, of_case, &part(folder))?;
         codes.push(code);
         compared.push((name, claims));
     }
     folder::write("study", &part("claims"), &Provenance::begin(&[]), |folder| {
-        write::text(&folder.join("claims.md"), &claims::markdown::compared(&compared))
+        write::text(&folder.join("claims.md"), &markdown::compared(&compared))
     })?;
     codes.push(readings::compare(arguments, &part("readings"))?);
-    codes.push(truth_slope(arguments, config, &part("slope"))?);
+    codes.push(self_test::run(arguments, config, &part("slope"))?);
     Ok(codes.into_iter().find(|code| *code != ExitCode::SUCCESS).unwrap_or(ExitCode::SUCCESS))
-}
-
-/// `simulation` is what is studied where no recorded runs are given, `as_recorded` or put right. Out: what the command ends with, and the claims.
-fn case_study_or_runs(
-    arguments: &Arguments,
-    config: Config,
-    simulation: Simulation,
-    as_recorded: bool,
-    last: Option<&Picture>,
-    out: &Path,
-) -> Result<(ExitCode, Vec<Claim>), Failure> {
-    arguments.keep_runs.as_deref().map_or(Ok(()), |file| place_of_runs(file, out))?;
-    let described = described(arguments, &config, simulation, as_recorded)?;
-    let inputs: Vec<PathBuf> = described.inputs.iter().chain(&arguments.config).cloned().collect();
-    let study = folder::write("study", out, &Provenance::begin(&inputs), |folder| {
-        let study = study(
-            described,
-            config,
-            arguments.seed.unwrap_or(SEED),
-            arguments.example.as_deref(),
-            Kept { runs: arguments.keep_runs.as_deref(), pages: arguments.pages.run_pages, last },
-            folder,
-        )?;
-        let (notes, failed) = (&study.gathered.notes, &study.gathered.failed);
-        notes.iter().for_each(|text| screen::note(text));
-        screen::errors(failed);
-        arguments.recorded.strict.check(notes.len() + failed.len())?;
-        Ok::<_, Failure>(study)
-    })?;
-    if study.gathered.paper.runs == 0 {
-        return Err(Failure::no_runs("no run could be used; the report says why"));
-    }
-    if arguments.json {
-        screen::print(&json_of(&study));
-    } else {
-        screen::print(&table(&study));
-        let report = out.join("report.html");
-        screen::print(&format!("\nreport: {}\n", report.display()));
-    }
-    // As a replay: a study of runs from which nothing can be learned is none.
-    let learned = study.gathered.gated.learned_share.mean().is_some_and(|share| share > 0.0);
-    if !learned {
-        let runs = study.gathered.paper.runs;
-        screen::error(&format!(
-            "expected a run that coasts or measures its effort, found none of {runs}: nothing was learned"
-        ));
-    }
-    let code = match study.gathered.failed.len() {
-        _ if !learned => ExitCode::from(NOTHING_USABLE),
-        0 => ExitCode::SUCCESS,
-        _ => ExitCode::from(SOME_RUNS_FAILED),
-    };
-    Ok((code, study.claims))
-}
-
-/// What `--json` prints.
-fn json_of(study: &Study) -> String {
-    let claims: Vec<_> = claims::records(&study.claims).iter().map(rundown_files::table::to_json).collect();
-    let json = json!({
-        "runs": study.gathered.paper.runs,
-        "runs_with_truth": study.gathered.truth.runs,
-        "failed": study.gathered.failed.len(),
-        "set_aside": study.gathered.set_aside,
-        "diagnosis": study.gathered.checks,
-        "sets": summary::sets(&study.claims),
-        "sets_needed": claims::Sets::needed(summary::sets(&study.claims)),
-        "claims_by_kind": summary::counts(&study.claims),
-        "claims": claims,
-        "truth_slope": study.answers,
-    });
-    format!("{json:#}\n")
-}
-
-/// Before the work: the folder of the file is made. Not within the results, which are replaced as a whole and have a `runs.parquet` of their own.
-fn place_of_runs(file: &Path, out: &Path) -> Result<(), Failure> {
-    let [whole, results] = [file, out].map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
-    if whole.starts_with(results) {
-        let message =
-            format!("--keep-runs: expected a file outside of --out {}, found {}", out.display(), file.display());
-        return Err(Failure { message, code: WRONG_ARGUMENTS });
-    }
-    let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
-    Ok(parent.map_or(Ok(()), files::folder)?)
-}
-
-fn described(
-    arguments: &Arguments,
-    config: &Config,
-    simulation: Simulation,
-    as_recorded: bool,
-) -> Result<DescribedCase, Failure> {
-    let Some(opened) = arguments.recorded.open(config)? else {
-        let seed = arguments.seed.unwrap_or(simulation.seed);
-        let count = arguments.count.unwrap_or(simulation.runs);
-        let seeds = usize::from(arguments.seeds.unwrap_or(1));
-        return simulated(simulation, seed, count, seeds, as_recorded);
-    };
-    let OpenedCase { train_file, train, track_file, track, source, inputs, mut config, doubt, .. } = opened;
-    doubt.into_iter().for_each(|doubt| doubt.raise(&mut config.track_doubt));
-    Ok(DescribedCase {
-        train_name: train_file.name,
-        track_name: track_file.name,
-        train,
-        track,
-        source,
-        words: "read from files".to_owned(),
-        files: None,
-        inputs,
-        config: Some(config),
-        others: Vec::new(),
-    })
-}
-
-fn simulated(
-    simulation: Simulation,
-    seed: u64,
-    count: usize,
-    seeds: usize,
-    as_recorded: bool,
-) -> Result<DescribedCase, Failure> {
-    let of_scenario = description::of(&simulation)?;
-    let other = |index| RunSource::simulated(simulation.clone(), comparison::seed_of(seed, index), count, as_recorded);
-    let words = match seeds {
-        1 => format!("simulated with seed {seed}"),
-        _ => format!("simulated with seed {seed}, claims also judged on {} other sets", seeds - 1),
-    };
-    Ok(DescribedCase {
-        train_name: format!("{} (simulated)", simulation.train.name),
-        track_name: simulation.track.name.clone(),
-        config: None,
-        inputs: simulation.file.iter().cloned().collect(),
-        files: Some((simulation.train.clone(), simulation.track.clone())),
-        train: of_scenario.train,
-        track: of_scenario.track,
-        words,
-        others: (1..seeds).map(other).collect(),
-        source: RunSource::simulated(simulation, seed, count, as_recorded),
-    })
-}
-
-/// The simulated case study of the demo.
-pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
-    let simulation = case_study()?;
-    let runs = simulation.runs;
-    let described = simulated(simulation, seed, runs, 1, false)?;
-    folder::write("study", out, &Provenance::begin(&[]), |folder| {
-        study(described, Config::default(), seed, None, Kept { runs: None, pages: true, last: None }, folder)
-    })
-}
-
-fn study(
-    mut described: DescribedCase,
-    config: Config,
-    seed: u64,
-    example: Option<&str>,
-    kept: Kept,
-    out: &Path,
-) -> Result<Study, Failure> {
-    let config = described.config.unwrap_or(config);
-    let (train, track) = (described.train, described.track.clone());
-    let estimators = Estimators::try_new(config, train, &track)?;
-    if let Some((train, track)) = &described.files {
-        for (name, text) in [("train.toml", toml::to_string(train)), ("track.toml", toml::to_string(track))] {
-            write::text(&out.join(name), &text.map_err(Failure::not_written)?)?;
-        }
-    }
-    let gathered = gathered(&mut described, &estimators, example, kept, out)?;
-    if let (Some(name), None, 1..) = (example, &gathered.example, gathered.paper.runs) {
-        let message = format!("--example: expected the name of a run that could be used, found {name}");
-        return Err(Failure { message, code: WRONG_ARGUMENTS });
-    }
-    let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
-    let others = of_others(&mut described.others, &config, &estimators, &track)?;
-    let claims = claims::over_sets(claims::claims(&gathered, &train, &trials), &others);
-    // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's line.
-    let plan = SlopePlan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
-    let test = self_test::self_test(&plan, config, || ())?;
-    let slopes = [slope::slope(&test, 1)];
-    let pictures = pictures(&gathered, &train);
-    let text = page::page(&StudyPage {
-        train: &described.train_name,
-        track: &described.track_name,
-        source: described.words,
-        gathered: &gathered,
-        pictures: &pictures,
-        slopes: &slopes,
-        answers: &test.answers,
-        claims: &claims,
-        sensitivity: &trials.sensitivity,
-        filter: config.paper,
-        has_run_pages: kept.pages,
-        tunnel: kept.last,
-    });
-    write::pictures(out, &pictures)?;
-    write::pictures(out, kept.last.map_or(&[], std::slice::from_ref))?;
-    write::pictures(out, &slopes)?;
-    write::records(&out.join("claims.csv"), &claims::records(&claims))?;
-    write::text(&out.join("claims.md"), &claims::markdown::one(&claims))?;
-    write::records(&out.join("slope.csv"), &self_test::records(&test.answers))?;
-    write::text(&out.join("fig1_method.svg"), page::METHOD)?;
-    write::text(&out.join("report.html"), &text)?;
-    Ok(Study { gathered, claims, answers: test.answers })
-}
-
-/// The claims on other sets of runs.
-fn of_others(
-    sources: &mut [RunSource],
-    config: &Config,
-    estimators: &Estimators,
-    track: &Track,
-) -> Result<Vec<Vec<Claim>>, Failure> {
-    let bar = screen::progress(sources.iter().map(RunSource::total).sum());
-    let one = |source: &mut RunSource| {
-        let gathered = gather(source, estimators, None, &mut |_| Ok(()), |count| bar.inc(count as u64));
-        let gathered = gathered.map_err(Failure::refused)?;
-        let trials = Trials::of(config, estimators, track, &gathered.drawn)?;
-        Ok(claims::claims(&gathered, estimators.paper.train(), &trials))
-    };
-    let found = sources.iter_mut().map(one).collect();
-    bar.finish_and_clear();
-    found
-}
-
-/// Replays all runs and writes their table, and the runs themselves where they are to be kept.
-fn gathered(
-    described: &mut DescribedCase,
-    estimators: &Estimators,
-    example: Option<&str>,
-    kept: Kept,
-    out: &Path,
-) -> Result<Gathered, Failure> {
-    let mut table = RunTable::begin(out)?;
-    let title = page::title(&described.train_name, &described.track_name);
-    let pages = || RunPages::begin(out.to_owned(), title, &estimators.gated);
-    let mut pages = kept.pages.then(pages).transpose()?;
-    let mut kept = kept.runs.map(|path| (path, RunWriter::new(path)));
-    let source = &mut described.source;
-    let bar = screen::progress(source.total());
-    let mut sink = |rows: &Rows| {
-        if let Some((_, kept)) = &mut kept {
-            kept.write(rows.all.iter().map(|one| one.recording())).map_err(std::io::Error::other)?;
-        }
-        pages.as_mut().map_or(Ok(()), |pages| pages.add(rows.used)).map_err(std::io::Error::other)?;
-        table.add(rows.records)
-    };
-    let gathered = gather(source, estimators, example, &mut sink, |count| bar.inc(count as u64));
-    let gathered = gathered.map_err(|error| match error {
-        GatherError::Runs(error) => Failure::refused(error),
-        other => Failure::not_written(other),
-    })?;
-    bar.finish_and_clear();
-    table.end()?;
-    pages.map_or(Ok(()), RunPages::end)?;
-    if let Some((path, writer)) = kept {
-        writer.close().map_err(Failure::not_written)?;
-        log::info!("wrote {}", path.display());
-    }
-    Ok(gathered)
-}
-
-fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
-    let drawn = &gathered.drawn;
-    let mut pictures = vec![profiles::profiles(drawn, gathered.paper.runs)];
-    for eyes in Eyes::BOTH {
-        let tallies = eyes.pick(&gathered.paper, &gathered.gated);
-        pictures.push(histograms::davis(drawn, eyes, &train.davis()));
-        pictures.push(histograms::style(drawn, eyes));
-        pictures.push(brake::brake(drawn, eyes, tallies, &gathered.truth));
-        pictures.push(power::power(drawn, eyes, train));
-        pictures.push(power::low_speeds(drawn, eyes, train));
-        if let Some(example) = &gathered.example {
-            pictures.extend(run::pictures(example, eyes, train));
-        }
-    }
-    pictures
-}
-
-pub(super) fn table(study: &Study) -> String {
-    let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
-    let runs = counted(runs as usize, "run", "runs");
-    let (kinds, basis) = (summary::by_kind(&study.claims), summary::basis(&study.claims));
-    let elsewhere = summary::elsewhere(&study.claims);
-    let mut text = format!("{runs}; {known}\nclaims that hold: {kinds}\n{elsewhere}{basis}\n\n");
-    for claim in &study.claims {
-        let mark = match claim.verdict {
-            Verdict::Reproduced => "yes",
-            Verdict::Not => "NO",
-            Verdict::NotVisible => "tiny",
-            Verdict::NoData => "-",
-            Verdict::Elsewhere => "else",
-        };
-        let sets = match claim.sets.all {
-            0 | 1 => String::new(),
-            _ => format!(" ({} sets)", claim.sets.words()),
-        };
-        text += &format!("{:4} {:4} {:9} {}{sets}\n", claim.place, mark, claim.kind.as_str(), claim.statement);
-        text += &format!(
-            "          paper's mode: {}; gated: {}; truth: {}; error: {}\n",
-            claim.paper, claim.gated, claim.truth, claim.error
-        );
-        if let (Verdict::NotVisible, Some(least)) = (claim.verdict, claim.least) {
-            text += &format!("          not visible: below {}\n", least.reason);
-        }
-    }
-    text += "\nDoes the estimate follow the truth? Simulated vehicles with 0.7 to 1.3 of the described resistance:\n";
-    text += &self_test::table(&study.answers);
-    text
-}
-
-fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
-    let provenance = Provenance::begin(&arguments.config.iter().cloned().collect::<Vec<_>>());
-    let plan = SlopePlan {
-        simulation: calm()?,
-        vehicles: usize::from(arguments.vehicles),
-        runs: usize::from(arguments.vehicle_runs),
-        seed: arguments.seed.unwrap_or(SEED),
-    };
-    let bar = screen::progress(plan.vehicles * plan.runs);
-    let test = self_test::self_test(&plan, config, || bar.inc(1))?;
-    bar.finish_and_clear();
-    let pictures: Vec<Picture> = plan.stages().into_iter().map(|runs| slope::slope(&test, runs)).collect();
-    let json = json!({ "vehicles": plan.vehicles, "runs": plan.runs, "seed": plan.seed, "answers": test.answers });
-    let json = format!("{json:#}\n");
-    folder::write("study", out, &provenance, |folder| -> Result<(), WriteError> {
-        write::pictures(folder, &pictures)?;
-        write::records(&folder.join("slope.csv"), &self_test::records(&test.answers))?;
-        write::text(&folder.join("slope.md"), &self_test::markdown(&test.answers))?;
-        write::text(&folder.join("slope.json"), &json)
-    })?;
-    match arguments.json {
-        true => screen::print(&json),
-        false => {
-            screen::print(&self_test::table(&test.answers));
-            screen::print(&format!("\nresults: {}\n", out.display()));
-        }
-    }
-    Ok(ExitCode::SUCCESS)
-}
-
-/// Out: its picture.
-fn tunnel(arguments: &Arguments, out: &Path) -> Result<Picture, Failure> {
-    let (answer, json) = folder::write("study", out, &Provenance::begin(&[]), |folder| {
-        let answer = tunnel_at_best::answer(folder, arguments.seed, arguments.count, screen::note)?;
-        let json = tunnel_json(&answer);
-        write::pictures(folder, &[answer.picture()])?;
-        write::text(&folder.join("tunnel.json"), &json)?;
-        Ok::<_, Failure>((answer, json))
-    })?;
-    match arguments.json {
-        true => screen::print(&json),
-        false => {
-            screen::print(&answer.words());
-            screen::print(&format!("\nresults: {}\n", out.display()));
-        }
-    }
-    Ok(answer.picture())
-}
-
-fn tunnel_json(answer: &tunnel_at_best::TunnelAnswer) -> String {
-    let [backward, forward] = answer.largest();
-    let drag = |d: &tunnel_at_best::Drag| json!({ "from_m": d.from_m, "to_m": d.to_m, "k": d.k });
-    let json = json!({
-        "runs": answer.runs,
-        "truth": drag(&answer.truth),
-        "r0_differs_by": { "backward": backward, "forward": forward },
-        "found": answer.found.iter().map(|(d, _)| drag(d)).collect::<Vec<_>>(),
-        "named": answer.named,
-    });
-    format!("{json:#}\n")
 }

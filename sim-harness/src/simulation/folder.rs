@@ -67,7 +67,7 @@ pub fn write(
 
 /// When the work begins, and what it reads.
 fn provenance(simulation: &Simulation) -> Provenance {
-    Provenance::begin(&simulation.file.iter().cloned().collect::<Vec<PathBuf>>())
+    Provenance::begin(simulation.file.as_slice())
 }
 
 fn write_set(simulation: &Simulation, folder: &Path, done: impl Fn() + Sync) -> Result<Vec<Facts>, FolderError> {

@@ -1,10 +1,8 @@
 //! `rundown study --readings`: which reading of the text, with which recorder, gives the paper's figures, on simulated or recorded runs.
 
-use super::{Arguments, SEED};
+use super::Arguments;
 use crate::commands::recorded::OpenedCase;
 use crate::commands::{Failure, screen};
-use crate::simulation::scenario_file::Simulation;
-use crate::study::case::case_study;
 use crate::study::readings::comparison::Compared;
 use crate::study::readings::recorded::Taken;
 use crate::study::readings::{self, comparison, outcome, reading::Combination};
@@ -26,14 +24,11 @@ pub(super) fn compare(arguments: &Arguments, out: &Path) -> Result<ExitCode, Fai
     if let Some(opened) = arguments.recorded.open_undiagnosed(&Config::default())? {
         return readings_of(arguments, opened, out);
     }
-    let provenance = Provenance::begin(&arguments.scenario.iter().cloned().collect::<Vec<_>>());
-    let simulation = match &arguments.scenario {
-        Some(path) => Simulation::read(path),
-        None => case_study(),
-    }?;
+    let provenance = Provenance::begin(arguments.scenario.as_slice());
+    let simulation = arguments.simulation()?;
     let plan = comparison::ComparisonPlan {
         runs: simulation.runs,
-        seed: arguments.seed.unwrap_or(SEED),
+        seed: arguments.seed(),
         seeds: usize::from(arguments.seeds.unwrap_or(SETS)),
         simulation,
     };
@@ -101,12 +96,6 @@ fn write_readings(
         write::text(&folder.join("readings.md"), &outcome::markdown(all))?;
         write::text(&folder.join("report.html"), &page)
     })?;
-    match as_json {
-        true => screen::print(&json),
-        false => {
-            screen::print(&outcome::screen(all));
-            screen::print(&format!("\nresults: {}\n", out.display()));
-        }
-    }
+    screen::results(as_json, &json, &outcome::screen(all), out);
     Ok(ExitCode::SUCCESS)
 }
