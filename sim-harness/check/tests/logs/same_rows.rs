@@ -1,13 +1,11 @@
 //! Is a log that is given several times counted once, and are two runs that are alike left apart?
 
-mod simulated;
-
+use crate::simulated::{Recorder, recording};
 use rundown_check::finding::{Done, Kind};
 use rundown_check::same::Seen;
 use rundown_check::{Check, Known, check, check_after};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use simulated::{Recorder, recording};
 
 /// Three runs, and the second of them again, changed by `spoil`.
 fn again(seed: u64, spoil: impl Fn(&mut Recording)) -> (Vec<Recording>, Check) {

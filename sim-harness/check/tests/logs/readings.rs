@@ -1,12 +1,10 @@
 //! Are readings that are wrong in another way than one by one named for what they are?
 
-mod simulated;
-
+use crate::simulated::{Recorder, kinds};
 use rundown_check::check;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use simulated::{Recorder, kinds};
 
 /// Three runs, the second of them with other rows: what is found in that, and its rows.
 fn spoilt(recorder: Recorder, spoil: impl Fn(&mut Vec<Sample>)) -> (Vec<Finding>, Recording) {

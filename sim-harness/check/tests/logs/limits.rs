@@ -1,14 +1,12 @@
 //! Is it said once when trains exceed what is described, with share and size, and not when they keep it?
 
-mod simulated;
-
+use crate::simulated::{Recorder, check_for_replay, kinds};
 use rundown::model::resistance::Davis;
 use rundown::model::train::{Train, TrainDescription};
 use rundown_check::finding::Kind;
 use rundown_check::limits::Described;
 use rundown_check::{Check, Known, check_beside};
 use rundown_files::recording::Recording;
-use simulated::{Recorder, kinds};
 
 fn train() -> Train {
     Train::try_new(TrainDescription::CASE_STUDY).unwrap()
@@ -93,7 +91,7 @@ fn an_effort_column_that_is_not_the_trains_is_said() {
             let rows = recordings.iter_mut().flat_map(|run| &mut run.rows);
             rows.enumerate().for_each(|(i, row)| row.effort_n_per_kg = row.effort_n_per_kg.map(|own| column(i, own)));
             let mut replayed = recordings.clone();
-            let of_replay = check_beside(&mut replayed, &Known { moves_locations: true, ..Known::default() });
+            let of_replay = check_for_replay(&mut replayed);
             assert!(kinds(&of_replay).contains(&Kind::EffortApart), "{evidence} {seed}");
             let efforts = replayed.iter().flat_map(|run| &run.rows).filter(|row| row.effort_n_per_kg.is_some());
             assert_eq!(efforts.count(), 0, "{evidence} {seed}: a replay would learn from them");
@@ -112,7 +110,7 @@ fn the_efforts_of_one_run_in_another_unit_cost_no_other_run_its_own() {
         let mut recordings = with_efforts(57_000 + seed, 10);
         let rows = &mut recordings[3].rows;
         rows.iter_mut().for_each(|row| row.effort_n_per_kg = row.effort_n_per_kg.map(|effort| 4.7e4 * effort));
-        let found = check_beside(&mut recordings, &Known { moves_locations: true, ..Known::default() });
+        let found = check_for_replay(&mut recordings);
         let unlike = |i: &usize| found.runs[*i].findings.iter().any(|finding| finding.kind == Kind::EffortUnlike);
         assert_eq!((0..10).filter(unlike).collect::<Vec<_>>(), [3], "{seed}: {:?}", found.notes());
         assert!(!kinds(&found).contains(&Kind::EffortApart), "{seed}: {:?}", found.notes());
@@ -131,7 +129,7 @@ fn efforts_in_large_steps_are_left_out_of_a_replay_and_small_ones_are_not() {
             let mut replayed = recordings.clone();
             let found = checked(&mut recordings, &[]);
             assert_eq!(kinds(&found).contains(&Kind::EffortSteps), is_too_large, "{step} {seed}: {:?}", kinds(&found));
-            check_beside(&mut replayed, &Known { moves_locations: true, ..Known::default() });
+            check_for_replay(&mut replayed);
             let efforts = replayed.iter().flat_map(|run| &run.rows).filter(|row| row.effort_n_per_kg.is_some());
             assert_eq!(efforts.count() == 0, is_too_large, "{step} {seed}");
         }

@@ -1,12 +1,10 @@
 //! Are speeds that read zero below a threshold and speeds that repeat old values found, left out, and taken for nothing else?
 
-mod simulated;
-
+use crate::simulated::{Recorder, all, kinds, only};
 use rundown_check::check;
 use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use simulated::{Recorder, all, kinds, only};
 
 fn recorders() -> [Recorder; 3] {
     let odometer = Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() };

@@ -1,18 +1,15 @@
 //! Is it found where one run differs from its recorder and put right: another wheel, another age of the speed, readings that cannot be?
 
-mod simulated;
-
+use crate::simulated::{Recorder, all, check_for_replay, clean, kinds, one, only};
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::{Check, Known, check, check_beside};
+use rundown_check::{Check, check};
 use rundown_files::recording::Recording;
-use simulated::{Recorder, all, clean, kinds, one, only};
 
 /// Six runs of one recorder, the third of them spoilt.
 fn third(seed: u64, spoil: impl Fn(&mut Recording)) -> (Check, Vec<Recording>) {
     let mut recordings = Recorder::default().runs(seed, 6, 5);
     spoil(&mut recordings[2]);
-    let known = Known { moves_locations: true, ..Known::default() };
-    (check_beside(&mut recordings, &known), recordings)
+    (check_for_replay(&mut recordings), recordings)
 }
 
 fn speeds(factor: f64, plus_mps: f64) -> impl Fn(&mut Recording) {
@@ -73,8 +70,7 @@ fn locations_are_moved_to_the_age_of_the_speed() {
     for (seed, skew_s) in [(1, 3.0), (2, -2.0), (3, 8.0)] {
         let of = |skew_s| Recorder { skew_s, noise_m: 1.0, ..Recorder::default() }.runs(22_000 + seed, 5, 5);
         let mut late = of(skew_s);
-        let known = Known { moves_locations: true, ..Known::default() };
-        let found = check_beside(&mut late, &known);
+        let found = check_for_replay(&mut late);
         assert_eq!(only(&found, Kind::Skew).done, Done::PutRight);
         let mut straight = of(0.0);
         let by = skew_s as i32;

@@ -1,13 +1,11 @@
 //! Speeds that are held exactly have one rounding error all the time, and rows far apart do not show where an acceleration begins: neither is a recorder's fault.
 
-mod simulated;
-
+use crate::simulated::{Recorder, all, kinds};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rundown_check::check;
 use rundown_check::finding::Kind;
 use rundown_files::recording::Recording;
-use simulated::{Recorder, all, kinds};
 
 fn odometer() -> Recorder {
     Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() }

@@ -1,11 +1,8 @@
 //! Is an effort that is some seconds older than the speed found and moved, and one that is not left alone?
 
-mod simulated;
-
-use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::{Check, Known, check_beside};
+use crate::simulated::{Recorder, check_for_replay, find};
+use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
-use simulated::Recorder;
 
 /// Four runs on gentle slopes. The efforts are those of a wheel that reads 5 % high, means or momentary, `age_s` old; rows `step_s` apart.
 fn runs(seed: u64, step_s: usize, is_mean: bool, age_s: usize) -> Vec<Recording> {
@@ -31,21 +28,14 @@ fn runs(seed: u64, step_s: usize, is_mean: bool, age_s: usize) -> Vec<Recording>
     recordings
 }
 
-fn checked(recordings: &mut [Recording]) -> Check {
-    check_beside(recordings, &Known { moves_locations: true, ..Known::default() })
-}
-
-fn late(check: &Check) -> Option<&Finding> {
-    check.recorders[0].findings.iter().find(|finding| finding.kind == Kind::EffortLate)
-}
-
 #[test]
 fn a_late_effort_is_found_and_moved() {
     let mut inside = 0;
     for (seed, is_mean, age_s) in (0..6).flat_map(|seed| [(seed, true, 5), (seed, false, 5), (seed, true, 3)]) {
         let mut recordings = runs(60_000 + seed, 1, is_mean, age_s);
-        let found = checked(&mut recordings);
-        let finding = late(&found).unwrap_or_else(|| panic!("{seed} {is_mean} {age_s}: {:?}", found.notes()));
+        let found = check_for_replay(&mut recordings);
+        let finding =
+            find(&found, Kind::EffortLate).unwrap_or_else(|| panic!("{seed} {is_mean} {age_s}: {:?}", found.notes()));
         assert!((finding.figure.value - age_s as f64).abs() < 0.5 && finding.done == Done::PutRight, "{finding}");
         let [low, high] = finding.figure.interval();
         inside += usize::from((low..=high).contains(&(age_s as f64)));
@@ -65,8 +55,8 @@ fn a_late_effort_is_found_and_moved() {
 fn efforts_that_are_late_by_more_than_half_a_row_are_left_out() {
     for seed in 0..6 {
         let mut recordings = runs(61_000 + seed, 10, true, 8);
-        let found = checked(&mut recordings);
-        let finding = late(&found).unwrap_or_else(|| panic!("{seed}: {:?}", found.notes()));
+        let found = check_for_replay(&mut recordings);
+        let finding = find(&found, Kind::EffortLate).unwrap_or_else(|| panic!("{seed}: {:?}", found.notes()));
         assert!((finding.figure.value - 8.0).abs() < 1.0 && finding.done == Done::LeftOut, "{finding}");
         let rows = recordings.iter().flat_map(|recording| &recording.rows);
         assert!(rows.clone().all(|row| row.effort_n_per_kg.is_none()));
@@ -79,7 +69,7 @@ fn an_effort_of_the_age_of_the_speed_is_left_alone() {
     for (seed, step_s, is_mean) in
         (0..8).flat_map(|seed| [(seed, 1, true), (seed, 1, false), (seed, 10, true), (seed, 10, false)])
     {
-        let found = checked(&mut runs(62_000 + seed, step_s, is_mean, 0));
-        assert_eq!(late(&found), None, "{seed} {step_s} {is_mean}");
+        let found = check_for_replay(&mut runs(62_000 + seed, step_s, is_mean, 0));
+        assert_eq!(find(&found, Kind::EffortLate), None, "{seed} {step_s} {is_mean}");
     }
 }

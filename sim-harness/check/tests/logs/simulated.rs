@@ -1,11 +1,10 @@
 //! Recorders with defects of known size, and what is found in their logs.
-#![allow(dead_code, reason = "no test uses all of it")]
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rundown_check::finding::{Finding, Kind};
-use rundown_check::{Check, check};
+use rundown_check::{Check, Known, check, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -211,6 +210,22 @@ pub fn recording(name: &str, rows: Vec<Sample>) -> Recording {
 pub fn all(check: &Check) -> Vec<&Finding> {
     let runs = check.runs.iter().flat_map(|run| &run.findings);
     check.recorders.iter().flat_map(|recorder| &recorder.findings).chain(runs).collect()
+}
+
+/// The first finding of a kind, of recorders or of runs.
+pub fn find(check: &Check, kind: Kind) -> Option<&Finding> {
+    all(check).into_iter().find(|finding| finding.kind == kind)
+}
+
+/// The same, which must be there.
+#[track_caller]
+pub fn found(check: &Check, kind: Kind) -> &Finding {
+    find(check, kind).unwrap_or_else(|| panic!("{kind:?} is not found: {:?}", all(check)))
+}
+
+/// As a replay asks it.
+pub fn check_for_replay(recordings: &mut [Recording]) -> Check {
+    check_beside(recordings, &Known { moves_locations: true, ..Known::default() })
 }
 
 pub fn kinds(check: &Check) -> Vec<Kind> {

@@ -1,13 +1,11 @@
 //! Are runs whose locations count from another place found, and those that merely stop elsewhere not accused?
 
-mod simulated;
-
+use crate::simulated::recording;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown_check::chainage::{Off, find};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use simulated::recording;
 
 const LENGTH_M: f64 = 32_000.0;
 

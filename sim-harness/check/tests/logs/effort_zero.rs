@@ -1,14 +1,12 @@
 //! Is a zero of the effort that is off taken from trains that stand, and are zeros that are none left out?
 
-mod simulated;
-
+use crate::simulated::recording;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown_check::check;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use simulated::recording;
 
 /// Eight runs from stop to stop, a row a second: power, a held speed, a coast, a brake. The column is `read` of the effort and of whether the train stands.
 fn runs(seed: u64, read: impl Fn(f64, bool) -> Option<f64>) -> Vec<Recording> {

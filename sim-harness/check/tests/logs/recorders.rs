@@ -1,12 +1,10 @@
 //! Is each property of a recorder found, with its figure, and is a clean log accused of none?
 
-mod simulated;
-
+use crate::simulated::{self, Recorder, all, clean, find, kinds, one, only, recording};
 use rundown_check::Check;
 use rundown_check::check;
 use rundown_check::finding::{Done, Kind};
 use rundown_files::sample::Sample;
-use simulated::{Recorder, all, clean, kinds, one, only, recording};
 
 /// Recorders that do nothing but round.
 fn clean_recorders() -> [Recorder; 4] {
@@ -92,7 +90,7 @@ fn a_wheel_is_found_within_two_permille_beside_truncation_and_skew() {
         for truncates in [false, true] {
             let recorder = Recorder { scale, truncates, skew_s: 2.0, skew_sd_s: 1.0, ..Recorder::default() };
             let (found, recordings) = recorder.check(3000 + seed, 5, 6);
-            let finding = *all(&found).iter().find(|finding| finding.kind == Kind::SpeedScale).unwrap();
+            let finding = simulated::found(&found, Kind::SpeedScale);
             assert!((finding.figure.value - scale).abs() < 0.002, "{scale} {truncates}: {finding}");
             let [again] = check(&mut recordings.clone()).recorders.try_into().unwrap();
             assert!((again.scale.unwrap().value - 1.0).abs() < 0.001);
@@ -127,7 +125,7 @@ fn lost_seconds_that_a_wheel_hides_in_full_are_found_or_said_to_be_hidden() {
             let (clean, _) = recorder.check(seed, 6, 6);
             assert!(!clean.recorders[0].hides_lost_seconds(), "{:?}", clean.recorders[0].lost_second_sd_s);
             let (found, _) = Recorder { loses_each_s: 106.0, scale, ..recorder }.check(seed, 6, 6);
-            let finding = all(&found).into_iter().find(|finding| finding.kind == Kind::LostSeconds).cloned();
+            let finding = find(&found, Kind::LostSeconds);
             let finding = finding.unwrap_or_else(|| panic!("{seed}: not found, {} m", recorder.noise_m));
             assert!((finding.figure.value / recorder.step_s - 100.0 / 106.0).abs() < 0.05, "{seed}: {finding}");
             let off = found.recorders[0].scale.unwrap().value - scale;
@@ -153,8 +151,7 @@ fn lost_seconds_are_found_beside_a_wheel_that_hides_them() {
             ..Recorder::default()
         };
         let (found, _) = recorder.check(seed, 6, 6);
-        let finding = all(&found).into_iter().find(|finding| finding.kind == Kind::LostSeconds).cloned();
-        let finding = finding.unwrap_or_else(|| panic!("{scale}: not found"));
+        let finding = simulated::found(&found, Kind::LostSeconds);
         assert!((finding.figure.value - 100.0 / 106.0).abs() < 0.05, "{scale}: {finding}");
         let off = found.recorders[0].scale.unwrap().value - scale;
         assert!(off.abs() < 0.0005, "{scale}: {off}");
@@ -321,8 +318,7 @@ fn wraps_and_resets_are_joined() {
                 .iter_mut()
                 .for_each(|row| row.location_m = row.location_m.map(|m| change(m.max(at + 1e-9), at)));
         });
-        let finding =
-            all(&found).into_iter().find(|finding| finding.kind == kind).unwrap_or_else(|| panic!("{:?}", all(&found)));
+        let finding = simulated::found(&found, kind);
         assert_eq!(finding.done, Done::PutRight, "{finding}");
         let off =
             rows.iter().zip(&truth).filter_map(|(found, truth)| Some((found.location_m? - truth.location_m?).abs()));
@@ -378,13 +374,13 @@ fn there_and_back_other_units_and_missing_standstill_are_said() {
             rows.push(Sample { time_s: end_s + 60.0 + i as f64, line: 5000 + i as u64, ..row });
         }
     });
-    assert!(all(&found).iter().any(|finding| finding.kind == Kind::TwoDirections && finding.done == Done::Refused));
+    assert_eq!(simulated::found(&found, Kind::TwoDirections).done, Done::Refused);
 
     for factor in [1.0 / 3.6, 0.621, 1.852, 60.0] {
         let (found, _) = one(truth.clone(), |rows| {
             rows.iter_mut().for_each(|row| row.speed_mps = row.speed_mps.map(|v| v * factor))
         });
-        let finding = all(&found).into_iter().find(|finding| finding.kind == Kind::OtherUnit).unwrap();
+        let finding = simulated::found(&found, Kind::OtherUnit);
         assert!((finding.figure.value * factor - 1.0).abs() < 0.05 && finding.done == Done::Refused, "{finding}");
     }
 

@@ -1,11 +1,9 @@
 //! Is a wheel that is turned on the way, or between two runs, found with its place and size, put right, and nothing else?
 
-mod simulated;
-
+use crate::simulated::{Recorder, only};
 use rundown_check::check;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_files::recording::Recording;
-use simulated::{Recorder, only};
 
 fn recorders() -> [Recorder; 4] {
     let odometer = Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() };

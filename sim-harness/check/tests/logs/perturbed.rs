@@ -1,13 +1,11 @@
 //! Are runs that were held up recognised, and the others left in peace?
 
-mod simulated;
-
+use crate::simulated::recording;
 use rundown::model::direction::Direction;
 use rundown_check::perturbed::{Cause, Perturbation};
 use rundown_check::{Check, Known, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use simulated::recording;
 
 const LENGTH_M: f64 = 20_000.0;
 const CRUISE_MPS: f64 = 30.0;

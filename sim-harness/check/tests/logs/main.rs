@@ -1,0 +1,15 @@
+//! Logs with known defects: is each found and put right, and is no clean log accused?
+
+mod chainages;
+mod effort_age;
+mod effort_zero;
+mod held_speeds;
+mod limits;
+mod perturbed;
+mod readings;
+mod recorders;
+mod same_rows;
+mod sensors;
+mod simulated;
+mod single_runs;
+mod wheel_changes;
