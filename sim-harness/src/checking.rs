@@ -92,7 +92,7 @@ fn examined(
     let (track, core_track) = described.track.map(TrackFile::read).transpose()?.unzip();
     let train = described.train.map(TrainFile::read).transpose()?.map(|(_, train)| train);
     let line = track.as_ref().and_then(|track| CentreLine::new(&track.centre_line));
-    let stops_m = track.iter().flat_map(|track| &track.stop).map(|stop| stop.at_m).collect();
+    let stops_m = track.as_ref().map_or_else(Vec::new, TrackFile::stops_m);
     let limits = limits::Described::of(train, track.as_ref());
     let known = Known { stops_m, limits, moves_locations: true, ..Known::default() };
     let one = |file: &RunFile| {

@@ -149,6 +149,11 @@ impl TrackFile {
         config
     }
 
+    /// Where trains stop, m.
+    pub fn stops_m(&self) -> Vec<f64> {
+        self.stop.iter().map(|stop| stop.at_m).collect()
+    }
+
     /// Stops and permitted speeds as the estimator takes them, sorted. At one place the limit comes first.
     pub fn targets(&self) -> Vec<Target> {
         let limits = self

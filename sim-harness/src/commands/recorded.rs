@@ -68,7 +68,7 @@ impl RecordedRuns {
         let known = Known {
             truncates: config.sensor.rounding == Rounding::Truncated,
             scale: false,
-            stops_m: track_file.stop.iter().map(|stop| stop.at_m).collect(),
+            stops_m: track_file.stops_m(),
             limits: Described::of(Some(train), Some(&track_file)),
             moves_locations: true,
         };

@@ -279,7 +279,7 @@ impl ImportOrder {
     fn given(&self) -> Result<Given, ImportError> {
         let Some(path) = &self.mapping.chainage.track else { return Ok(Given::default()) };
         let (track, _) = TrackFile::read(path)?;
-        let stops_m: Vec<f64> = track.stop.iter().map(|stop| stop.at_m).collect();
+        let stops_m = track.stops_m();
         if track.centre_line.is_empty() && stops_m.len() < chainage::LEAST_STOPS {
             let expected = format!(
                 "expected a centre line, or at least 3 stops, found {}",

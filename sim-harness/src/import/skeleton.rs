@@ -154,7 +154,7 @@ mod tests {
         };
         let text = track_toml(&[run(0.0), run(10.0), run(20.0)], &[]);
         let (track, _) = TrackFile::parse("track.toml".as_ref(), &text).unwrap();
-        assert_eq!(track.stop.iter().map(|stop| stop.at_m).collect::<Vec<_>>(), [0.0, 3010.0, 8000.0]);
+        assert_eq!(track.stops_m(), [0.0, 3010.0, 8000.0]);
         assert!((track.gradient[1].permille - 5.0).abs() < 0.1 && track.gradient[6].permille.abs() < 0.1, "{text}");
     }
 }

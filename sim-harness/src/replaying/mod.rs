@@ -317,7 +317,7 @@ impl Opened {
         let known = Known {
             truncates: self.config.sensor.rounding == Rounding::Truncated,
             scale: effects.any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
-            stops_m: self.track.stop.iter().map(|stop| stop.at_m).collect(),
+            stops_m: self.track.stops_m(),
             limits: Described::of(Some(self.core_train), Some(&self.track)),
             moves_locations: true,
         };

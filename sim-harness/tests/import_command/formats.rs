@@ -21,7 +21,7 @@ fn rides_of_a_phone_come_onto_one_line_with_stations_and_gradients() {
     assert_ne!(directions[0], directions[1], "{index}");
     let (track, _) = TrackFile::read(&folder.path("k.toml")).unwrap();
     near(track.length_m, 11_900.0, 40.0);
-    let stops: Vec<f64> = track.stop.iter().map(|stop| stop.at_m).collect();
+    let stops = track.stops_m();
     let expected: Vec<f64> =
         if directions[0] == "up" { STOPS_M.to_vec() } else { STOPS_M.iter().rev().map(|at| 11_900.0 - at).collect() };
     assert_eq!(stops.len(), 5, "where one run of three stands is no station: {stops:?}");

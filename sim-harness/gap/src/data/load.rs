@@ -83,7 +83,7 @@ fn usable(read: Vec<Result<Recording, LoadError>>, train: &Train, track: &TrackF
         loaded.leave_out_copies();
         loaded.runs = loaded.recordings.iter().map(|recording| run(recording, as_read(recording))).collect();
     } else {
-        let stops_m = track.stop.iter().map(|stop| stop.at_m).collect();
+        let stops_m = track.stops_m();
         let limits = limits::Described::of(Some(*train), Some(track));
         loaded.diagnose(&Known { scale: true, stops_m, limits, ..Known::default() });
     }
@@ -236,6 +236,6 @@ pub fn surroundings(track: &TrackFile) -> Surroundings {
         curves: track.curve.iter().map(|c| (c.from_m, c.to_m, rundown::model::curves::roeckl(c.radius_m))).collect(),
         tunnels: track.tunnel.iter().map(|t| (t.from_m, t.to_m)).collect(),
         feeding: track.feeding_section.iter().map(|f| (f.from_m, f.to_m)).collect(),
-        stops: track.stop.iter().map(|s| s.at_m).collect(),
+        stops: track.stops_m(),
     }
 }

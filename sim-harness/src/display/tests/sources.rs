@@ -5,7 +5,6 @@ use crate::display::hub::{Connection, Hub};
 use crate::{display::demo, display::setup::Setup, display::source::FrameSource, session};
 use rundown::onboard::uplink::{self, Command, Request, SECURED, Uplink};
 use rundown::{estimator::config::Config, model::direction::Direction, onboard::auth::TRAILER};
-use rundown_files::track_file::TrackFile;
 use std::time::{Duration, Instant};
 use std::{io::Write, net::TcpListener, sync::Arc};
 
@@ -47,8 +46,7 @@ fn a_recording_of_a_link_has_train_and_track() {
         assert_eq!(read.rotating_mass_factor, train.rotating_mass_factor);
         assert_eq!(sent.length_m, track.length_m);
         assert_eq!(sent.gradient, track.gradient);
-        let places = |track: &TrackFile| -> Vec<f64> { track.stop.iter().map(|stop| stop.at_m).collect() };
-        assert_eq!(places(sent), places(&track));
+        assert_eq!(sent.stops_m(), track.stops_m());
         assert_eq!(sent.speed_limit.len(), track.speed_limit.len());
         for (sent, described) in sent.speed_limit.iter().zip(&track.speed_limit) {
             assert_eq!(sent.from_m, described.from_m);
