@@ -21,14 +21,11 @@ pub fn factor(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
     if rows.len() < given.config.search.few_rows {
         return None;
     }
-    let column = |of: &dyn Fn(&Row) -> f64| DVector::from_iterator(rows.len(), rows.iter().map(|row| of(row)));
-    let described = column(&|row| {
+    let described = column(&rows, |row| {
         let line = given.believed.line(row.direction);
         row.interval.mean(|p| line.gradient_n_per_kg(p.location_m))
     });
-    let speed = |power: i32| column(&move |row| row.interval.mean_speed_mps().powi(power));
-    let beside = [column(&|row| row.effort_n_per_kg), speed(0), speed(1), speed(2)];
-    let base = Base::new(&column(&|row| row.residual_n_per_kg), &beside, &[])?;
+    let base = by_motion(&rows)?;
     let described = base.beside(&described);
     let information = described.norm_squared();
     // A line that is all but level shows nothing.
@@ -47,14 +44,22 @@ pub fn factor(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
     Some(Figure { value: 1.0 + beyond, sd: scatter.sqrt() / information })
 }
 
+fn column(rows: &[&Row], of: impl Fn(&Row) -> f64) -> DVector<f64> {
+    DVector::from_iterator(rows.len(), rows.iter().map(|row| of(row)))
+}
+
+/// The residuals beside the efforts and three powers of the speed.
+fn by_motion(rows: &[&Row]) -> Option<Base> {
+    let speed = |power: i32| column(rows, |row| row.interval.mean_speed_mps().powi(power));
+    let beside = [column(rows, |row| row.effort_n_per_kg), speed(0), speed(1), speed(2)];
+    Base::new(&column(rows, |row| row.residual_n_per_kg), &beside, &[])
+}
+
 /// The slopes, permille, of a line that is described as level: standard deviation over places of 1 km, from the median of their sizes, so that what acts at
 /// a few places is none. None where most places are within noise. `rows` as above.
 pub fn of_level(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
     let rows: Vec<&Row> = rows.iter().filter(|row| is_strong(row, &given.config.search)).collect();
-    let column = |of: &dyn Fn(&Row) -> f64| DVector::from_iterator(rows.len(), rows.iter().map(|row| of(row)));
-    let speed = |power: i32| column(&move |row| row.interval.mean_speed_mps().powi(power));
-    let beside = [column(&|row| row.effort_n_per_kg), speed(0), speed(1), speed(2)];
-    let base = Base::new(&column(&|row| row.residual_n_per_kg), &beside, &[])?;
+    let base = by_motion(&rows)?;
     let mut places: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
     for (row, residual) in rows.iter().zip(base.residual.iter()) {
         let km = row.interval.middle().location_m / 1000.0;

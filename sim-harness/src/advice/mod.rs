@@ -150,7 +150,7 @@ impl NamedRuns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::replaying::Request;
+    use crate::replaying::{Replayed, Request};
     use rundown::estimator::config::Config;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
     use std::path::{Path, PathBuf};
@@ -159,14 +159,22 @@ mod tests {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name)
     }
 
+    fn replayed() -> Replayed {
+        let request = Request::new(vec![reference("run01.csv")], reference("train.toml"), reference("track.toml"));
+        request.open().unwrap().replay(|| ()).unwrap()
+    }
+
+    fn estimator(config: Config) -> Estimator {
+        let (_, train) = TrainFile::read(&reference("train.toml")).unwrap();
+        let (_, track) = TrackFile::read(&reference("track.toml")).unwrap();
+        Estimator::try_new(config, train, track).unwrap()
+    }
+
     /// The vehicle does not have what a run taught that was set aside.
     #[test]
     fn what_a_run_taught_that_is_not_used_was_not_learned() {
-        let request = Request::new(vec![reference("run01.csv")], reference("train.toml"), reference("track.toml"));
-        let mut replayed = request.open().unwrap().replay(|| ()).unwrap();
-        let (_, train) = TrainFile::read(&reference("train.toml")).unwrap();
-        let (_, track) = TrackFile::read(&reference("track.toml")).unwrap();
-        let estimator = Estimator::try_new(replayed.config, train, track).unwrap();
+        let mut replayed = replayed();
+        let estimator = estimator(replayed.config);
         for is_used in [true, false] {
             replayed.runs[0].is_used = is_used;
             let mut advice = Advice::default();
@@ -179,13 +187,10 @@ mod tests {
     /// The gated mode takes efforts to be unknown, though the analyst may think that they were used.
     #[test]
     fn an_effort_column_that_the_mode_does_not_use_is_said() {
-        let request = Request::new(vec![reference("run01.csv")], reference("train.toml"), reference("track.toml"));
-        let mut replayed = request.open().unwrap().replay(|| ()).unwrap();
-        let (_, train) = TrainFile::read(&reference("train.toml")).unwrap();
-        let (_, track) = TrackFile::read(&reference("track.toml")).unwrap();
+        let mut replayed = replayed();
         let mut said = |effort_n_per_kg: Option<f64>, mode: Mode| {
             replayed.runs[0].measurements.iter_mut().for_each(|one| one.effort_n_per_kg = effort_n_per_kg);
-            let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
+            let estimator = estimator(Config::with_mode(mode));
             let mut advice = Advice::default();
             advice.add(&replayed.runs);
             let notes = advice.notes(&estimator, false);

@@ -133,17 +133,8 @@ fn numbers_that_are_not_finite_leave_gaps() {
     let after = vec![("run01".to_owned(), Gaussian::independent([nan; 3], [1.0; 3]))];
     let page = html(&Report {
         title: String::new(),
-        train: &train(),
-        runs: Vec::new(),
-        mode: "gated",
-        features: FeatureConfig::default(),
-        first: 0,
-        before: None,
-        after: None,
-        has_run_pages: true,
         vehicles: vec![Vehicle { unit: String::new(), after }],
-        notes: &[],
-        failed: &[],
+        ..report(&[], &train())
     });
     check(&page);
     assert!(page.contains("left behind is not finite"));
