@@ -33,7 +33,6 @@ const HOPS: [&str; 2] = ["suburban", "metro"];
 /// So many more sets of trains that hop and hold speeds, where right gradients are most easily accused.
 const HOPPING: u64 = 10;
 
-/// How the gradients are described.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum DescribedGradients {
     Right,

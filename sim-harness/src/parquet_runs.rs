@@ -46,7 +46,6 @@ impl ParquetRuns {
         self.runs
     }
 
-    /// The files.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }

@@ -36,7 +36,6 @@ fn drive(stops_m: &[f64], fastest_mps: f64) -> Vec<(f64, f64, f64)> {
 
 const STOPS_M: [f64; 5] = [0.0, 2100.0, 5600.0, 7300.0, 11_900.0];
 
-/// A table of one line a row.
 fn table(header: &str, rows: &[(f64, f64, f64)], line: impl Fn(f64, f64, f64) -> String) -> String {
     let mut text = format!("{header}\n");
     for (t, x, v) in rows {

@@ -81,7 +81,6 @@ impl Profile {
         Some(Self { ends_m: [first.at_m, last.at_m], first_cell, speeds_mps, stands: stands(&points) })
     }
 
-    /// The speed in a cell, m/s.
     pub fn speed_mps(&self, cell: i64) -> Option<f32> {
         get(&self.speeds_mps, cell - self.first_cell)
     }

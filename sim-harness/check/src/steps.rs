@@ -4,7 +4,6 @@ use rundown_files::sample::Sample;
 
 /// Steps of a speed, km/h, the largest first; among them a metre per second, a knot, a mile per hour, their halves and a tenth of the first.
 const SPEED_STEPS_KMH: [f64; 12] = [5.0, 3.6, 2.0, 1.852, 1.8, 1.609_344, 1.0, 0.926, 0.804_672, 0.5, 0.36, 0.1];
-/// Steps of a location, m.
 const LOCATION_STEPS_M: [f64; 6] = [1000.0, 100.0, 50.0, 10.0, 5.0, 1.0];
 /// Share of the readings that are multiples of the step; a few may have been put in by hand.
 const MOST: f64 = 0.98;

@@ -25,7 +25,6 @@ const FIRST_LATER: usize = 10;
 #[expect(missing_docs, reason = "as in the files")]
 pub struct Description {
     pub train: TrainDescription,
-    /// Length of the track, m.
     pub track_length_m: f64,
     pub gradients: Vec<Gradient>,
     pub curves: Vec<Curve>,

@@ -58,7 +58,6 @@ pub struct RunSet {
     pub undated: Vec<String>,
 }
 
-/// A row of the index.
 #[derive(Clone, Debug, Deserialize)]
 struct IndexRow {
     file: String,

@@ -112,7 +112,6 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
     Ok(())
 }
 
-/// What is tuned on.
 struct TunedRuns {
     bench: Bench,
     /// Of each run, where it is known.

@@ -45,7 +45,6 @@ pub enum DateOrder {
     Mdy,
 }
 
-/// A time as it is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WrittenTime {
     /// A place in history, s since 1970-01-01 UTC.

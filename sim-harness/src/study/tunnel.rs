@@ -42,7 +42,6 @@ pub struct TunnelAnswer {
     pub truth: Drag,
     /// Tunnels that the gap workflow names, with their confidence.
     pub found: Vec<(Drag, f64)>,
-    /// All that it names.
     pub named: Vec<&'static str>,
     pub runs: usize,
 }

@@ -15,7 +15,6 @@ pub struct Size {
 
 /// Of r0, N/kg: a change, or the standard deviation of a distribution.
 pub const R0: Size = Size { least: 1e-5, reason: "1e-5 N/kg, the last digit of r0 that section 4.2 prints" };
-/// Of a skewness.
 pub const SKEWNESS: Size =
     Size { least: 0.5, reason: "a skewness of 0.5: a histogram with less looks symmetric (Bulmer 1979)" };
 /// Of a brake rate, m/s².

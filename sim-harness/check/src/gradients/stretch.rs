@@ -48,7 +48,6 @@ impl Stretch {
     }
 }
 
-/// The stretches of one run.
 pub fn of(rows: &[Sample], direction: Direction, run: usize, train: &Train) -> Vec<Stretch> {
     let read = |row: &&Sample| row.location_m.is_some() && row.speed_mps.is_some();
     let rows: Vec<&Sample> = rows.iter().filter(read).collect();

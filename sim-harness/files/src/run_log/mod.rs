@@ -162,7 +162,6 @@ fn rows(text: &str) -> impl Iterator<Item = (u64, StringRecord)> + '_ {
     rows.map(|(number, line)| (number, fields(line)))
 }
 
-/// The fields of one line.
 fn fields(line: &str) -> StringRecord {
     if !line.contains('"') {
         // The same without the cost of a reader for each line, which is most of the time of reading a day's log.

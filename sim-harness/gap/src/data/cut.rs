@@ -20,7 +20,6 @@ struct Node {
     sample: usize,
 }
 
-/// The intervals of each run.
 pub fn all(context: &Context<'_>, runs: &[Run], effort: EffortReading) -> Vec<Vec<Interval>> {
     let config = &context.config.interval;
     let names: BTreeSet<&str> =

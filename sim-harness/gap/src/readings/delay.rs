@@ -47,7 +47,6 @@ impl Delay {
 /// Residuals under one reading and delay, run by run: sum of their sizes, and how many there are.
 type Sizes = Vec<(f64, f64)>;
 
-/// A run with its efforts read `delay_s` later.
 fn read_later(run: &Run, reading: EffortReading, delay_s: f64, gap: f64) -> Run {
     let longest_s = gap * usual_step_s(run);
     let known: Vec<(f64, f64)> =

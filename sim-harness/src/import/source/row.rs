@@ -6,7 +6,6 @@ use rundown_files::refusal::{Place, ReadError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// One field of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RowField {
     Empty,

@@ -108,7 +108,6 @@ pub fn measured() -> Vec<(&'static str, &'static str)> {
     metrics.chain(units::MEASURED).chain(styles::measured()).collect()
 }
 
-/// The experiment of this name.
 pub fn find(name: &str) -> Option<&'static Experiment> {
     ALL.iter().find(|experiment| experiment.name == name)
 }
