@@ -59,15 +59,15 @@ enum Says {
 }
 
 /// Rows that repeat an effort.
-type Stretch = (Says, Range<usize>);
+type Repeat = (Says, Range<usize>);
 
 /// Of the runs of a unit. Where some stretches are shown to be old, all are taken to be whose effort is that of no other stretch: the train may have answered to
 /// others in them by less than can be seen.
 pub(crate) fn of(runs: &[&[Sample]]) -> Option<HeldEfforts> {
-    let asked = |rows: &[Sample]| -> Vec<Stretch> {
+    let asked = |rows: &[Sample]| -> Vec<Repeat> {
         repeats(rows).into_iter().map(|rows_of| (says(rows, &rows_of), rows_of)).collect()
     };
-    let repeats: Vec<Vec<Stretch>> = runs.iter().map(|rows| asked(rows)).collect();
+    let repeats: Vec<Vec<Repeat>> = runs.iter().map(|rows| asked(rows)).collect();
     let shown = count(&repeats, Says::Other);
     let value = |rows: &[Sample], range: &Range<usize>| rows[range.start].effort_n_per_kg.map_or(0, f64::to_bits);
     let mut times: BTreeMap<u64, usize> = BTreeMap::new();
@@ -91,7 +91,7 @@ pub(crate) fn of(runs: &[&[Sample]]) -> Option<HeldEfforts> {
 }
 
 /// Few runs repeat efforts for longer than chance would, as rarely as the column repeats one elsewhere.
-fn are_strange(runs: &[&[Sample]], repeats: &[Vec<Stretch>], once: impl Fn(&[Sample], &Range<usize>) -> bool) -> bool {
+fn are_strange(runs: &[&[Sample]], repeats: &[Vec<Repeat>], once: impl Fn(&[Sample], &Range<usize>) -> bool) -> bool {
     let [mut neighbours, mut repeated] = [0.0, 0.0];
     for (rows, of_run) in runs.iter().zip(repeats) {
         let is_asked = |i: &usize| !of_run.iter().any(|(_, range)| range.contains(i) && range.contains(&(i + 1)));
@@ -106,7 +106,7 @@ fn are_strange(runs: &[&[Sample]], repeats: &[Vec<Stretch>], once: impl Fn(&[Sam
     }
     let share = repeated.max(1.0) / neighbours;
     let by_chance = |range: &Range<usize>| neighbours * share.powi(range.len() as i32 - 1);
-    let strange = |(rows, of_run): (&&[Sample], &Vec<Stretch>)| {
+    let strange = |(rows, of_run): (&&[Sample], &Vec<Repeat>)| {
         of_run.iter().filter(|(_, range)| by_chance(range) < CHANCE && once(rows, range)).count()
     };
     let of_runs: Vec<usize> = runs.iter().zip(repeats).map(strange).collect();
@@ -118,7 +118,7 @@ fn are_strange(runs: &[&[Sample]], repeats: &[Vec<Stretch>], once: impl Fn(&[Sam
         && count(repeats, Says::Same) <= count(repeats, Says::Other)
 }
 
-fn count(repeats: &[Vec<Stretch>], wanted: Says) -> usize {
+fn count(repeats: &[Vec<Repeat>], wanted: Says) -> usize {
     repeats.iter().flatten().filter(|(says, _)| *says == wanted).count()
 }
 
