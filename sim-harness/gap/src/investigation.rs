@@ -28,7 +28,7 @@ use crate::traction::halves::halves;
 use crate::trial::Trial;
 use crate::trials::{of_scale, trials};
 use crate::verdict::{Grounds, Verdict};
-use rundown::model::effects::{Effect, EffectError, Effects};
+use rundown::model::effects::{Effect, EffectError, EffectKind, Effects};
 use rundown_check::agreement::Figure;
 
 /// What came of it.
@@ -133,6 +133,12 @@ pub fn investigate(
     if !held_out.is_empty() {
         progress("the same on the training runs, evaluated on the others");
         (evaluation, trained) = out_of_sample(given, runs, effort, &held_out)?;
+        if !evaluation.compared.is_empty() {
+            named
+                .iter_mut()
+                .filter(|one| !is_among(one, &trained))
+                .for_each(|one| one.doubt(config.certainty.unshared));
+        }
     }
     let (mut gap, mut touched) =
         (gap(&evaluation.compared, &config.holdout), touched(&evaluation.compared, &config.holdout));
@@ -161,6 +167,12 @@ pub fn investigate(
         compared: evaluation.compared,
         held_out,
     }))
+}
+
+/// Most of the runs give the name as well; a wheel of single runs is found before.
+fn is_among(one: &Named, trained: &[Named]) -> bool {
+    let kind = one.effect.kind();
+    kind == EffectKind::SpeedScale || trained.iter().any(|trained| trained.effect.kind() == kind)
 }
 
 /// What the training runs alone give, and how that does on the others.

@@ -86,9 +86,14 @@ impl Named {
         self.ambiguous_with.push(kind);
     }
 
+    /// Lowers the confidence by the odds of anything else.
+    pub fn doubt(&mut self, odds: f64) {
+        self.confidence = beside(self.confidence, odds);
+    }
+
     /// Adds what it may be that is no effect of a train, in the same way.
     pub fn or_else(&mut self, what: &'static str, odds: f64, separated_by: &'static str) {
-        self.confidence = beside(self.confidence, odds);
+        self.doubt(odds);
         self.would_separate.push(separated_by);
         self.or_else = Some(what);
     }

@@ -183,7 +183,7 @@ fn other_names(found: &Investigation) -> Option<String> {
     let (all, training) = (names(&found.named), names(&found.trained));
     (!found.held_out.is_empty() && all != training).then(|| {
         format!(
-            "All runs show {}, those that were not held out {}: before and after on the hold-out runs are measured with the second.",
+            "All runs show {}, those that were not held out {}: before and after on the hold-out runs are measured with the second, and a name that these do not have is less sure.",
             all, training
         )
     })

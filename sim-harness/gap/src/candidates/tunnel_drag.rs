@@ -32,7 +32,9 @@ impl Candidate for This {
 
     /// A tunnel helps nobody along.
     fn is_plausible(&self, size: &Size<'_>) -> bool {
-        size.beta[0] > 0.0 && size.most() > size.context.config.search.least_in_section_n_per_kg
+        let search = &size.context.config.search;
+        let most = search.most_tunnel * size.context.believed.train().davis().r2;
+        (0.0..=most).contains(&size.beta[0]) && size.most() > search.least_in_section_n_per_kg
     }
 
     fn effect(&self, fitted: &Fitted, naming: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
