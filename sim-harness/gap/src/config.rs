@@ -282,7 +282,7 @@ settings! {
         unshared: f64 = 0.7, /// Odds that a name which the runs that are not held out do not give by themselves is another. Measured: of 21 such names on sets of two other simulators 10 were right, and 4 shared with the right one.
         as_described: f64 = 0.25, /// Of two units or drivers one is as described where it differs by less than this share of what the two differ by. Judgement.
         alone: f64 = 4.0, /// Odds that coefficients which all runs seem to have wrong are then those of the other alone. Judgement.
-        few_dragging: usize = 2, /// In no more runs than this a brake that drags may be one that was released late, without an effort column. Judgement.
+        few_dragging: usize = 2, /// In no more runs than this a brake that drags may be one that was released late, or another load or wind. Judgement.
         coasted_drag: f64 = 0.5, /// These intervals deny a resistance where they show less than this share of it, with 95 %. Judgement.
         same_mass: f64 = 0.5, /// Masses by air drag and by power agree within this share of the first. Judgement.
         same_mass_at_least: f64 = 0.02, /// And this share of the train. Judgement.

@@ -25,15 +25,24 @@ pub fn confounded(all: &mut [Named], gain: Option<f64>, naming: &Naming<'_>) {
         .collect();
     for named in all {
         let is_drag = named.effect.kind() == EffectKind::DraggingBrake;
-        if is_drag && !naming.measured && (1..=certainty.few_dragging).contains(&named.runs.len()) {
-            // Coasts that begin while a brake is let go look so, in one run of many by chance.
-            named.or_else("brakes that were released late", certainty.confounded, "the pressure of the brake");
+        if is_drag && (1..=certainty.few_dragging).contains(&named.runs.len()) {
+            let (what, separates) = few_dragging(naming.measured);
+            named.or_else(what, certainty.confounded, separates);
         }
         for rival in rivals(&named.effect, gain, &wrong, naming) {
             if !named.ambiguous_with.contains(&rival) {
                 named.rival(rival, certainty.confounded, separates(named.effect.kind(), rival, naming.have()));
             }
         }
+    }
+}
+
+/// What a brake that drags in one or two runs may be in truth, by chance of many, and what would tell: coasts that begin while a brake is let go look so.
+fn few_dragging(measured: bool) -> (&'static str, &'static str) {
+    if measured {
+        ("another load or wind of these runs", "the load and the wind of each run")
+    } else {
+        ("brakes that were released late", "the pressure of the brake")
     }
 }
 
@@ -139,7 +148,7 @@ mod tests {
     use crate::data::believed::tests::on_a_hilly_line;
     use crate::levels::Level;
     use crate::readings::kinematics::Kinematics;
-    use rundown::model::effects::GradientError;
+    use rundown::model::effects::{DraggingBrake, GradientError};
     use rundown_check::agreement::Figure;
 
     /// Rivals of a limit in this section, where gradients are wrong in `wrong` and so many intervals coasted in it.
@@ -177,6 +186,23 @@ mod tests {
             for (section, wrong) in [(section, Some([20_000.0, 22_000.0])), ([7_100.0, 7_900.0], None)] {
                 assert_eq!(rivals(context, section, wrong, 0, false), SHARED);
                 assert_eq!(rivals(context, section, wrong, 12, false), []);
+            }
+        });
+    }
+
+    #[test]
+    fn a_brake_that_drags_in_one_or_two_runs_may_be_something_else() {
+        on_a_hilly_line(20, |context| {
+            let kinematics = Kinematics::default();
+            let confidence = |runs: usize, measured: bool| {
+                let drag = DraggingBrake { drag_n_per_kg: 2e-3 };
+                let names = (0..runs).map(|run| run.to_string()).collect();
+                let mut all = vec![Named { runs: names, ..Named::plain(drag.into(), Vec::new(), 40.0, 30.0) }];
+                confounded(&mut all, None, &Naming { measured, ..Naming::plain(context, &kinematics) });
+                all[0].confidence
+            };
+            for measured in [false, true] {
+                assert!(confidence(2, measured) < 0.7 && confidence(3, measured) > 0.9);
             }
         });
     }
