@@ -37,7 +37,7 @@ pub fn confounded(all: &mut [Named], gain: Option<f64>, naming: &Naming<'_>) {
     }
 }
 
-/// What a brake that drags in one or two runs may be in truth, by chance of many, and what would tell: coasts that begin while a brake is let go look so.
+/// What a brake that drags in one or two runs may be in truth, by chance of many, and what would separate them: coasts that begin while a brake is let go look so.
 fn few_dragging(measured: bool) -> (&'static str, &'static str) {
     if measured {
         ("another load or wind of these runs", "the load and the wind of each run")
