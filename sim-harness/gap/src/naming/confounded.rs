@@ -104,20 +104,21 @@ fn may_climb(section: [f64; 2], wrong: &[[f64; 2]], naming: &Naming<'_>) -> bool
 /// Without efforts the power may go into a resistance k v² of the section: unless enough rows coast there and surely show less than half of it, even
 /// if the power is short of the least, at the highest speed.
 pub fn may_drag(limit: &PowerLimitSection, naming: &Naming<'_>) -> bool {
-    let section = [limit.from_m, limit.to_m];
-    if naming.measured || !is_coasted(section, naming) {
+    let certainty = &naming.context.config.certainty;
+    let coasts: Vec<&Row> = coasted([limit.from_m, limit.to_m], naming).collect();
+    if naming.measured || coasts.len() < certainty.coasted_rows {
         return !naming.measured;
     }
     let speeds = naming.rows.iter().map(|row| row.interval.mean_speed_mps());
     let fastest_mps = speeds.fold(f64::MIN_POSITIVE, f64::max);
     let lacks_n_per_kg = (1.0 - limit.factor) * naming.context.believed.train().max_effort_n_per_kg(fastest_mps);
     let expected = |row: &Row| lacks_n_per_kg * (row.interval.mean_speed_mps() / fastest_mps).powi(2);
-    let sum = |of: &dyn Fn(&Row) -> f64| coasted(section, naming).map(of).sum::<f64>();
-    let weight = sum(&|row| expected(row).powi(2));
-    let shown = sum(&|row| expected(row) * row.residual_n_per_kg) / weight;
-    let left = sum(&|row| (row.residual_n_per_kg - shown * expected(row)).powi(2));
-    let sd = (left / (coasted(section, naming).count() as f64 - 1.0) / weight).sqrt();
-    let certainty = &naming.context.config.certainty;
+    let pairs: Vec<[f64; 2]> = coasts.into_iter().map(|row| [expected(row), row.residual_n_per_kg]).collect();
+    let sum = |of: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>();
+    let weight = sum(&|[expected, _]| expected.powi(2));
+    let shown = sum(&|[expected, residual]| expected * residual) / weight;
+    let left = sum(&|[expected, residual]| (residual - shown * expected).powi(2));
+    let sd = (left / (pairs.len() as f64 - 1.0) / weight).sqrt();
     // Of a limit that lacks nothing there is no number, and nothing is known.
     let most = shown + HALF_95 * sd;
     most.is_nan() || most >= certainty.coasted_drag

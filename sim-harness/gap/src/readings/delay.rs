@@ -7,7 +7,8 @@
 //! largest over reading, d and q:   -n ln(mean |y|) - d²/2 sd²        y = q u(d) - dv/dt - r - g: residual with the effort that is shown d later
 //! ```
 //!
-//! where q is the gain of the column, for where the power limits an effort that reads too much looks like one that is too old: it falls as the speed rises. n counts the intervals in which the effort changes: only these tell. Efforts are resampled, not differentiated: a sample of 10 s is no small delay. An effect
+//! where q is the gain of the column, for where the power limits an effort that reads too much looks like one that is too old: it falls as the speed rises. n
+//! counts the intervals in which the effort changes: only these tell. Efforts are resampled, not differentiated: a sample of 10 s is no small delay. An effect
 //! that is looked for is a tenth of a switch of the regime.
 
 use crate::config::NuisanceConfig;
