@@ -13,6 +13,7 @@ use rundown::onboard::can::line::CanLine;
 use rundown::onboard::can::timing::BitTiming;
 use rundown::onboard::can::{Ends, Mailbox};
 use rundown::onboard::clock::MOST_POLLS;
+use rundown::onboard::outbox::WhenFull;
 use rundown::onboard::serial::{LineCounts, LineErrors};
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -233,7 +234,7 @@ fn messages_of_every_size_cross_in_both_directions_in_order() {
     let errors = LineErrors::new();
     let sizes = [1, 3, 4, 20, 81, 255, 511, 512];
     for (number, size) in (0..).zip(sizes) {
-        board.push(&serial::encode(&message(number, size)).unwrap()).unwrap();
+        board.push(&serial::encode(&message(number, size)).unwrap(), WhenFull::DropOldest).unwrap();
     }
     let (mut came, mut went, mut questions) = (Vec::new(), Vec::new(), sizes.into_iter().zip(100..));
     for turn in 0..2000 {
@@ -266,7 +267,7 @@ fn with_nobody_on_the_bus_the_newest_messages_wait_and_the_others_are_counted() 
     // An hour without an acknowledgement.
     let mut now_us = 0;
     for number in 0..=255 {
-        board.push(&serial::encode(&message(number, 80)).unwrap()).unwrap();
+        board.push(&serial::encode(&message(number, 80)).unwrap(), WhenFull::DropOldest).unwrap();
         for _ in 0..140 {
             now_us += 100_000;
             assert_eq!(board.exchange(now_us), None);

@@ -5,6 +5,7 @@ use crate::link::Counters;
 use crate::link::serial::{self, Decoder};
 use crate::onboard::auth::{Provisioning, ProvisioningError};
 use crate::onboard::event::Event;
+use crate::onboard::outbox::WhenFull;
 use crate::onboard::task::{Port, Room, Task};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::Health;
@@ -55,7 +56,7 @@ impl<'a, F: NorFlash> Application<'a, F> {
     }
 
     /// A byte came over the line. What it asks for is begun; the rest is done by [`Application::go_on`], before the next byte.
-    pub fn receive(&mut self, byte: u8, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
+    pub fn receive(&mut self, byte: u8, hardware: impl Hardware, send: &mut impl FnMut(&[u8], WhenFull) -> bool) {
         match self.decoder.push(byte) {
             Ok(Some(message)) => {
                 self.messages.received = self.messages.received.saturating_add(1);
@@ -69,14 +70,14 @@ impl<'a, F: NorFlash> Application<'a, F> {
     }
 
     /// A whole message came over another link, which counts for itself; as a byte of the line.
-    pub fn take(&mut self, message: &[u8], hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
+    pub fn take(&mut self, message: &[u8], hardware: impl Hardware, send: &mut impl FnMut(&[u8], WhenFull) -> bool) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
         self.task.accept(message, &mut line);
         self.log(hardware);
     }
 
     /// A tick of the clock; the rest is done by [`Application::go_on`].
-    pub fn tick(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
+    pub fn tick(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8], WhenFull) -> bool) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
         self.task.begin_tick(&mut line);
         self.log(hardware);
@@ -88,7 +89,7 @@ impl<'a, F: NorFlash> Application<'a, F> {
     }
 
     /// The next piece of it.
-    pub fn go_on(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
+    pub fn go_on(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8], WhenFull) -> bool) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
         self.task.go_on(&mut line);
         self.log(hardware);
@@ -108,9 +109,9 @@ struct AnswerPort<'a, S, H> {
     messages: &'a mut Counters,
 }
 
-impl<S: FnMut(&[u8]) -> bool, H: Hardware> Port for AnswerPort<'_, S, H> {
-    fn send(&mut self, message: &[u8]) -> bool {
-        let sent = serial::encode(message).is_ok_and(|frame| (self.send)(&frame));
+impl<S: FnMut(&[u8], WhenFull) -> bool, H: Hardware> Port for AnswerPort<'_, S, H> {
+    fn send(&mut self, message: &[u8], when_full: WhenFull) -> bool {
+        let sent = serial::encode(message).is_ok_and(|frame| (self.send)(&frame, when_full));
         if sent {
             self.messages.sent = self.messages.sent.saturating_add(1);
         }

@@ -1,4 +1,5 @@
-//! Frames that wait for the line. When the line does not take them, the oldest goes, so that the newest estimate is the one that is sent.
+//! Frames that wait for the line. When the line does not take them, the oldest goes, so that the newest estimate is the one that is sent; what anybody can bring
+//! about, a refusal, makes none go.
 //!
 //! In: whole frames, each with the delimiter at its end and nowhere else (COBS). Out: bytes, in pieces that lie together.
 //! A frame of which a part has gone is cut short by its delimiter: the receiver refuses that one and reads the next.
@@ -11,24 +12,34 @@ pub const DELIMITER: u8 = 0;
 errors! {
     /// Why a frame was not taken.
     #[derive(Eq)]
-    pub struct TooLong { found: usize, capacity: usize } => "frame: expected at most {capacity} bytes, found {found}";
+    pub struct NoRoom { found: usize, room: usize } => "frame: expected at most {room} bytes, found {found}";
 }
 
 /// Bytes that come in one step, some 5 µs at 80 MHz: who locks the outbox against the line's interrupt need not do so for longer.
 const PIECE: usize = 64;
 
+/// What a frame does where there is no room for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhenFull {
+    /// It takes the place of the oldest ones.
+    DropOldest,
+    /// It goes unsent.
+    DropThis,
+}
+
 /// A frame that comes in pieces.
 #[derive(Debug)]
 pub struct Arriving<'a> {
     frame: &'a [u8],
+    when_full: WhenFull,
     /// Bytes of it that are in the outbox.
     there: usize,
 }
 
 impl<'a> Arriving<'a> {
     /// Nothing of it is there.
-    pub const fn new(frame: &'a [u8]) -> Self {
-        Self { frame, there: 0 }
+    pub const fn new(frame: &'a [u8], when_full: WhenFull) -> Self {
+        Self { frame, when_full, there: 0 }
     }
 }
 
@@ -43,7 +54,7 @@ impl<'a> Arriving<'a> {
 /// outbox.push(&[7, 0])?; // the first goes
 /// assert_eq!(outbox.dropped(), 1);
 /// assert_eq!(outbox.pop(), Some(4));
-/// # Ok::<(), rundown::onboard::outbox::TooLong>(())
+/// # Ok::<(), rundown::onboard::outbox::NoRoom>(())
 /// ```
 #[derive(Debug)]
 pub struct Outbox<const N: usize> {
@@ -73,9 +84,9 @@ impl<const N: usize> Outbox<N> {
     /// Takes a whole frame, at the cost of the oldest ones if there is no room.
     ///
     /// # Errors
-    /// [`TooLong`]: it would not fit into an empty outbox. Nothing changes.
-    pub fn push(&mut self, frame: &[u8]) -> Result<(), TooLong> {
-        let mut arriving = Arriving::new(frame);
+    /// [`NoRoom`]: it would not fit into an empty outbox. Nothing changes but the count.
+    pub fn push(&mut self, frame: &[u8]) -> Result<(), NoRoom> {
+        let mut arriving = Arriving::new(frame, WhenFull::DropOldest);
         while !self.take(&mut arriving)? {}
         Ok(())
     }
@@ -84,11 +95,16 @@ impl<const N: usize> Outbox<N> {
     /// Bytes may go meanwhile; a second frame must not come.
     ///
     /// # Errors
-    /// As for the whole.
-    pub fn take(&mut self, arriving: &mut Arriving<'_>) -> Result<bool, TooLong> {
-        let Arriving { frame, there } = arriving;
-        if frame.len() > N {
-            return Err(TooLong { found: frame.len(), capacity: N });
+    /// [`NoRoom`], with its first step: not in an empty outbox, or not without dropping another. Nothing changes but the count.
+    pub fn take(&mut self, arriving: &mut Arriving<'_>) -> Result<bool, NoRoom> {
+        let Arriving { frame, when_full, there } = arriving;
+        let room = match when_full {
+            WhenFull::DropOldest => N,
+            WhenFull::DropThis => N - self.waiting,
+        };
+        if frame.len() > room {
+            self.dropped = self.dropped.saturating_add(1);
+            return Err(NoRoom { found: frame.len(), room });
         }
         if N - self.waiting < frame.len() {
             self.drop_oldest();
@@ -220,8 +236,28 @@ mod tests {
     fn a_frame_that_never_fits_changes_nothing() {
         let mut outbox = Outbox::<4>::new();
         outbox.push(&[1, 0]).unwrap();
-        assert_eq!(outbox.push(&[1, 2, 3, 4, 0]), Err(TooLong { found: 5, capacity: 4 }));
+        assert_eq!(outbox.push(&[1, 2, 3, 4, 0]), Err(NoRoom { found: 5, room: 4 }));
         assert_eq!(drain(&mut outbox), [1, 0]);
+        assert_eq!(outbox.dropped(), 1);
+    }
+
+    #[test]
+    fn a_frame_that_may_not_displace_waits_only_where_there_is_room() {
+        let mut outbox = Outbox::<6>::new();
+        let refuse = |outbox: &mut Outbox<6>| {
+            let mut arriving = Arriving::new(&[9, 9, 0], WhenFull::DropThis);
+            while !outbox.take(&mut arriving)? {}
+            Ok(())
+        };
+        refuse(&mut outbox).unwrap();
+        outbox.push(&[1, 0]).unwrap();
+        assert_eq!(refuse(&mut outbox), Err(NoRoom { found: 3, room: 1 }));
+        assert_eq!(outbox.dropped(), 1);
+        assert_eq!(drain(&mut outbox), [9, 9, 0, 1, 0]);
+        // Nor does it keep its own place against another.
+        refuse(&mut outbox).unwrap();
+        outbox.push(&[1, 2, 3, 0]).unwrap();
+        assert_eq!(drain(&mut outbox), [1, 2, 3, 0]);
     }
 
     /// The same by a queue of bytes, one at a time.
@@ -292,7 +328,7 @@ mod tests {
         for _ in 0..100 {
             outbox.pop();
         }
-        let mut arriving = Arriving::new(&new);
+        let mut arriving = Arriving::new(&new, WhenFull::DropOldest);
         let mut gone = Vec::new();
         while !outbox.take(&mut arriving).unwrap() {
             gone.extend(outbox.pop());

@@ -6,6 +6,7 @@ use crate::prelude::*;
 use rundown::estimator::run_state::RunState;
 use rundown::onboard::auth::{Key, Provisioning, ProvisioningError};
 use rundown::onboard::event::Event;
+use rundown::onboard::outbox::WhenFull;
 use rundown::onboard::task::{Port, Room, Task};
 use rundown_wire::{Answer, Downlink, Estimate, Health, Refusal, SnapshotPart, Status};
 
@@ -36,7 +37,7 @@ pub struct Wire {
 }
 
 impl Port for Wire {
-    fn send(&mut self, message: &[u8]) -> bool {
+    fn send(&mut self, message: &[u8], _: WhenFull) -> bool {
         match &mut self.room {
             Some(0) => return false,
             Some(room) => *room -= 1,

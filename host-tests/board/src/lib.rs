@@ -10,3 +10,4 @@ pub mod flash;
 pub mod pipe;
 pub mod port;
 pub mod prelude;
+pub mod serial_board;

@@ -1,10 +1,12 @@
-//! What do a wrong clock and a flood of open messages cost? A few ticks, and no estimate.
+//! What do a wrong clock and a flood of messages that nobody vouches for cost? A few ticks, and no estimate.
 
 use board_tests::board::{Board, answer, described, estimate, running};
 use board_tests::prelude::*;
 use board_tests::said;
+use board_tests::serial_board::{LINE_BYTES_PER_S, SerialBoard};
+use rundown::onboard::uplink::{self, OPEN, SECURED, Uplink};
 use rundown::tick::estimate::Cause;
-use rundown_wire::{Body, Refusal};
+use rundown_wire::{Answer, Body, Refusal};
 
 /// What a clock does to the times of a run: number since it went wrong, and true time, to its time.
 type Clock = fn(usize, f64) -> f64;
@@ -145,4 +147,75 @@ fn the_status_of_a_second_is_used_up_by_an_open_status_alone() {
     board.status();
     let open = board.desk.open(status).unwrap();
     assert!(board.say(&open).is_empty());
+}
+
+/// A message that anybody can send, by its number: no two in a row are the same.
+type Flood = fn(u16) -> Vec<u8>;
+
+fn open(sequence: u16, request: Request) -> Vec<u8> {
+    let uplink = Uplink { sequence, request };
+    uplink::encode(&uplink, OPEN, &mut [0; 64]).unwrap().to_vec()
+}
+
+/// With a trailer of zeros.
+fn forged(number: u16) -> Vec<u8> {
+    let uplink = Uplink { sequence: number, request: Request::Command(Command::End) };
+    [uplink::encode(&uplink, SECURED, &mut [0; 64]).unwrap(), &[0; 16]].concat()
+}
+
+const FLOODS: [(&str, Flood); 6] = [
+    ("secured, too short", |number| [&[1, 1], &number.to_le_bytes()[..]].concat()),
+    ("secured, shorter and shorter", |number| vec![1, 1, 2][..2 + usize::from(number % 2)].to_vec()),
+    ("secured, wrong MAC", forged),
+    ("open status", |number| open(number, Request::Command(Command::Status))),
+    ("open end", |number| open(number, Request::Command(Command::End))),
+    ("another version", |number| [&[2, 0], &number.to_le_bytes()[..]].concat()),
+];
+
+#[test]
+fn a_flood_at_line_rate_loses_no_estimate_delays_none_and_who_has_the_key_is_answered() {
+    const PERIOD: u64 = 10 * LINE_BYTES_PER_S;
+    let (description, log) = described();
+    for (name, flood) in FLOODS {
+        let mut board = SerialBoard::start();
+        board.prepare(&description);
+        // Far from the desk's own numbers.
+        let mut number = 20_000;
+        let mut flood_until = |board: &mut SerialBoard, end: u64| {
+            while board.passed() < end {
+                number += 1;
+                board.say(&flood(number));
+            }
+        };
+        let first_tick = board.passed().next_multiple_of(PERIOD);
+        let (mut asked, mut tick) = (Vec::new(), first_tick);
+        board.heard.clear();
+        for measurement in &log[..3] {
+            let message = board.desk.open(Request::Measurement(*measurement)).unwrap();
+            board.say(&message);
+            flood_until(&mut board, tick - PERIOD / 20);
+            let message = board.desk.secured(Request::Command(Command::Forget)).unwrap();
+            asked.push(board.desk.sequence());
+            board.say(&message);
+            flood_until(&mut board, tick + 1);
+            tick += PERIOD;
+        }
+        flood_until(&mut board, tick - PERIOD / 2);
+
+        let seconds = (board.passed() - first_tick) / LINE_BYTES_PER_S + 11;
+        let heard = |is: &dyn Fn(&Body) -> bool| -> Vec<u64> {
+            board.heard.iter().filter(|(_, frame)| is(&frame.body)).map(|(at, _)| *at).collect()
+        };
+        let estimates = heard(&|body| matches!(body, Body::Estimate(_)));
+        assert_eq!(estimates.len(), 3, "{name}");
+        assert!(estimates.iter().all(|at| at % PERIOD < LINE_BYTES_PER_S / 4), "{name}: {estimates:?}");
+        for asked in asked {
+            let answers = heard(&|body| matches!(body, Body::Answer(answer) if answer.to == asked));
+            assert_eq!(answers.len(), 1, "{name}");
+        }
+        let refusals = heard(
+            &|body| matches!(body, Body::Answer(Answer { result: Err(refused), .. }) if *refused != Refusal::Running),
+        );
+        assert!(refusals.len() as u64 <= 8 * (seconds + 1), "{name}: {} in {seconds} s", refusals.len());
+    }
 }

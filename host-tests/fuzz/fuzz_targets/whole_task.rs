@@ -18,7 +18,7 @@ fuzz_target!(|data: &[u8]| {
     let (mut said, mut deaf) = (Vec::new(), false);
     let mut decoder: Decoder = Decoder::new();
     while let Some(step) = conversation.next_step() {
-        let mut send = |frame: &[u8]| {
+        let mut send = |frame: &[u8], _| {
             if !deaf {
                 said.extend_from_slice(frame);
             }
@@ -39,7 +39,7 @@ fuzz_target!(|data: &[u8]| {
             Step::Message(message) => encode(&message).map(|frame| frame.to_vec()).unwrap_or(message),
             Step::Noise(noise) => noise,
         };
-        let mut send = |frame: &[u8]| {
+        let mut send = |frame: &[u8], _| {
             if !deaf {
                 said.extend_from_slice(frame);
             }

@@ -8,6 +8,7 @@ use rundown::link::{Counters, Link, LinkError, Message};
 use rundown::model::effects::{Effect, Effects, PowerLimitSection, TractionScale};
 use rundown::onboard::auth::{Key, Provisioning};
 use rundown::onboard::flash::{MemoryFlash, RECORDS};
+use rundown::onboard::outbox::WhenFull;
 use rundown::onboard::task::{Port, Room, Task};
 use rundown::{
     estimator::config::Config, estimator::run_state::RunState, onboard::train_id::TrainId, onboard::uplink::Pace,
@@ -71,7 +72,7 @@ fn effects() -> Result<Effects, String> {
 struct Outbox(VecDeque<Message>);
 
 impl Port for Outbox {
-    fn send(&mut self, message: &[u8]) -> bool {
+    fn send(&mut self, message: &[u8], _: WhenFull) -> bool {
         Message::from_slice(message).is_ok_and(|message| {
             self.0.push_back(message);
             true

@@ -13,6 +13,7 @@ mod present {
     use rundown::link::{Counters, Message};
     use rundown::onboard::can::line::CanLine;
     use rundown::onboard::can::{Ends, Mailbox};
+    use rundown::onboard::outbox::WhenFull;
     use rundown::onboard::serial::LineErrors;
 
     /// Frames from the bus that may wait, less one: four blocks of flow control.
@@ -64,10 +65,10 @@ mod present {
         }
 
         /// Takes a message as the serial line has it.
-        pub fn push(&mut self, frame: &[u8]) {
+        pub fn push(&mut self, frame: &[u8], when_full: WhenFull) {
             if let Some(line) = &mut self.0 {
-                // The serial line has the same room, and has counted it.
-                let _ = line.push(frame);
+                // Where there is no room the line has counted it.
+                let _ = line.push(frame, when_full);
                 rtic::pend(Interrupt::TSC);
             }
         }
@@ -94,6 +95,7 @@ mod present {
 #[cfg(not(feature = "can"))]
 mod absent {
     use rundown::link::{Counters, Message};
+    use rundown::onboard::outbox::WhenFull;
     use rundown::onboard::serial::LineErrors;
 
     #[derive(Clone, Copy)]
@@ -118,7 +120,7 @@ mod absent {
             Self
         }
 
-        pub fn push(&mut self, _: &[u8]) {}
+        pub fn push(&mut self, _: &[u8], _: WhenFull) {}
 
         pub fn exchange(&mut self, _: u64) -> Option<Message> {
             None

@@ -30,7 +30,7 @@ pub fn run() -> io::Result<()> {
     let mut application = Application::new(provisioning, flash, false, &mut run, &mut room);
     let (mut stdin, mut stdout) = (io::stdin().lock(), io::stdout().lock());
     let mut written = Ok(());
-    let mut send = |frame: &[u8]| {
+    let mut send = |frame: &[u8], _| {
         if written.is_ok() {
             written = stdout.write_all(frame).and_then(|()| stdout.flush());
         }

@@ -35,7 +35,7 @@ mod app {
     use rundown::onboard::crash_loop::Operation;
     use rundown::onboard::event::Event;
     use rundown::onboard::kept::{Boot, Kept};
-    use rundown::onboard::outbox::{Arriving, Outbox};
+    use rundown::onboard::outbox::{Arriving, Outbox, WhenFull};
     use rundown::onboard::serial::{self, LineErrors};
     use rundown::onboard::task::Room;
     use rundown::onboard::watchdog::{Beats, FeedRule, Watchdog};
@@ -249,17 +249,17 @@ mod app {
         slot.write(Application::new(provisioning, flash, heartbeat_only, run, room))
     }
 
-    /// Puts a frame into the outbox and starts the line. When there is no room the oldest frame goes.
+    /// Puts a frame into the outbox and starts the line.
     // One type for both tasks, so that the application is in the image once.
     fn say(
         port: impl rtic::Mutex<T = SerialPort>,
         outbox: impl rtic::Mutex<T = &'static mut Outbox<OUTBOX>>,
         can: &mut can::Line,
-    ) -> impl FnMut(&[u8]) -> bool {
+    ) -> impl FnMut(&[u8], WhenFull) -> bool {
         let mut wires = (port, outbox);
-        move |frame| {
-            can.push(frame);
-            let mut arriving = Arriving::new(frame);
+        move |frame, when_full| {
+            can.push(frame, when_full);
+            let mut arriving = Arriving::new(frame, when_full);
             // A lock a piece: the line's interrupt waits for none of them for long.
             let taken = loop {
                 match wires.lock(|_, outbox| outbox.take(&mut arriving)) {

@@ -8,7 +8,7 @@ use crate::link::can_link::CanLink;
 use crate::link::isotp::Config;
 use crate::link::serial::Decoder;
 use crate::link::{Counters, Link, Message};
-use crate::onboard::outbox::{Outbox, TooLong};
+use crate::onboard::outbox::{Arriving, NoRoom, Outbox, WhenFull};
 use embedded_can::nb::Can;
 
 /// A line over the controller `C`, with `N` bytes for messages that wait.
@@ -27,9 +27,11 @@ impl<C, const N: usize> CanLine<C, N> {
     /// Takes a message as the serial line has it, delimiter included.
     ///
     /// # Errors
-    /// [`TooLong`]: it would not fit into an empty line.
-    pub fn push(&mut self, frame: &[u8]) -> Result<(), TooLong> {
-        self.waiting.push(frame)
+    /// [`NoRoom`]: it would not fit into an empty line, or not without dropping another.
+    pub fn push(&mut self, frame: &[u8], when_full: WhenFull) -> Result<(), NoRoom> {
+        let mut arriving = Arriving::new(frame, when_full);
+        while !self.waiting.take(&mut arriving)? {}
+        Ok(())
     }
 
     /// Messages that had to make way for newer ones.

@@ -33,6 +33,7 @@ use crate::model::effects::Effects;
 use crate::model::track::Track;
 use crate::onboard::auth::Verifier;
 use crate::onboard::event::{self, Event};
+use crate::onboard::outbox::WhenFull;
 use crate::onboard::store::Store;
 use crate::onboard::store::persisted::Lifetime;
 use crate::tick::digest;
@@ -58,13 +59,24 @@ const LONG_STOP_S: Real = 300.0;
 /// Slower than this the train has not yet run, m/s.
 const MOVING_MPS: Real = 3.0;
 
-/// Refusals of open messages that are answered in a second; anybody can send them, and the line is for estimates.
-const OPEN_REFUSALS: u8 = 8;
+/// Refusals that are answered in a second to either kind of message that anybody can send; the line is for estimates.
+const REFUSALS_A_SECOND: u8 = 8;
+
+/// Who vouches for a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Origin {
+    /// Nobody, and it says so.
+    Open,
+    /// Nobody, though it is marked as secured.
+    Unproven,
+    /// Who has the key: all of it is answered.
+    Authentic,
+}
 
 /// What the task needs of the board around it.
 pub trait Port {
     /// Hands a message to the link; false when there is no room for it.
-    fn send(&mut self, message: &[u8]) -> bool;
+    fn send(&mut self, message: &[u8], when_full: WhenFull) -> bool;
     /// How the hardware is.
     fn health(&self) -> Health;
     /// Seconds since the start; 0: no clock, so nothing is limited by time.
@@ -138,9 +150,10 @@ pub struct Task<'a, F> {
     duplicate: u32,
     not_sent: u32,
     refusals: [u32; REFUSALS],
-    /// The second that is under way, and what open messages have got in it.
-    open_second: u32,
+    /// The second that is under way, and what messages that nobody vouches for have got in it.
+    second: u32,
     open_refusals: u8,
+    unproven_refusals: u8,
     open_status: bool,
     heartbeat_only: bool,
 
@@ -178,31 +191,24 @@ impl<F: NorFlash> Task<'_, F> {
             self.duplicate = self.duplicate.saturating_add(1);
             return;
         }
-        let open = message.get(1) != Some(&uplink::SECURED);
-        if open {
-            self.begin_second(port.uptime_s());
-        }
+        self.begin_second(port.uptime_s());
         match self.read(message) {
-            Ok(Uplink { request: Request::Command(Command::Status), .. }) if open && self.open_status => {
+            (Origin::Open, Ok(Uplink { request: Request::Command(Command::Status), .. }))
+                if core::mem::replace(&mut self.open_status, true) =>
+            {
                 self.duplicate = self.duplicate.saturating_add(1);
             }
-            Ok(uplink) => {
-                self.open_status |= open && matches!(uplink.request, Request::Command(Command::Status));
-                self.take(&uplink, port);
-            }
-            Err(refusal) if open && self.open_refusals >= OPEN_REFUSALS => self.count_refusal(refusal),
-            Err(refusal) => {
-                self.open_refusals += u8::from(open);
-                self.answer(0, Err(refusal), port);
-            }
+            (_, Ok(uplink)) => self.take(&uplink, port),
+            (origin, Err(refusal)) => self.refuse(0, refusal, origin, port),
         }
     }
 
-    /// What open messages may ask for is limited by the second: one status, a few refusals.
+    /// What anybody may ask for is limited by the second.
     fn begin_second(&mut self, uptime_s: u32) {
-        if uptime_s != self.open_second || uptime_s == 0 {
-            self.open_second = uptime_s;
+        if uptime_s != self.second || uptime_s == 0 {
+            self.second = uptime_s;
             self.open_refusals = 0;
+            self.unproven_refusals = 0;
             self.open_status = false;
         }
     }
@@ -244,29 +250,36 @@ impl<F: NorFlash> Task<'_, F> {
         }
     }
 
-    /// The request inside a message, if it may come this way.
+    /// Who vouches for a message, and the request inside it, if it may come this way.
     #[inline(never)]
-    fn read(&mut self, message: &[u8]) -> Result<Uplink, Refusal> {
+    fn read(&mut self, message: &[u8]) -> (Origin, Result<Uplink, Refusal>) {
+        let (origin, payload) = match self.payload(message) {
+            Ok(found) => found,
+            Err((origin, refusal)) => return (origin, Err(refusal)),
+        };
+        (origin, uplink::decode(payload).ok_or(Refusal::Malformed))
+    }
+
+    fn payload<'m>(&mut self, message: &'m [u8]) -> Result<(Origin, &'m [u8]), (Origin, Refusal)> {
+        let refused = |refusal| (Origin::Open, refusal);
         let [version, protection, open @ ..] = message else {
-            return Err(Refusal::Malformed);
+            return Err(refused(Refusal::Malformed));
         };
         if *version != uplink::VERSION {
-            return Err(Refusal::Version);
+            return Err(refused(Refusal::Version));
         }
         match *protection {
-            uplink::OPEN => {
-                // Before it is read: what must be secured costs nothing here.
-                if !uplink::may_come_open(&self.estimator.config().security, open).ok_or(Refusal::Malformed)? {
-                    return Err(Refusal::NotSecured);
-                }
-                uplink::decode(open).ok_or(Refusal::Malformed)
-            }
-            uplink::SECURED => {
-                let checked = self.verifier.open(DATA_ID, message).map_err(refusal_of)?;
-                let payload = checked.get(2..).ok_or(Refusal::Malformed)?;
-                uplink::decode(payload).ok_or(Refusal::Malformed)
-            }
-            _ => Err(Refusal::Malformed),
+            // Before it is read: what must be secured costs nothing here.
+            uplink::OPEN => match uplink::may_come_open(&self.estimator.config().security, open) {
+                Some(true) => Ok((Origin::Open, open)),
+                Some(false) => Err(refused(Refusal::NotSecured)),
+                None => Err(refused(Refusal::Malformed)),
+            },
+            uplink::SECURED => match self.verifier.open(DATA_ID, message) {
+                Ok(checked) => Ok((Origin::Authentic, checked.get(2..).unwrap_or_default())),
+                Err(error) => Err((Origin::Unproven, refusal_of(error))),
+            },
+            _ => Err(refused(Refusal::Malformed)),
         }
     }
 
@@ -337,13 +350,31 @@ impl<F: NorFlash> Task<'_, F> {
         }
     }
 
-    #[inline(never)]
     fn answer(&mut self, to: u16, result: Result<(), Refusal>, port: &mut impl Port) {
+        self.answer_as(to, result, WhenFull::DropOldest, port);
+    }
+
+    /// Answers with a refusal or, where this second has had enough of them, counts it only.
+    fn refuse(&mut self, to: u16, refusal: Refusal, origin: Origin, port: &mut impl Port) {
+        let refusals = match origin {
+            Origin::Open => &mut self.open_refusals,
+            Origin::Unproven => &mut self.unproven_refusals,
+            Origin::Authentic => return self.answer(to, Err(refusal), port),
+        };
+        if *refusals >= REFUSALS_A_SECOND {
+            return self.count_refusal(refusal);
+        }
+        *refusals += 1;
+        self.answer_as(to, Err(refusal), WhenFull::DropThis, port);
+    }
+
+    #[inline(never)]
+    fn answer_as(&mut self, to: u16, result: Result<(), Refusal>, when_full: WhenFull, port: &mut impl Port) {
         if let Err(refusal) = result {
             self.count_refusal(refusal);
             self.note(Event::Refused(refusal));
         }
-        self.send(Body::Answer(Answer { to, result }), port);
+        self.send_as(Body::Answer(Answer { to, result }), when_full, port);
     }
 
     fn count_refusal(&mut self, refusal: Refusal) {

@@ -6,6 +6,7 @@ use crate::estimator::config::Mode;
 use crate::filter::gaussian::Gaussian;
 use crate::model::state::{LOCATION, R0, SPEED};
 use crate::onboard::frames;
+use crate::onboard::outbox::WhenFull;
 use crate::onboard::versions::VERSIONS;
 use crate::tick::estimate::{Cause, Estimate};
 use embedded_storage::nor_flash::NorFlash;
@@ -163,13 +164,17 @@ impl<F: NorFlash> Task<'_, F> {
         self.send(Body::Versions(VERSIONS), port);
     }
 
-    #[inline(never)]
     pub(super) fn send(&mut self, body: Body, port: &mut impl Port) {
+        self.send_as(body, WhenFull::DropOldest, port);
+    }
+
+    #[inline(never)]
+    pub(super) fn send_as(&mut self, body: Body, when_full: WhenFull, port: &mut impl Port) {
         let frame = Downlink { sequence: self.sequence, tick: self.tick, body };
         // A frame that finds no room is a gap in the sequence for the other side.
         self.sequence = self.sequence.wrapping_add(1);
         let mut buffer = [0; MAX_MESSAGE];
-        let sent = frame.encode(&mut buffer).is_ok_and(|message| port.send(message));
+        let sent = frame.encode(&mut buffer).is_ok_and(|message| port.send(message, when_full));
         if !sent {
             self.not_sent = self.not_sent.saturating_add(1);
         }

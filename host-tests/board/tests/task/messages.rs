@@ -5,6 +5,7 @@ use board_tests::board::{Board, PROVISIONING, answer, described, estimate, runni
 use board_tests::flash::Flash;
 use board_tests::prelude::*;
 use board_tests::said;
+use rundown::onboard::outbox::WhenFull;
 use rundown::onboard::uplink::{self, OPEN, Uplink};
 use rundown_wire::{Body, MAX_MESSAGE};
 
@@ -60,7 +61,7 @@ fn a_crash_loop_leaves_a_heartbeat() {
 struct Clockless(Vec<Vec<u8>>);
 
 impl rundown::onboard::task::Port for Clockless {
-    fn send(&mut self, message: &[u8]) -> bool {
+    fn send(&mut self, message: &[u8], _: WhenFull) -> bool {
         self.0.push(message.to_vec());
         true
     }
