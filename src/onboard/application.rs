@@ -14,9 +14,9 @@ use rundown_wire::Health;
 pub trait Hardware: Copy {
     /// How it is. Takes its time: the stack is searched.
     fn health(&self) -> Health;
-    /// Seconds since the start; 0: no clock.
-    fn uptime_s(&self) -> u32 {
-        0
+    /// Seconds since the start; none: no clock.
+    fn uptime_s(&self) -> Option<u32> {
+        None
     }
     /// What links beside the serial line have counted.
     fn other_links(&self) -> Counters {
@@ -122,7 +122,7 @@ impl<S: FnMut(&[u8], WhenFull) -> bool, H: Hardware> Port for AnswerPort<'_, S, 
         Health { messages: self.messages.and(&self.hardware.other_links()), ..self.hardware.health() }
     }
 
-    fn uptime_s(&self) -> u32 {
+    fn uptime_s(&self) -> Option<u32> {
         self.hardware.uptime_s()
     }
 }

@@ -44,8 +44,8 @@ impl Hardware for State {
         Health { uptime_s: self.uptime_s, not_sent: self.not_sent, ..Health::default() }
     }
 
-    fn uptime_s(&self) -> u32 {
-        self.uptime_s
+    fn uptime_s(&self) -> Option<u32> {
+        Some(self.uptime_s)
     }
 }
 

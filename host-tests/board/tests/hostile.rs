@@ -157,19 +157,27 @@ fn open(sequence: u16, request: Request) -> Vec<u8> {
     uplink::encode(&uplink, OPEN, &mut [0; 64]).unwrap().to_vec()
 }
 
+fn open_measurement(number: u16, time_s: f64) -> Vec<u8> {
+    let measurement = Measurement { time_s, ..Measurement::default() };
+    open(number, Request::Measurement(measurement))
+}
+
 /// With a trailer of zeros.
 fn forged(number: u16) -> Vec<u8> {
     let uplink = Uplink { sequence: number, request: Request::Command(Command::End) };
     [uplink::encode(&uplink, SECURED, &mut [0; 64]).unwrap(), &[0; 16]].concat()
 }
 
-const FLOODS: [(&str, Flood); 6] = [
+const FLOODS: [(&str, Flood); 9] = [
     ("secured, too short", |number| [&[1, 1], &number.to_le_bytes()[..]].concat()),
     ("secured, shorter and shorter", |number| vec![1, 1, 2][..2 + usize::from(number % 2)].to_vec()),
     ("secured, wrong MAC", forged),
     ("open status", |number| open(number, Request::Command(Command::Status))),
     ("open end", |number| open(number, Request::Command(Command::End))),
     ("another version", |number| [&[2, 0], &number.to_le_bytes()[..]].concat()),
+    ("a measurement of old", |number| open_measurement(number, -1.0)),
+    ("a measurement at no time", |number| open_measurement(number, f64::NAN)),
+    ("a measurement far ahead", |number| open_measurement(number, 1e300)),
 ];
 
 #[test]
@@ -218,4 +226,18 @@ fn a_flood_at_line_rate_loses_no_estimate_delays_none_and_who_has_the_key_is_ans
         );
         assert!(refusals.len() as u64 <= 8 * (seconds + 1), "{name}: {} in {seconds} s", refusals.len());
     }
+}
+
+#[test]
+fn the_first_second_after_a_start_is_limited_as_any_other() {
+    let mut board = SerialBoard::start();
+    for number in 0..400 {
+        board.say(&open(number, Request::Command(Command::Status)));
+        board.say(&open_measurement(number, 1e300));
+    }
+    let of = |is: fn(&Body) -> bool| board.heard.iter().filter(|(_, frame)| is(&frame.body)).count();
+    assert!(board.passed() > LINE_BYTES_PER_S && board.passed() < 2 * LINE_BYTES_PER_S);
+    // One of the first tick, which has no measurement, and one in each second.
+    assert_eq!(of(|body| matches!(body, Body::Status(_))), 3);
+    assert_eq!(of(|body| matches!(body, Body::Answer(Answer { result: Err(_), .. }))), 16);
 }

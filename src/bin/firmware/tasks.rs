@@ -275,6 +275,10 @@ mod app {
         }
     }
 
+    fn uptime_s() -> u32 {
+        PERIODS.load(Ordering::Relaxed) / TIMER_HZ
+    }
+
     /// To the debugger.
     #[inline(never)]
     fn log(event: &Event) {
@@ -288,7 +292,7 @@ mod app {
     impl Hardware for Start {
         fn health(&self) -> Health {
             Health {
-                uptime_s: self.uptime_s(),
+                uptime_s: uptime_s(),
                 reset_cause: self.boot.cause,
                 failure: self.boot.failure,
                 resets: self.boot.resets,
@@ -306,8 +310,8 @@ mod app {
             self.can.link()
         }
 
-        fn uptime_s(&self) -> u32 {
-            PERIODS.load(Ordering::Relaxed) / TIMER_HZ
+        fn uptime_s(&self) -> Option<u32> {
+            Some(uptime_s())
         }
 
         fn log(&self, event: &Event) {

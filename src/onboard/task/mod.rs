@@ -79,9 +79,9 @@ pub trait Port {
     fn send(&mut self, message: &[u8], when_full: WhenFull) -> bool;
     /// How the hardware is.
     fn health(&self) -> Health;
-    /// Seconds since the start; 0: no clock, so nothing is limited by time.
-    fn uptime_s(&self) -> u32 {
-        0
+    /// Seconds since the start; none: no clock, so nothing is limited by time.
+    fn uptime_s(&self) -> Option<u32> {
+        None
     }
 }
 
@@ -198,15 +198,15 @@ impl<F: NorFlash> Task<'_, F> {
             {
                 self.duplicate = self.duplicate.saturating_add(1);
             }
-            (_, Ok(uplink)) => self.take(&uplink, port),
+            (origin, Ok(uplink)) => self.take(&uplink, origin, port),
             (origin, Err(refusal)) => self.refuse(0, refusal, origin, port),
         }
     }
 
     /// What anybody may ask for is limited by the second.
-    fn begin_second(&mut self, uptime_s: u32) {
-        if uptime_s != self.second || uptime_s == 0 {
-            self.second = uptime_s;
+    fn begin_second(&mut self, uptime_s: Option<u32>) {
+        if uptime_s != Some(self.second) {
+            self.second = uptime_s.unwrap_or_default();
             self.open_refusals = 0;
             self.unproven_refusals = 0;
             self.open_status = false;
@@ -215,9 +215,9 @@ impl<F: NorFlash> Task<'_, F> {
 
     // Of its own: the bytes that a message is read from are gone from the stack.
     #[inline(never)]
-    fn take(&mut self, uplink: &Uplink, port: &mut impl Port) {
+    fn take(&mut self, uplink: &Uplink, origin: Origin, port: &mut impl Port) {
         if let Err(refusal) = self.permit(uplink) {
-            return self.answer(0, Err(refusal), port);
+            return self.refuse(0, refusal, origin, port);
         }
         self.count_missed(uplink.sequence);
         let result = match &uplink.request {
@@ -227,9 +227,11 @@ impl<F: NorFlash> Task<'_, F> {
             },
             other => self.carry_out(other, uplink.sequence, port),
         };
-        // The end of a run is answered when it has ended.
-        if !self.is_busy() {
-            self.answer(uplink.sequence, result, port);
+        match result {
+            Err(refusal) => self.refuse(uplink.sequence, refusal, origin, port),
+            // The end of a run is answered when it has ended.
+            Ok(()) if self.is_busy() => {}
+            Ok(()) => self.answer(uplink.sequence, Ok(()), port),
         }
     }
 
