@@ -110,12 +110,11 @@ struct AnswerPort<'a, S, H> {
 }
 
 impl<S: FnMut(&[u8], WhenFull) -> bool, H: Hardware> Port for AnswerPort<'_, S, H> {
-    fn send(&mut self, message: &[u8], when_full: WhenFull) -> bool {
+    fn send(&mut self, message: &[u8], when_full: WhenFull) {
         let sent = serial::encode(message).is_ok_and(|frame| (self.send)(&frame, when_full));
         if sent {
             self.messages.sent = self.messages.sent.saturating_add(1);
         }
-        sent
     }
 
     fn health(&self) -> Health {

@@ -403,7 +403,7 @@ pub struct Status {
     pub missed: u32,
     /// Messages that came twice.
     pub duplicate: u32,
-    /// Frames that the link had no room for.
+    /// Frames that the link had no room for; as in [`Health`](crate::Health::not_sent).
     pub not_sent: u32,
     /// The memory that survives power.
     pub memory: Memory,

@@ -37,14 +37,16 @@ pub struct Wire {
 }
 
 impl Port for Wire {
-    fn send(&mut self, message: &[u8], _: WhenFull) -> bool {
+    fn send(&mut self, message: &[u8], _: WhenFull) {
         match &mut self.room {
-            Some(0) => return false,
+            Some(0) => {
+                self.health.not_sent += 1;
+                return;
+            }
             Some(room) => *room -= 1,
             None => {}
         }
         self.messages.push(message.to_vec());
-        true
     }
 
     fn health(&self) -> Health {

@@ -70,7 +70,6 @@ impl<'a, F: NorFlash> Task<'a, F> {
             last_message: None,
             missed: 0,
             duplicate: 0,
-            not_sent: 0,
             refusals: [0; REFUSALS],
             second: 0,
             open_refusals: 0,

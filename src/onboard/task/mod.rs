@@ -75,8 +75,8 @@ enum Origin {
 
 /// What the task needs of the board around it.
 pub trait Port {
-    /// Hands a message to the link; false when there is no room for it.
-    fn send(&mut self, message: &[u8], when_full: WhenFull) -> bool;
+    /// Hands a message to the link. What finds no room is counted in [`Health::not_sent`].
+    fn send(&mut self, message: &[u8], when_full: WhenFull);
     /// How the hardware is.
     fn health(&self) -> Health;
     /// Seconds since the start; none: no clock, so nothing is limited by time.
@@ -148,7 +148,6 @@ pub struct Task<'a, F> {
     last_message: Option<u32>,
     missed: u32,
     duplicate: u32,
-    not_sent: u32,
     refusals: [u32; REFUSALS],
     /// The second that is under way, and what messages that nobody vouches for have got in it.
     second: u32,

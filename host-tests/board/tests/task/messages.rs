@@ -5,6 +5,7 @@ use board_tests::board::{Board, PROVISIONING, answer, described, estimate, runni
 use board_tests::flash::Flash;
 use board_tests::prelude::*;
 use board_tests::said;
+use board_tests::serial_board::SerialBoard;
 use rundown::onboard::outbox::WhenFull;
 use rundown::onboard::uplink::{self, OPEN, Uplink};
 use rundown_wire::{Body, MAX_MESSAGE};
@@ -40,6 +41,29 @@ fn a_reader_that_is_gone_does_not_stop_the_board() {
 }
 
 #[test]
+fn status_and_health_count_the_same_frames_that_the_line_did_not_take() {
+    let (description, log) = described();
+    let mut board = SerialBoard::start();
+    board.prepare(&description);
+    board.deaf = true;
+    for measurement in log.iter().take(20) {
+        let message = board.desk.open(Request::Measurement(*measurement)).unwrap();
+        board.say(&message);
+        board.wait(10);
+    }
+    board.deaf = false;
+    board.wait(1);
+    board.heard.clear();
+    let ask = board.desk.open(Request::Command(Command::Status)).unwrap();
+    board.say(&ask);
+    board.wait(1);
+    let frames: Vec<_> = board.heard.drain(..).map(|(_, frame)| frame).collect();
+    let (status, health) = (said!(frames, Status).unwrap(), said!(frames, Health).unwrap());
+    assert_eq!(status.not_sent, health.not_sent);
+    assert!(status.not_sent > 20, "{status:?}");
+}
+
+#[test]
 fn a_crash_loop_leaves_a_heartbeat() {
     let (description, _) = described();
     let mut first = board();
@@ -61,9 +85,8 @@ fn a_crash_loop_leaves_a_heartbeat() {
 struct Clockless(Vec<Vec<u8>>);
 
 impl rundown::onboard::task::Port for Clockless {
-    fn send(&mut self, message: &[u8], _: WhenFull) -> bool {
+    fn send(&mut self, message: &[u8], _: WhenFull) {
         self.0.push(message.to_vec());
-        true
     }
 
     fn health(&self) -> rundown_wire::Health {
