@@ -77,7 +77,7 @@ impl Event {
     /// Somebody should look.
     pub fn is_trouble(&self) -> bool {
         match self {
-            Self::Boot { cause, heartbeat_only, .. } => cause.is_crash() || *heartbeat_only,
+            Self::Boot { cause, failure, heartbeat_only, .. } => cause.is_crash(failure) || *heartbeat_only,
             Self::Vehicle(memory) => !matches!(memory, Memory::Empty | Memory::Restored),
             Self::Refused(_) | Self::NotKept => true,
             Self::RunBegins | Self::Learned { .. } | Self::Kept(_) => false,

@@ -85,7 +85,8 @@ impl Kept {
         if cause == ResetCause::PowerOn {
             kept = Self::default();
         }
-        if cause.is_crash() {
+        let crashed = cause.is_crash(&kept.failure);
+        if crashed {
             kept.crash_loop.reset();
         }
         let boot = Boot {
@@ -95,7 +96,7 @@ impl Kept {
             operation: kept.crash_loop.operation(),
         };
         // The next reset has its own reason.
-        if cause.is_crash() {
+        if crashed {
             kept.last = kept.failure;
         }
         kept.failure = Failure::None;
@@ -225,6 +226,21 @@ mod tests {
     fn what_was_written_down_outranks_a_register_that_cannot_tell() {
         let (_, boot) = Kept::boot(Some(example()), ResetCause::PowerOn);
         assert_eq!((boot.cause, boot.resets), (ResetCause::Software, 2));
+    }
+
+    #[test]
+    fn a_reset_by_a_probe_is_no_crash() {
+        let quiet = Kept { failure: Failure::None, ..example() };
+        let mut found = Some(quiet);
+        for _ in 0..2 * MOST_RESETS {
+            let (kept, boot) = Kept::boot(found, ResetCause::Software);
+            assert_eq!((boot.cause, boot.resets, boot.operation), (ResetCause::Software, 1, Operation::Normal));
+            assert_eq!(kept, quiet);
+            found = Some(kept);
+        }
+        // The watchdog bites for a reason, whether it could be written down or not.
+        let (_, boot) = Kept::boot(found, ResetCause::Watchdog);
+        assert_eq!(boot.resets, 2);
     }
 
     #[test]

@@ -14,7 +14,7 @@ words! {
         PowerOn "power_on",
         /// The reset pin, a button or a probe.
         Pin "pin",
-        /// The firmware asked for it: a panic or a fault.
+        /// The firmware asked for it: a panic or a fault; or a probe did.
         Software "software",
         /// The watchdog was not fed.
         Watchdog "watchdog",
@@ -24,9 +24,14 @@ words! {
 }
 
 impl ResetCause {
-    /// Whether it counts towards the crash loop. A person who presses the button is no crash.
-    pub const fn is_crash(self) -> bool {
-        matches!(self, Self::Software | Self::Watchdog)
+    /// Whether it counts towards the crash loop, with what the firmware wrote down before. A person who presses the button is no crash, nor is a probe that
+    /// asks the processor for a reset, as the firmware does when it fails.
+    pub const fn is_crash(self, failure: &Failure) -> bool {
+        match self {
+            Self::Watchdog => true,
+            Self::Software => !matches!(failure, Failure::None),
+            Self::PowerOn | Self::Pin | Self::Other => false,
+        }
     }
 }
 
@@ -161,9 +166,10 @@ mod tests {
 
     #[test]
     fn only_crashes_count() {
-        assert!(ResetCause::Watchdog.is_crash());
-        assert!(ResetCause::Software.is_crash());
-        assert!(!ResetCause::Pin.is_crash());
-        assert!(!ResetCause::PowerOn.is_crash());
+        assert!(ResetCause::Watchdog.is_crash(&Failure::None));
+        assert!(ResetCause::Software.is_crash(&Failure::StackOverflow));
+        assert!(!ResetCause::Software.is_crash(&Failure::None));
+        assert!(!ResetCause::Pin.is_crash(&Failure::StackOverflow));
+        assert!(!ResetCause::PowerOn.is_crash(&Failure::None));
     }
 }
