@@ -30,7 +30,7 @@ use crate::tick::estimate::{Cause, Counters, Estimate, Validity};
 use crate::tick::foresight::Foresight;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::{MemoryConfig, Vehicle};
-use crate::tick::plausibility::Judged;
+use crate::tick::plausibility::{Judged, is_out_of_range};
 use crate::tick::published::{JUDGED_KMH, Published};
 use crate::tick::regime::Regime;
 use crate::tick::sensor::Rounding;
@@ -55,6 +55,7 @@ errors! {
     #[non_exhaustive]
     pub enum StepError {
         TimeNotIncreasing { last_s: Real, found_s: Real } => "time_s: expected beyond {last_s}, found {found_s}",
+        TimeOutOfRange { last_s: Real, found_s: Real } => "time_s: expected within a day after {last_s}, found {found_s}",
     }
 }
 
@@ -254,7 +255,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     /// One tick.
     ///
     /// # Errors
-    /// [`StepError::TimeNotIncreasing`]: the measurement is dropped and counted, nothing else changes.
+    /// [`StepError`]: the measurement is dropped for its time and counted, nothing else changes.
     pub fn step(&self, run: &mut RunState, measurement: &Measurement) -> Result<Estimate, StepError> {
         let config = &self.config;
         let measurement = &self.corrected(run, measurement);
@@ -270,7 +271,14 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             )
             .map_err(|last_s| {
                 run.counters.time_not_increasing = run.counters.time_not_increasing.saturating_add(1);
-                StepError::TimeNotIncreasing { last_s: last_s.unwrap_or(0.0), found_s: measurement.time_s }
+                let found_s = measurement.time_s;
+                let out_of_range = is_out_of_range(last_s, found_s);
+                let last_s = last_s.unwrap_or(0.0);
+                if out_of_range {
+                    StepError::TimeOutOfRange { last_s, found_s }
+                } else {
+                    StepError::TimeNotIncreasing { last_s, found_s }
+                }
             })?;
         run.distances.observe(&config.sensor, run.direction.sign(), &judged, measurement.speed_mps);
         let line = Line { train: &self.train, track: self.track(), direction: run.direction };

@@ -27,8 +27,8 @@ const DESCENT_N_PER_KG: Real = 0.3;
 
 /// A time that is further ahead is not believed by itself, s.
 pub const FAR_S: Real = 86_400.0;
-/// A time that is further from zero is none, s: 300 years, of which the last bit is 2 µs.
-pub const LATEST_S: Real = 1e10;
+/// A time that is further from zero is none, s: the last bit is half of [`SOONEST_S`], and a clock of ms since 1970 shows less until 2096.
+pub const LATEST_S: Real = 4e12;
 /// A time that is less ahead is the same time, s: no sensor reads so often, and a change of speed over less is no acceleration.
 pub const SOONEST_S: Real = 1e-3;
 /// So many times more must agree where they lie behind the train: rows that come late do, a clock that was set does not.
@@ -356,6 +356,11 @@ impl Plausibility {
 /// A number that a clock could show.
 pub(crate) fn is_time(time_s: Real) -> bool {
     time_s.abs() <= LATEST_S
+}
+
+/// A time that is refused for being none or too far ahead, and not for coming too early.
+pub(crate) fn is_out_of_range(last_s: Option<Real>, time_s: Real) -> bool {
+    !is_time(time_s) || last_s.is_some_and(|last_s| time_s - last_s > FAR_S)
 }
 
 /// One time comes after the other, and not by much.

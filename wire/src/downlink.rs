@@ -531,7 +531,7 @@ words! {
         OtherTrain "other_train",
         /// For another track.
         OtherTrack "other_track",
-        /// A value is out of range; the old ones stay in force.
+        /// A value is out of range; the old ones stay in force. Of a measurement: its time is more than a day ahead, or none.
         OutOfRange "out_of_range",
         /// A part came out of order; send the first one again.
         OutOfOrder "out_of_order",
@@ -541,7 +541,7 @@ words! {
         NotRunning "not_running",
         /// Train and track must come first.
         NotDescribed "not_described",
-        /// The time of the measurement does not go on.
+        /// The time of the measurement is not after the last one.
         TimeNotIncreasing "time_not_increasing",
         /// The snapshot is damaged, or was taken with another train, track or configuration.
         Snapshot "snapshot",

@@ -241,7 +241,7 @@ fn odd_floats_in_every_field_never_reach_a_frame_and_leave_the_run_usable() {
             let time_s = wild;
             let refused = board.measure(&Measurement { time_s, ..log[0] });
             let refused = answer(&refused).unwrap().result;
-            assert_eq!(refused, Err(Refusal::TimeNotIncreasing), "{time_s}");
+            assert_eq!(refused, Err(Refusal::OutOfRange), "{time_s}");
         }
     }
 }

@@ -6,19 +6,23 @@ use board_tests::said;
 use board_tests::serial_board::{LINE_BYTES_PER_S, SerialBoard};
 use rundown::onboard::uplink::{self, OPEN, SECURED, Uplink};
 use rundown::tick::estimate::Cause;
-use rundown_wire::{Answer, Body, Refusal};
+use rundown_wire::{Answer, Body, Estimate as Estimated, Refusal};
 
-/// What a clock does to the times of a run: number since it went wrong, and true time, to its time.
+/// What a clock does to the times of a run: number since it went wrong, and true time, to its time. With it why such a time is refused.
 type Clock = fn(usize, f64) -> f64;
-const CLOCKS: [(&str, Clock); 7] = [
-    ("one far time", |k, time_s| if k == 0 { 1e300 } else { time_s }),
-    ("an hour back", |_, time_s| time_s - 3600.0),
-    ("ten seconds back", |_, time_s| time_s - 10.0),
-    ("a GPS week ahead", |_, time_s| time_s + 604_800.0),
-    ("an epoch back", |_, time_s| time_s - 619_315_200.0),
-    ("repeated once", |k, time_s| if k == 0 { time_s - 10.0 } else { time_s }),
+const CLOCKS: [(&str, Refusal, Clock); 7] = [
+    ("one far time", Refusal::OutOfRange, |k, time_s| if k == 0 { 1e300 } else { time_s }),
+    ("an hour back", Refusal::TimeNotIncreasing, |_, time_s| time_s - 3600.0),
+    ("ten seconds back", Refusal::TimeNotIncreasing, |_, time_s| time_s - 10.0),
+    ("a GPS week ahead", Refusal::OutOfRange, |_, time_s| time_s + 604_800.0),
+    ("an epoch back", Refusal::TimeNotIncreasing, |_, time_s| time_s - 619_315_200.0),
+    ("repeated once", Refusal::TimeNotIncreasing, |k, time_s| if k == 0 { time_s - 10.0 } else { time_s }),
     // No acceleration comes out of a change of speed in no time.
-    ("repeated but for a rounding", |k, time_s| if k == 0 { time_s - 10.0 + 1e-9 } else { time_s }),
+    (
+        "repeated but for a rounding",
+        Refusal::TimeNotIncreasing,
+        |k, time_s| if k == 0 { time_s - 10.0 + 1e-9 } else { time_s },
+    ),
 ];
 
 /// The run with such a clock from half of it on: by which estimate of the other half, and how many there are.
@@ -36,7 +40,7 @@ fn a_wrong_clock_costs_a_few_ticks_in_lockstep() {
     let (mut right, _, log) = running(described());
     let expected: Vec<f32> =
         log.iter().filter_map(|one| estimate(&right.measure(one))).map(|said| said.speed_mps.value).collect();
-    for (name, clock) in CLOCKS {
+    for (name, refusal, clock) in CLOCKS {
         let (mut board, ..) = running(described());
         let mut heard = Vec::new();
         for (k, measurement) in spoilt(&log, clock).iter().enumerate() {
@@ -46,13 +50,13 @@ fn a_wrong_clock_costs_a_few_ticks_in_lockstep() {
                     assert_eq!(said.time_s, measurement.time_s, "{name}");
                     heard.push((k, said.speed_mps.value));
                 }
-                None => assert_eq!(answer(&frames).unwrap().result, Err(Refusal::TimeNotIncreasing), "{name}"),
+                None => assert_eq!(answer(&frames).unwrap().result, Err(refusal), "{name}"),
             }
         }
         let lost = log.len() - heard.len();
         assert!((1..=2).contains(&lost), "{name}: {lost}");
         let status = board.status();
-        assert_eq!(status.refusals[Refusal::TimeNotIncreasing as usize] as usize, lost, "{name}");
+        assert_eq!(status.refusals[refusal as usize] as usize, lost, "{name}");
         // From a few ticks later on the speed is what it would have been.
         for (k, speed_mps) in heard.into_iter().filter(|(k, _)| *k > log.len() / 2 + 8) {
             assert!((speed_mps - expected[k]).abs() < 1.0, "{name} at {k}: {speed_mps} for {}", expected[k]);
@@ -63,7 +67,7 @@ fn a_wrong_clock_costs_a_few_ticks_in_lockstep() {
 
 #[test]
 fn a_wrong_clock_costs_a_few_ticks_by_the_clock() {
-    for (name, clock) in CLOCKS {
+    for (name, _, clock) in CLOCKS {
         let (mut board, _, log) = running(described());
         board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
         let mut estimates = 0;
@@ -75,12 +79,59 @@ fn a_wrong_clock_costs_a_few_ticks_by_the_clock() {
     }
 }
 
+/// A run by another clock from its beginning: its estimates, and the reasons of what was refused.
+fn by_clock(clock: fn(f64) -> f64) -> (Vec<Estimated>, Vec<Refusal>, Board) {
+    let (mut board, _, log) = running(described());
+    let (mut estimates, mut refused) = (Vec::new(), Vec::new());
+    for measurement in &log {
+        let frames = board.measure(&Measurement { time_s: clock(measurement.time_s), ..*measurement });
+        match estimate(&frames) {
+            Some(said) => estimates.push(said),
+            None => refused.extend(answer(&frames).unwrap().result.err()),
+        }
+    }
+    (estimates, refused, board)
+}
+
+#[test]
+fn a_clock_of_seconds_may_begin_far_from_zero() {
+    let (right, ..) = by_clock(|time_s| time_s);
+    for clock in [|time_s| 1.7e12 + time_s, |time_s| time_s - 3e12] {
+        let (found, refused, _) = by_clock(clock);
+        assert_eq!(refused, []);
+        for (found, right) in found.iter().zip(&right) {
+            assert!((found.dt_s - right.dt_s).abs() < 1e-3);
+            assert!((found.speed_mps.value - right.speed_mps.value).abs() < 0.01, "{found:?} for {right:?}");
+        }
+    }
+}
+
+#[test]
+fn a_clock_of_another_unit_is_seen_as_such() {
+    // Rows every 10 s. In ms, from zero or from 1970, each is a long gap.
+    for clock in [|time_s| 1e3 * time_s, |time_s| 1.7e12 + 1e3 * time_s] {
+        let (found, refused, mut board) = by_clock(clock);
+        assert_eq!(refused, []);
+        assert!(found.iter().all(|found| found.dt_s == 0.0));
+        assert_eq!(board.status().causes[Cause::LongGap as usize] as usize, found.len() - 1);
+    }
+    // In µs each is days ahead; FILETIME, 100 ns since 1601, shows no time at all.
+    for (clock, taken) in
+        [((|time_s| 1.08e10 + 1e6 * time_s) as fn(f64) -> f64, 1), (|time_s| 1.33e17 + 1e7 * time_s, 0)]
+    {
+        let (found, refused, mut board) = by_clock(clock);
+        assert_eq!(found.len(), taken);
+        assert!(refused.iter().all(|refused| *refused == Refusal::OutOfRange), "{refused:?}");
+        assert_eq!(board.status().refusals[Refusal::OutOfRange as usize] as usize, refused.len());
+    }
+}
+
 #[test]
 fn a_first_time_that_no_clock_shows_is_refused_and_the_run_begins_with_the_next() {
     let (mut board, _, log) = running(described());
     for time_s in [-2.6e156, 1e300, f64::NAN] {
         let frames = board.measure(&Measurement { time_s, ..log[0] });
-        assert_eq!(answer(&frames).unwrap().result, Err(Refusal::TimeNotIncreasing), "{time_s}");
+        assert_eq!(answer(&frames).unwrap().result, Err(Refusal::OutOfRange), "{time_s}");
     }
     let heard = log.iter().filter(|measurement| estimate(&board.measure(measurement)).is_some()).count();
     assert_eq!(heard, log.len());

@@ -63,7 +63,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].counters.*", "", "from `time_not_increasing` on as in `parameters.csv`", ""],
     ["runs[].dropped[].line", "", "line of a row that gave no estimate", ""],
     ["runs[].dropped[].time_s", "s", "its time", ""],
-    ["runs[].dropped[].reason", "", "`time_not_increasing` or `other`", ""],
+    ["runs[].dropped[].reason", "", "`time_not_increasing`, `time_out_of_range` or `other`", ""],
     ["runs[].warnings[]", "", "what is to be said about its log", ""],
     ["failed[].file", "", "a log that could not be used", ""],
     ["failed[].errors[]", "", "why", ""],
@@ -246,6 +246,7 @@ fn of_run(run: &ReplayedRun, config: &Config, tables: Tables) -> Value {
 fn dropped(dropped: &Dropped) -> Value {
     let reason = match dropped.reason {
         StepError::TimeNotIncreasing { .. } => "time_not_increasing",
+        StepError::TimeOutOfRange { .. } => "time_out_of_range",
         _ => "other",
     };
     json!({ "line": dropped.line, "time_s": dropped.time_s, "reason": reason })

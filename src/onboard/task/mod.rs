@@ -28,7 +28,7 @@ mod snapshots;
 use crate::Real;
 use crate::coast_ahead::Steady;
 use crate::estimator::run_state::{MAX_SNAPSHOT, RunState};
-use crate::estimator::{Estimator, RunSummary};
+use crate::estimator::{Estimator, RunSummary, StepError};
 use crate::model::effects::Effects;
 use crate::model::track::Track;
 use crate::onboard::auth::Verifier;
@@ -40,7 +40,7 @@ use crate::tick::digest;
 use crate::tick::estimate::Estimate;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::Vehicle;
-use crate::tick::plausibility::{FAR_S, follows, is_time};
+use crate::tick::plausibility::{FAR_S, follows, is_out_of_range, is_time};
 use crate::tick::published::Published;
 use crate::uplink::{self, Command, Pace, Request, Uplink};
 use embedded_storage::nor_flash::NorFlash;
@@ -308,7 +308,8 @@ impl<F: NorFlash> Task<'_, F> {
                 let displaces =
                     |newest: Measurement| measurement.time_s > newest.time_s && self.follows(measurement.time_s);
                 if !is_time(measurement.time_s) || waits.is_some_and(|newest| !displaces(newest)) {
-                    return Err(Refusal::TimeNotIncreasing);
+                    let out_of_range = is_out_of_range(self.last_time_s, measurement.time_s);
+                    return Err(if out_of_range { Refusal::OutOfRange } else { Refusal::TimeNotIncreasing });
                 }
                 self.newest = Some(*measurement);
                 Ok(())
@@ -337,7 +338,10 @@ impl<F: NorFlash> Task<'_, F> {
     #[inline(never)]
     fn estimate(&mut self, measurement: &Measurement) -> Result<(), Refusal> {
         let stepped = self.estimator.step(self.run, measurement);
-        self.estimate = Some(stepped.map_err(|_| Refusal::TimeNotIncreasing)?);
+        self.estimate = Some(stepped.map_err(|error| match error {
+            StepError::TimeNotIncreasing { .. } => Refusal::TimeNotIncreasing,
+            StepError::TimeOutOfRange { .. } => Refusal::OutOfRange,
+        })?);
         Ok(())
     }
 

@@ -99,16 +99,16 @@ fn a_train_that_goes_as_it_reads_is_believed_in_both_directions() {
 
 #[test]
 fn an_equal_earlier_far_or_missing_time_is_dropped_and_the_last_one_named() {
-    for time_s in [0.0, 0.9e-3, -50.0, 86_400.1, 1.1e10, -1.1e10, Real::NAN, Real::INFINITY, Real::NEG_INFINITY] {
+    for time_s in [0.0, 0.9e-3, -50.0, 86_400.1, 4.1e12, -4.1e12, Real::NAN, Real::INFINITY, Real::NEG_INFINITY] {
         assert_eq!(Readings::running().read(time_s, 1000.0, 20.0), Err(Some(0.0)), "{time_s}");
     }
     for time_s in [1e-3, 86_400.0] {
         assert!(Readings::running().read(time_s, 1000.0, 20.0).is_ok(), "{time_s}");
     }
-    for time_s in [Real::NAN, 1.1e10, -1.1e10] {
+    for time_s in [Real::NAN, 4.1e12, -4.1e12] {
         assert_eq!(Readings::new().read(time_s, 1000.0, 20.0), Err(None), "{time_s}");
     }
-    for time_s in [1e10, -1e10] {
+    for time_s in [4e12, -4e12] {
         assert!(Readings::new().read(time_s, 1000.0, 20.0).is_ok(), "{time_s}");
     }
 }

@@ -36,7 +36,7 @@ fn by_the_clock_a_far_time_gives_way_to_one_that_follows() {
     let far = Measurement { time_s: log[1].time_s + 1e6, ..log[1] };
     assert!(board.measure(&far).is_empty(), "it waits where no other does");
     assert!(board.measure(&log[1]).is_empty());
-    assert_eq!(answer(&board.measure(&far)).unwrap().result, Err(Refusal::TimeNotIncreasing));
+    assert_eq!(answer(&board.measure(&far)).unwrap().result, Err(Refusal::OutOfRange));
     assert_eq!(estimate(&board.tick()).unwrap().time_s, log[1].time_s);
 }
 
