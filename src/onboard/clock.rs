@@ -78,6 +78,29 @@ fn try_fast(tree: &mut impl ClockTree) -> Result<(), Late> {
     bounded(|| tree.pll_selected()).ok_or(Late::Switch)
 }
 
+/// A crystal whose switch stands behind a write protection: what is written too early is lost without a word.
+pub trait Crystal {
+    /// Takes the protection away.
+    fn unprotect(&mut self);
+    /// It is away.
+    fn is_unprotected(&self) -> bool;
+    /// Switches it on.
+    fn switch_on(&mut self);
+    /// The switch has taken it; that it runs comes later.
+    fn is_on(&self) -> bool;
+}
+
+/// Switches a crystal on; none where the switch does not take it.
+pub fn start_crystal(crystal: &mut impl Crystal) -> Option<()> {
+    crystal.unprotect();
+    // One that never says so is tried all the same: the switch is asked.
+    let _unprotected = bounded(|| crystal.is_unprotected());
+    bounded(|| {
+        crystal.switch_on();
+        crystal.is_on()
+    })
+}
+
 /// Polls until it is so, at most [`MOST_POLLS`] times.
 ///
 /// ```
@@ -94,6 +117,7 @@ pub fn bounded(mut ready: impl FnMut() -> bool) -> Option<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::cell::Cell;
 
     /// A clock tree that dies at a chosen step.
     struct Mock {
@@ -146,6 +170,42 @@ mod tests {
             assert_eq!(clock, Clock::Slow(late));
             assert_eq!(clock.hz(), SLOW_HZ);
             assert!(!tree.running_from_pll, "{late:?}");
+        }
+    }
+
+    /// A crystal behind a protection that goes after some polls, with a switch that loses some writes.
+    struct Protected {
+        polls_left: Cell<u32>,
+        lost_writes: u32,
+        on: bool,
+    }
+
+    impl Crystal for Protected {
+        fn unprotect(&mut self) {}
+        fn is_unprotected(&self) -> bool {
+            self.polls_left.set(self.polls_left.get().saturating_sub(1));
+            self.polls_left.get() == 0
+        }
+        fn switch_on(&mut self) {
+            if self.polls_left.get() > 0 {
+                return;
+            }
+            self.on = self.lost_writes == 0;
+            self.lost_writes = self.lost_writes.saturating_sub(1);
+        }
+        fn is_on(&self) -> bool {
+            self.on
+        }
+    }
+
+    #[test]
+    fn a_crystal_is_switched_on_once_its_protection_is_away_and_until_it_is_on() {
+        for (polls, lost_writes, expected) in
+            [(1, 0, Some(())), (100, 3, Some(())), (MOST_POLLS, 0, Some(())), (u32::MAX, 0, None), (1, u32::MAX, None)]
+        {
+            let mut crystal = Protected { polls_left: Cell::new(polls), lost_writes, on: false };
+            assert_eq!(start_crystal(&mut crystal), expected, "{polls} polls, {lost_writes} writes");
+            assert_eq!(crystal.on, expected.is_some());
         }
     }
 

@@ -2,14 +2,40 @@
 //! and for CAN. It runs up to two seconds after power came; a board without it keeps the oscillator as it is.
 
 use super::device::{PWR, RCC};
+use rundown::onboard::clock::{Crystal, start_crystal};
 
-/// Starts it; it stands behind the backup domain's write protection.
+/// Its switch, in the backup domain.
+struct Lse<'a> {
+    rcc: &'a RCC,
+    power: &'a PWR,
+}
+
+impl Crystal for Lse<'_> {
+    fn unprotect(&mut self) {
+        self.rcc.apb1enr1().modify(|_, w| w.pwren().set_bit());
+        // The reference manual wants a moment between the enable and the first access; a read makes it.
+        let _ = self.rcc.apb1enr1().read();
+        self.power.cr1().modify(|_, w| w.dbp().set_bit());
+    }
+
+    fn is_unprotected(&self) -> bool {
+        self.power.cr1().read().dbp().bit()
+    }
+
+    fn switch_on(&mut self) {
+        self.rcc.bdcr().modify(|_, w| w.lseon().set_bit());
+    }
+
+    fn is_on(&self) -> bool {
+        self.rcc.bdcr().read().lseon().bit()
+    }
+}
+
+/// Starts it.
 pub fn start(rcc: &RCC, power: &PWR) {
-    rcc.apb1enr1().modify(|_, w| w.pwren().set_bit());
-    // The reference manual wants a moment between the enable and the first access; a read makes it.
-    let _ = rcc.apb1enr1().read();
-    power.cr1().modify(|_, w| w.dbp().set_bit());
-    rcc.bdcr().modify(|_, w| w.lseon().set_bit());
+    if start_crystal(&mut Lse { rcc, power }).is_none() {
+        defmt::warn!("the crystal is not switched on: the oscillator is not trimmed");
+    }
 }
 
 /// Lets it trim the oscillator once it runs. To be called now and then, from one task.
