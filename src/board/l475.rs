@@ -20,16 +20,19 @@ mod serial;
 
 #[cfg(feature = "emulator")]
 use super::ram_flash::{self, Flash};
-use super::stopwatch;
+use super::{kept_ram, stopwatch};
 use core::sync::atomic::{AtomicU32, Ordering};
+use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 use device::{IWDG, Peripherals};
 #[cfg(not(feature = "emulator"))]
 use flash::Flash;
 use rundown::onboard::board::{Board, Started};
 use rundown::onboard::clock::{self, bounded};
+use rundown::onboard::flash::{PAGE, RECORDS};
+use rundown::onboard::stm32l4_flash::{DoubleBitError, double_bit_error};
 use rundown::onboard::watchdog::Watchdog;
-use rundown_wire::ResetCause;
+use rundown_wire::{Failure, ResetCause};
 use serial::SerialPort;
 
 /// Time until the watchdog bites, in its counts of 2 ms (LSI 32 kHz / 64). The LSI is good to 10 %.
@@ -114,16 +117,31 @@ impl Watchdog for DogTimer {
 /// Double-bit errors that the flash has reported.
 static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
 
-/// A word that was torn by a loss of power is reported as a double-bit error, by this interrupt, at every read of it: cleared and counted, or the firmware
-/// would stay here for ever. The reader sees wrong bytes, and the record's checksum refuses them.
-// SAFETY: touches one register that nothing else uses, and one atomic.
+unsafe extern "C" {
+    /// First byte of the records, and of the key; the linker's symbols, their addresses are the values.
+    static _records: u8;
+    static _key: u8;
+}
+
+/// A word that was torn by a loss of power is reported as a double-bit error, by this interrupt, at every read of it. In the records and the key it is cleared
+/// and counted, or the firmware would stay here for ever: the reader sees wrong bytes, and a checksum refuses them. Anywhere else the program is damaged, and
+/// what it would do next nobody knows.
+// SAFETY: touches one register that nothing else uses, one atomic, and the kept RAM where it does not return.
 #[exception]
 unsafe fn NonMaskableInt() {
     // SAFETY: see above.
     let flash = unsafe { &*device::FLASH::ptr() };
-    if flash.eccr().read().eccd().bit() {
-        flash.eccr().modify(|_, w| w.eccd().set_bit());
-        let count = FLASH_ERRORS.load(Ordering::Relaxed).saturating_add(1);
-        FLASH_ERRORS.store(count, Ordering::Relaxed);
+    let pages = |first: *const u8, bytes: usize| first as u32..first as u32 + bytes as u32;
+    let written = [pages(&raw const _records, RECORDS), pages(&raw const _key, PAGE)];
+    match double_bit_error(flash.eccr().read().bits(), &written) {
+        DoubleBitError::Torn => {
+            flash.eccr().modify(|_, w| w.eccd().set_bit());
+            let count = FLASH_ERRORS.load(Ordering::Relaxed).saturating_add(1);
+            FLASH_ERRORS.store(count, Ordering::Relaxed);
+        }
+        DoubleBitError::Damage(at) => {
+            kept_ram::write_down(Failure::Fault { at });
+            SCB::sys_reset()
+        }
     }
 }

@@ -16,6 +16,7 @@
 //! survive (checksums, two places).
 
 use super::clock::MOST_POLLS;
+use core::ops::Range;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
@@ -58,6 +59,39 @@ pub mod control {
     pub const START: u32 = 1 << 16;
     /// Only keys change it.
     pub const LOCK: u32 = 1 << 31;
+}
+
+/// Bits of the ECC register.
+mod ecc {
+    /// Offset within both banks of the word that failed: the number of the bank is the bit above the offset within it.
+    pub const OFFSET: u32 = 0xF_FFFF;
+    /// It is in the system memory.
+    pub const SYSTEM: u32 = 1 << 20;
+    /// Two bits of a word were wrong; cleared by writing 1.
+    pub const DETECTED: u32 = 1 << 31;
+}
+
+/// Where the flash begins.
+const FLASH: u32 = 0x0800_0000;
+
+/// What follows from a word of which two bits are wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DoubleBitError {
+    /// Power was lost while it was written; whoever reads it has a checksum.
+    Torn,
+    /// The program is damaged here, or nothing is known: what runs on may do anything.
+    Damage(u32),
+}
+
+/// What FLASH_ECCR reports, in the non-maskable interrupt; `written` are the addresses of the pages that are written and checked.
+pub fn double_bit_error(register: u32, written: &[Range<u32>]) -> DoubleBitError {
+    let at = FLASH + (register & ecc::OFFSET);
+    let reported = register & (ecc::DETECTED | ecc::SYSTEM) == ecc::DETECTED;
+    if reported && written.iter().any(|pages| pages.contains(&at)) {
+        DoubleBitError::Torn
+    } else {
+        DoubleBitError::Damage(at)
+    }
 }
 
 /// The four registers that the sequence touches.
@@ -238,5 +272,27 @@ impl<C: FlashController> NorFlash for Stm32l4Flash<C> {
             Ok(())
         })?;
         self.reads(offset, bytes.iter().copied())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_word_of_the_records_or_the_key_may_be_torn() {
+        let written = [0x080F_0000..0x080F_4000, 0x080F_F800..0x0810_0000];
+        let (detected, bank_2, system) = (1 << 31, 1 << 19, 1 << 20);
+        let asked = |register| double_bit_error(register, &written);
+        for offset in [0x7_0000, 0x7_3FF8, 0x7_F800, 0x7_FFF8] {
+            assert_eq!(asked(detected | bank_2 | offset), DoubleBitError::Torn, "{offset:#x}");
+            // The same place in the bank of the program, in the system memory, and where nothing is reported.
+            assert_eq!(asked(detected | offset), DoubleBitError::Damage(FLASH + offset));
+            assert!(matches!(asked(detected | system | bank_2 | offset), DoubleBitError::Damage(_)));
+            assert!(matches!(asked(bank_2 | offset), DoubleBitError::Damage(_)));
+        }
+        for offset in [0, 0x6_FFF8, 0x7_4000, 0x7_F7F8] {
+            assert_eq!(asked(detected | bank_2 | offset), DoubleBitError::Damage(0x0808_0000 + offset));
+        }
     }
 }
