@@ -57,13 +57,16 @@ impl Effects {
         self.list.push(effect).map_err(|_| EffectError::TooMany { most: MAX_EFFECTS })
     }
 
-    /// Takes an effect from a frame: appends it, or one point of the table of an unknown effect.
+    /// Takes an effect from a frame: appends it, or one point of the table of an unknown effect. The last one once more changes nothing: who got no answer asks again.
     ///
     /// # Errors
     /// [`FrameError`]; the list is as before.
     pub fn take(&mut self, frame: &wire::Effect) -> Result<(), FrameError> {
         if frame.kind == EffectKind::Unknown.number() {
             return self.take_point(frame);
+        }
+        if self.list.last().is_some_and(|last| last.to_frame() == *frame) {
+            return Ok(());
         }
         let effect = Effect::from_frame(frame)?;
         self.push(effect).map_err(FrameError::Refused)

@@ -1,6 +1,7 @@
 //! Effects of train and track: they act as on the desk, are refused one by one, and survive the power.
 
 use board_tests::board::{Board, described, estimate, running};
+use board_tests::flash::Flash;
 use board_tests::prelude::*;
 use board_tests::said;
 use rundown::model::effects::*;
@@ -73,6 +74,20 @@ fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
 }
 
 #[test]
+fn the_last_effect_once_more_changes_nothing() {
+    let mut board = Board::start(Flash::erased(8));
+    board.status();
+    let [one, other] = [1.0, 2.0].map(|wind_mps| Effect::SteadyWind(SteadyWind { wind_mps }).to_frame());
+    let mut setups = Vec::new();
+    for effect in [&one, &one, &other, &one] {
+        board.ask(Request::Effect(effect.clone())).unwrap();
+        setups.push(board.status().setup);
+    }
+    assert_eq!(setups[0], setups[1]);
+    assert!(setups[1] != setups[2] && setups[2] != setups[3], "{setups:x?}");
+}
+
+#[test]
 fn wrong_effects_change_nothing() {
     let (mut board, description, log) = running(with_effects());
     let setup = board.status().setup;
@@ -111,8 +126,9 @@ fn wrong_effects_change_nothing() {
         assert_eq!(board.ask(Request::Effect(wrong.clone())), Err(refusal), "{wrong:?}");
     }
     assert_eq!(board.status().setup, setup);
-    for _ in 0..5 {
-        board.ask(Request::Effect(good.clone())).unwrap();
+    for tau_s in [300.0, 301.0, 302.0, 303.0, 304.0] {
+        let another = Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s }).to_frame();
+        board.ask(Request::Effect(another)).unwrap();
     }
     assert_eq!(board.ask(Request::Effect(good)), Err(Refusal::OutOfRange), "a ninth one");
 
