@@ -29,8 +29,15 @@ enum Line {
     Loses(usize),
     /// Each frame comes twice.
     Doubles,
+    /// The frame that closes the exchange of this number is lost, once: an answer, or an estimate.
+    LosesClosing(usize),
     /// Summaries never come.
     WithoutSummaries,
+}
+
+/// What a request or a measurement waits for.
+fn closes(body: &Body) -> bool {
+    matches!(body, Body::Answer(_) | Body::Estimate(_))
 }
 
 /// A board that is there until the other side goes; its address.
@@ -42,7 +49,7 @@ fn board(line: Line) -> String {
         let mut link = SerialLink::new(port);
         let mut task = task(Ok(PROVISIONING), Flash::erased(8), false);
         let mut wire = Wire::default();
-        let mut sent = 0;
+        let (mut sent, mut closed) = (0, 0);
         while let Ok(message) = link.receive(0) {
             match message {
                 Some(message) => task.receive(&message, &mut wire),
@@ -50,6 +57,8 @@ fn board(line: Line) -> String {
             }
             for message in wire.messages.drain(..) {
                 sent += 1;
+                let body = Downlink::decode(&message).unwrap().body;
+                closed += usize::from(closes(&body));
                 let times = match line {
                     Line::Good => 1,
                     // Only now and then, or the test would take an hour.
@@ -60,10 +69,8 @@ fn board(line: Line) -> String {
                     Line::Late(_) => 1,
                     Line::Loses(each) => usize::from(sent % each != 0),
                     Line::Doubles => 2,
-                    Line::WithoutSummaries => {
-                        let body = Downlink::decode(&message).unwrap().body;
-                        usize::from(!matches!(body, Body::RunSummary(_)))
-                    }
+                    Line::LosesClosing(number) => usize::from(!(closes(&body) && closed == number)),
+                    Line::WithoutSummaries => usize::from(!matches!(body, Body::RunSummary(_))),
                 };
                 if (0..times).any(|_| link.send(&message, 0).is_err()) {
                     return;
@@ -147,6 +154,11 @@ fn the_temperature_of_a_log_reaches_the_board_as_it_reaches_a_replay() {
 /// Plays the reference run over such a line; the exit code and the frames received.
 fn play(line: Line) -> (ExitCode, Vec<Downlink>) {
     let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference");
+    play_log(line, &reference, "run01.csv")
+}
+
+/// The same with a log, a train and a track of this folder.
+fn play_log(line: Line, reference: &Path, log: &str) -> (ExitCode, Vec<Downlink>) {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     std::fs::write(path("key.bin"), PROVISIONING.to_bytes()).unwrap();
@@ -159,7 +171,7 @@ fn play(line: Line) -> (ExitCode, Vec<Downlink>) {
     ] {
         arguments.extend([name.into(), value.into()]);
     }
-    arguments.push(reference.join("run01.csv").into());
+    arguments.push(reference.join(log).into());
     let code = commands::run(arguments);
     let recorded = read(std::fs::File::open(path("record.csv")).unwrap()).unwrap();
     let heard = recorded.iter().filter(|recorded| recorded.way == Way::Received);
@@ -197,4 +209,68 @@ fn a_lost_answer_is_asked_for_again() {
 fn a_run_without_a_summary_is_an_error() {
     let (code, _) = play(Line::WithoutSummaries);
     assert_eq!(code, ExitCode::from(5));
+}
+
+/// The train and the first rows of the reference run, with what comes in parts: gradients, curves, targets, a table. Where it lies.
+fn in_parts() -> tempfile::TempDir {
+    let reference = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name);
+        std::fs::read_to_string(path).unwrap()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
+    let effects = r#"
+        [[effect]]
+        name = "davis_error"
+        dr0 = 1e-4
+        dr1 = 0.0
+        dr2 = 0.0
+        [[effect]]
+        name = "unknown"
+        coordinate = "speed"
+        table = [[0.0, 0.0], [10.0, 1e-4], [20.0, 2e-4]]
+    "#;
+    write("train.toml", reference("train.toml") + effects);
+    let tables = (0..30).map(|k| {
+        let (from_m, to_m) = (1000 * k, 1000 * k + 200);
+        let (permille, kmh) = (k % 3 - 1, 130 + k % 2 * 10);
+        format!(
+            "[[gradient]]\nfrom_m = {from_m}.0\npermille = {permille}.0\n\
+             [[curve]]\nfrom_m = {from_m}.0\nto_m = {to_m}.0\nradius_m = 900.0\n\
+             [[speed_limit]]\nfrom_m = {from_m}.0\nkmh = {kmh}.0\n"
+        )
+    });
+    write("track.toml", "name = \"in parts\"\nlength_m = 32103.0\n".to_owned() + &tables.collect::<String>());
+    write("few.csv", reference("run01.csv").lines().take(6).map(|line| line.to_owned() + "\n").collect());
+    folder
+}
+
+#[test]
+fn whichever_answer_is_lost_the_board_knows_the_same_and_the_run_has_its_summary() {
+    let folder = in_parts();
+    let play = |line| play_log(line, folder.path(), "few.csv");
+    let digests = |frames: &[Downlink]| -> Vec<u32> {
+        let estimates = frames.iter().filter_map(|frame| match &frame.body {
+            Body::Estimate(estimate) => Some(estimate.digest),
+            _ => None,
+        });
+        estimates.collect()
+    };
+    let (code, right) = play(Line::Good);
+    assert_eq!(code, ExitCode::SUCCESS);
+    let expected = digests(&right);
+    let exchanges = right.iter().filter(|frame| closes(&frame.body)).count();
+    assert!(exchanges > 25, "{exchanges}");
+    thread::scope(|scope| {
+        let played: Vec<_> =
+            (1..=exchanges).map(|lost| scope.spawn(move || (lost, play(Line::LosesClosing(lost))))).collect();
+        for played in played {
+            let (lost, (code, frames)) = played.join().unwrap();
+            assert_eq!(code, ExitCode::SUCCESS, "without the answer of exchange {lost}");
+            let found = digests(&frames);
+            let is_right = found == expected
+                || expected.len() == found.len() + 1 && found.iter().all(|one| expected.contains(one));
+            assert!(is_right, "without the answer of exchange {lost}: {found:x?} for {expected:x?}");
+        }
+    });
 }

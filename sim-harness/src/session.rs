@@ -132,14 +132,16 @@ where
         Ok(false)
     }
 
-    /// Asks until it is answered: by an answer to one of the questions, not to an earlier one, or by what else closes it.
+    /// Asks until it is answered: by an answer to one of the questions, not to an earlier one, or by what else closes it. With the frames: the refusal, if the
+    /// last one is one, unless it only shows that the board did what was asked for before, and its answer was lost.
     fn exchange(
         &mut self,
         to: &'static str,
         late: Duration,
         question: impl Fn(&mut Desk) -> Result<Vec<u8>, DeskError>,
         closes: impl Fn(&Body) -> bool,
-    ) -> Result<Vec<Heard>, SessionError> {
+        shows_done: impl Fn(Refusal) -> bool,
+    ) -> Result<(Vec<Heard>, Option<Refusal>), SessionError> {
         let begin = Instant::now();
         let (mut asked, mut heard) = (Vec::new(), Vec::new());
         while begin.elapsed() < PATIENCE {
@@ -149,7 +151,13 @@ where
             self.tell(&message)?;
             let answers = |body: &Body| matches!(body, Body::Answer(answer) if asked.contains(&answer.to));
             if self.collect(late, &mut heard, |body| answers(body) || closes(body))? {
-                return Ok(heard);
+                let refusal = heard.last().and_then(|last| refusal_in(&last.frame.body));
+                let repeated = asked.len() > 1;
+                if refusal.is_some_and(|refusal| repeated && shows_done(refusal)) {
+                    heard.pop();
+                    return Ok((heard, None));
+                }
+                return Ok((heard, refusal));
             }
             // A board that cannot read a message, or may not, does not know its number.
             if let Some(refusal) = heard.iter().skip(known).find_map(|heard| nameless_refusal(&heard.frame.body)) {
@@ -161,12 +169,11 @@ where
 
     /// Asks something that changes the board.
     pub fn ask(&mut self, request: Request, what: &'static str) -> Result<Vec<Heard>, SessionError> {
-        let heard = self.exchange(what, LATE, |desk| desk.secured(request.clone()), |_| false)?;
-        match heard.last().map(|last| &last.frame.body) {
-            Some(Body::Answer(Answer { result: Err(refusal), .. })) => {
-                Err(SessionError::Refused { what, refusal: *refusal })
-            }
-            _ => Ok(heard),
+        let question = |desk: &mut Desk| desk.secured(request.clone());
+        let shows_done = |refusal| shows_done(&request, refusal);
+        match self.exchange(what, LATE, question, |_| false, shows_done)? {
+            (_, Some(refusal)) => Err(SessionError::Refused { what, refusal }),
+            (heard, None) => Ok(heard),
         }
     }
 
@@ -187,14 +194,18 @@ where
     /// Asks for the status until the board answers.
     pub fn greet(&mut self) -> Result<Vec<Heard>, SessionError> {
         let question = |desk: &mut Desk| desk.open(Request::Command(Command::Status));
-        self.exchange("the question for its status", ASK_AGAIN, question, |_| false)
+        let (heard, _) = self.exchange("the question for its status", ASK_AGAIN, question, |_| false, |_| false)?;
+        Ok(heard)
     }
 
     /// One measurement in lockstep: the frames of its tick, or the answer that refuses it.
     pub fn measure(&mut self, measurement: &Measurement) -> Result<Vec<Heard>, SessionError> {
         let question = |desk: &mut Desk| desk.measurement(measurement);
         let its = |body: &Body| matches!(body, Body::Estimate(estimate) if estimate.time_s == measurement.time_s);
-        self.exchange("a measurement", LATE, question, its)
+        // Its estimate was lost.
+        let shows_done = |refusal| refusal == Refusal::TimeNotIncreasing;
+        let (heard, _) = self.exchange("a measurement", LATE, question, its, shows_done)?;
+        Ok(heard)
     }
 
     /// Frames that come within this time, until the summary of a run is among them.
@@ -213,6 +224,24 @@ where
     pub fn report(&mut self, measurement: &Measurement) -> Result<(), SessionError> {
         let message = self.desk.measurement(measurement)?;
         self.tell(&message)
+    }
+}
+
+/// Whether the refusal of a request that was repeated shows that it had been carried out.
+fn shows_done(request: &Request, refusal: Refusal) -> bool {
+    match request {
+        Request::Track(_) | Request::Curves(_) | Request::Targets(_) | Request::Effect(_) | Request::Snapshot(_) => {
+            refusal == Refusal::OutOfOrder
+        }
+        Request::Command(Command::End) => refusal == Refusal::NotRunning,
+        _ => false,
+    }
+}
+
+fn refusal_in(body: &Body) -> Option<Refusal> {
+    match body {
+        Body::Answer(answer) => answer.result.err(),
+        _ => None,
     }
 }
 

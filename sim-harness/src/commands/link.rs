@@ -14,7 +14,7 @@ use rundown_files::{
 };
 use rundown_pages::numbers::counted;
 use rundown_wire::{Body, RunSummary, Versions};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use std::{fs::File, io::BufWriter, process::ExitCode};
@@ -194,7 +194,8 @@ fn board_words(versions: Option<Versions>) -> String {
 
 #[derive(Default)]
 struct Said {
-    frames: usize,
+    /// Each once: a link may double them, and the second one need not follow the first.
+    frames: HashSet<Vec<u8>>,
     estimates: usize,
     /// How often the board refused something, by its reason.
     refused: BTreeMap<&'static str, usize>,
@@ -203,8 +204,10 @@ struct Said {
 
 impl Said {
     fn hear(&mut self, frames: &[Heard]) {
-        self.frames += frames.len();
         for heard in frames {
+            if !self.frames.insert(heard.message.clone()) {
+                continue;
+            }
             match &heard.frame.body {
                 Body::Estimate(_) => self.estimates += 1,
                 Body::RunSummary(summary) => self.summary = Some(*summary),
@@ -221,7 +224,8 @@ impl Said {
     /// What came of a run, in a line; the reason, where there is no summary.
     fn line(&self, name: &str) -> Result<String, String> {
         let Self { frames, estimates, refused, .. } = self;
-        let counts = [counted(*frames, "frame", "frames"), counted(*estimates, "estimate", "estimates")].join(", ");
+        let counts =
+            [counted(frames.len(), "frame", "frames"), counted(*estimates, "estimate", "estimates")].join(", ");
         let reasons: Vec<String> = refused.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
         let refused =
             if reasons.is_empty() { "0 refused".to_owned() } else { format!("refused: {}", reasons.join(", ")) };
@@ -233,5 +237,28 @@ impl Said {
         let [r0, r1, r2] = summary.run_davis.map(|term| term.value);
         let learned = format!("r = {r0:.3e} + {r1:.3e} v + {r2:.3e} v2 N/kg, learned over {:.0} s", summary.learned_s);
         Ok(format!("{name}: {counts}, {refused}; {learned}\n"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown_wire::{Answer, Downlink, Refusal};
+
+    fn heard(sequence: u16, body: Body) -> Heard {
+        let frame = Downlink { sequence, tick: 1, body };
+        let message = frame.encode(&mut [0; rundown_wire::MAX_MESSAGE]).unwrap().to_vec();
+        Heard { message, frame }
+    }
+
+    #[test]
+    fn a_frame_that_comes_twice_counts_once() {
+        let refused = |to| Body::Answer(Answer { to, result: Err(Refusal::OutOfRange) });
+        let (one, other) = (heard(1, refused(7)), heard(2, refused(8)));
+        let mut said = Said::default();
+        said.hear(&[one.clone(), one.clone(), other.clone()]);
+        said.hear(&[other, one]);
+        assert_eq!(said.frames.len(), 2);
+        assert_eq!(said.refused.into_iter().collect::<Vec<_>>(), [("out_of_range", 2)]);
     }
 }
