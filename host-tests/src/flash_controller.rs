@@ -42,7 +42,7 @@ pub struct FlashSilicon {
     pub fails: Option<(u32, u32)>,
     /// Flags that are set again by each operation, and never go.
     pub stuck_flags: u32,
-    /// Accesses so far.
+    /// Accesses to registers and double words so far. Reading changes nothing: a cut there is one at the next access.
     pub accesses: u64,
     /// What the reference manual forbids, in the order that it was done.
     pub violations: Vec<&'static str>,
@@ -223,7 +223,7 @@ impl FlashController for FlashSilicon {
     }
 
     fn byte(&mut self, offset: u32) -> u8 {
-        if !self.powered() {
+        if !self.powered {
             return 0;
         }
         // Reading the bank that is busy waits for it.
