@@ -29,6 +29,8 @@ pub enum Shape {
     Number(f64),
     /// The runs in which it acts.
     Runs(Vec<usize>),
+    /// A number, and the runs in which it acts.
+    NumberInRuns(f64, Vec<usize>),
     /// Constant below a value of a coordinate, or above another; a straight line between the two.
     Step(Coordinate, [f64; 2], Side),
     /// Piecewise linear along a coordinate, with these knots.
@@ -45,7 +47,15 @@ pub enum Side {
 /// What a shape is made of, for the candidate that made it: of another form it has nothing.
 impl Shape {
     pub fn number(&self) -> f64 {
-        if let Self::Number(number) = self { *number } else { f64::NAN }
+        if let Self::Number(number) | Self::NumberInRuns(number, _) = self { *number } else { f64::NAN }
+    }
+
+    /// The same with another number.
+    pub fn with_number(&self, number: f64) -> Self {
+        match self {
+            Self::NumberInRuns(_, runs) => Self::NumberInRuns(number, runs.clone()),
+            _ => Self::Number(number),
+        }
     }
 
     pub fn section(&self) -> [f64; 2] {
@@ -57,7 +67,7 @@ impl Shape {
     }
 
     pub fn runs(&self) -> &[usize] {
-        if let Self::Runs(runs) = self { runs } else { &[] }
+        if let Self::Runs(runs) | Self::NumberInRuns(_, runs) = self { runs } else { &[] }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The trial of each term of a model: its column beside the other terms, by flipped signs of runs and in halves of the runs.
 
-use crate::candidate::{Fitted, Shape, ShowsIn, Term};
+use crate::candidate::{Fitted, ShowsIn, Term};
 use crate::chance::{Ground, OfRun, Probe, beyond_noise, probability};
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::probes;
@@ -45,7 +45,7 @@ pub(crate) fn column(context: &Context<'_>, rows: &[Row], fitted: &Fitted) -> Ve
 }
 
 fn is_tried(term: &Term) -> bool {
-    term.of.facts().nature.shows_in == ShowsIn::Law && !matches!(term.shape, Shape::Runs(_))
+    term.of.facts().nature.shows_in == ShowsIn::Law && term.shape.runs().is_empty()
 }
 
 /// The multiple of a column in halves of the runs; not by date what changes with it.
@@ -94,6 +94,7 @@ pub(crate) fn in_halves(each: &[(usize, OfRun)], runs: &[Run]) -> Vec<Halves> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::candidate::Shape;
     use crate::candidates;
     use crate::config::GapConfig;
     use crate::data::believed::tests::on_a_level_line;

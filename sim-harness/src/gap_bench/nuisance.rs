@@ -4,6 +4,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown_check::finding::Kind;
 use rundown_files::track_file::{Stop, TrackFile};
+use rundown_truth::effects::{Affected, TrainLengthError};
 use rundown_truth::scenario::{Scenario, UnscheduledStop};
 use rundown_truth::sensors::SpeedReading;
 use serde::Serialize;
@@ -30,7 +31,12 @@ pub enum Nuisance {
     LostSeconds,
     /// Half of the runs are stopped between stations, at one place.
     MixedStops,
+    /// Half of the runs are made by a train of another length, by 40 to 100 %.
+    MixedLengths,
 }
+
+/// Another length in some of the runs, which has a name of the catalogue.
+pub const LENGTH_IN_RUNS: &str = "length_in_runs";
 
 /// Where trains call, m.
 const PLATFORMS_M: [f64; 4] = [5_000.0, 11_500.0, 17_500.0, 24_500.0];
@@ -59,6 +65,7 @@ impl Nuisance {
             Self::Truncated => "speeds truncated, km/h",
             Self::LostSeconds => "a second in 80 to 130 s lost, % of the rows",
             Self::MixedStops => "half of the runs stopped on the way",
+            Self::MixedLengths => "half of the runs with another length, m",
         }
     }
 
@@ -71,6 +78,7 @@ impl Nuisance {
             Self::LocationOff => Some("location_offset"),
             Self::Truncated => Some("truncated_speed"),
             Self::LostSeconds => Some("lost_seconds"),
+            Self::MixedLengths => Some(LENGTH_IN_RUNS),
             Self::PlatformsOff | Self::MixedStops => None,
         }
     }
@@ -86,17 +94,16 @@ impl Nuisance {
             | Self::EffortLate
             | Self::LocationOff
             | Self::PlatformsOff
-            | Self::MixedStops => None,
+            | Self::MixedStops
+            | Self::MixedLengths => None,
         }
     }
 
     /// Draws its size, and puts it into what is simulated.
     pub fn draw(self, seed: u64, scenario: &mut Scenario) -> DrawnNuisance {
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5E_ED0F);
-        let signed = |rng: &mut ChaCha8Rng, least: f64, most: f64| {
-            let size = rng.random_range(least..most);
-            if rng.next_u32() & 1 == 0 { size } else { -size }
-        };
+        let sign = |rng: &mut ChaCha8Rng| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 };
+        let signed = |rng: &mut ChaCha8Rng, least: f64, most: f64| rng.random_range(least..most) * sign(rng);
         let sensors = &mut scenario.sensors;
         match self {
             Self::EffortGain => {
@@ -138,6 +145,12 @@ impl Nuisance {
                 let at_m = rng.random_range(6_000.0..24_000.0);
                 scenario.unscheduled_stop = Some(UnscheduledStop { at_m, dwell_s: 60.0, share: 0.5 });
                 DrawnNuisance::Nowhere
+            }
+            Self::MixedLengths => {
+                let true_length_m = scenario.train.length_m * rng.random_range(1.4_f64..2.0).powf(sign(&mut rng));
+                let runs = Affected::Share(0.5);
+                scenario.effects.push(TrainLengthError { true_length_m, runs }.into());
+                DrawnNuisance::Told(true_length_m)
             }
         }
     }

@@ -2,9 +2,9 @@
 
 use crate::gap_bench::Outcome;
 use crate::gap_bench::draw::Set;
-use crate::gap_bench::nuisance::DrawnNuisance;
+use crate::gap_bench::nuisance::{DrawnNuisance, LENGTH_IN_RUNS};
 use rundown::model::effects::{DavisError, Effect};
-use rundown_check::agreement::Figure;
+use rundown_check::agreement::{Figure, HALF_95};
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::candidates;
 use rundown_gap::named::Named;
@@ -166,7 +166,15 @@ fn told(set: &Set, answer: &Answer) -> Vec<(&'static str, f64, f64)> {
         let sd = (mean(&|figure| figure.sd * figure.sd) / figures.len() as f64).sqrt();
         (!figures.is_empty()).then(|| Some((nuisance.told_as()?, mean(&|figure| figure.value), sd)))?
     });
-    told.map(|nuisance| (nuisance.name, nuisance.value, nuisance.sd)).chain(diagnosed).collect()
+    let lengths = answer.found.named.iter().filter_map(length_in_runs);
+    told.map(|nuisance| (nuisance.name, nuisance.value, nuisance.sd)).chain(diagnosed).chain(lengths).collect()
+}
+
+/// The length of the train in some of the runs: a nuisance that has a name.
+fn length_in_runs(named: &Named) -> Option<(&'static str, f64, f64)> {
+    let Effect::TrainLengthError(length) = &named.effect else { return None };
+    let sd = named.intervals.first().map_or(f64::NAN, |(_, low, high)| (high - low) / (2.0 * HALF_95));
+    (!named.runs.is_empty()).then_some((LENGTH_IN_RUNS, length.true_length_m, sd))
 }
 
 fn key_name(effect: &Hidden) -> &'static str {

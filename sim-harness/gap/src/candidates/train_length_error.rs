@@ -1,6 +1,7 @@
 //! A train of another length.
 
 use crate::candidates::kit::*;
+use crate::noise::dragging_units::choice;
 use rundown::model::effects::TrainLengthError;
 
 pub struct This;
@@ -11,7 +12,7 @@ impl Candidate for This {
             kind: Some(EffectKind::TrainLengthError),
             what: "The train is longer or shorter than described, so the gradient under it is averaged over another length.",
             law: "gradient mean over the true length",
-            parameters: "true_length_m",
+            parameters: "true_length_m; the runs in which it acts, where these are not all",
             shows: "differences at every change of gradient, up and down with the change of slope",
             confused: "location_lag, which shifts the gradients by the distance of the lag; a location of the antenna instead of the front",
             separates: "both directions; a line with short steep gradients; the list of the vehicles",
@@ -36,17 +37,21 @@ impl Candidate for This {
 
     /// Gradient over another length, m, minus that over the believed one.
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
-        let true_m = shape.number();
+        let (true_m, runs) = (shape.number(), shape.runs());
         let gravity = context.believed.train().gravity_n_per_kg();
-        vec![along(context, rows, |line, _, p| {
+        vec![along(context, rows, |line, row, p| {
+            if !runs.is_empty() && !runs.contains(&row.interval.run) {
+                return 0.0;
+            }
             gravity
                 * (line.track.mean_gradient(p.location_m, true_m, line.direction)
                     - line.track.mean_gradient(p.location_m, line.train.length_m(), line.direction))
         })]
     }
 
-    fn penalty(&self, _: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
-        penalty.coefficient + penalty.shape + penalty.shift
+    fn penalty(&self, shape: &Shape, penalty: &PenaltyConfig, rows: &[Row]) -> f64 {
+        let which = if shape.runs().is_empty() { 0.0 } else { choice(shape.runs(), rows) };
+        penalty.coefficient + penalty.shape + penalty.shift + which
     }
 
     fn dial(&self, shape: &Shape) -> Option<Dial> {

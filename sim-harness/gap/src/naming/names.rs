@@ -1,6 +1,6 @@
 //! Each term, limit and reading as the effect that the board runs, with what it is not distinguishable from.
 
-use crate::candidate::{Fitted, Naming, Odds, Shape, Term};
+use crate::candidate::{Fitted, Naming, Odds, Term};
 use crate::candidates::tunnel_drag::renamed;
 use crate::candidates::{self, mass_error, separates};
 use crate::named::{Named, around, beside, not_chance};
@@ -85,9 +85,7 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
     named.ambiguous_with = rivals;
     named.would_separate = would_separate;
     named.term = Some(index);
-    if let Shape::Runs(runs) = &fitted.term.shape {
-        named.runs = runs.iter().map(|i| naming.runs[*i].clone()).collect();
-    }
+    named.runs = fitted.term.shape.runs().iter().map(|i| naming.runs[*i].clone()).collect();
     Some(named)
 }
 

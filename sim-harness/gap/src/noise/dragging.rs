@@ -20,28 +20,28 @@ use crate::noise::dragging_units::{Units, choice};
 use core::ops::Range;
 use nalgebra::DVector;
 
-/// The drag of a run along its rows: score and information.
+/// What the rows of a run say of the size of a column: score and information.
 #[derive(Clone)]
-pub struct RunDrag {
+pub struct RunScore {
     pub run: usize,
     pub score: f64,
     pub information: f64,
 }
 
-impl RunDrag {
-    /// Of each run; `braked` and `residual` whitened.
-    pub fn of_runs(rows: &[Row], runs: &[Range<usize>], braked: &DVector<f64>, residual: &DVector<f64>) -> Vec<Self> {
+impl RunScore {
+    /// Of each run; `column` and `residual` whitened.
+    pub fn of_runs(rows: &[Row], runs: &[Range<usize>], column: &DVector<f64>, residual: &DVector<f64>) -> Vec<Self> {
         let of_run = |range: &Range<usize>| {
-            let b = braked.rows(range.start, range.len());
+            let b = column.rows(range.start, range.len());
             let e = residual.rows(range.start, range.len());
             Self { run: rows[range.start].interval.run, score: b.dot(&e), information: b.norm_squared() }
         };
         runs.iter().map(of_run).collect()
     }
 
-    /// Gain of log-likelihood if the run drags.
-    pub fn gain(&self, drag: f64) -> f64 {
-        drag * self.score - 0.5 * drag * drag * self.information
+    /// Gain of log-likelihood if the run has so much of the column.
+    pub fn gain(&self, size: f64) -> f64 {
+        size * self.score - 0.5 * size * size * self.information
     }
 }
 
@@ -53,7 +53,7 @@ struct Mixture {
     gain: f64,
 }
 
-fn mixture(runs: &[RunDrag], mut drag: f64, config: &BetweenRunsConfig) -> Mixture {
+fn mixture(runs: &[RunScore], mut drag: f64, config: &BetweenRunsConfig) -> Mixture {
     let odds = |share: f64, gain: f64| share * gain.clamp(-500.0, 500.0).exp() / (1.0 - share);
     let share = mixed_share(runs.len(), 60, config.most_dragging, |share| {
         let (mut sum, mut score, mut information) = (0.0, 0.0, 0.0);
@@ -67,16 +67,16 @@ fn mixture(runs: &[RunDrag], mut drag: f64, config: &BetweenRunsConfig) -> Mixtu
         drag = (score / information.max(1e-12)).clamp(config.least_drag_n_per_kg, config.most_drag_n_per_kg);
         sum
     });
-    let of_run = |run: &RunDrag| (1.0 - share).ln() + odds(share, run.gain(drag)).ln_1p();
+    let of_run = |run: &RunScore| (1.0 - share).ln() + odds(share, run.gain(drag)).ln_1p();
     Mixture { drag, share, gain: runs.iter().map(of_run).sum() }
 }
 
 /// Largest gain of log-likelihood of a constant in all runs on one side of some value of a coordinate.
-fn step(runs: &[RunDrag], of: impl Fn(&RunDrag) -> Option<f64>) -> f64 {
-    let mut along: Vec<(f64, &RunDrag)> = runs.iter().filter_map(|run| Some((of(run)?, run))).collect();
+fn step(runs: &[RunScore], of: impl Fn(&RunScore) -> Option<f64>) -> f64 {
+    let mut along: Vec<(f64, &RunScore)> = runs.iter().filter_map(|run| Some((of(run)?, run))).collect();
     along.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let gain = |side: &[(f64, &RunDrag)]| {
-        let sum = |of: fn(&RunDrag) -> f64| side.iter().map(|(_, run)| of(run)).sum::<f64>();
+    let gain = |side: &[(f64, &RunScore)]| {
+        let sum = |of: fn(&RunScore) -> f64| side.iter().map(|(_, run)| of(run)).sum::<f64>();
         let (score, information) = (sum(|run| run.score), sum(|run| run.information));
         0.5 * score.max(0.0).powi(2) / information.max(1e-12)
     };
@@ -92,16 +92,16 @@ struct Dragging {
 
 impl Dragging {
     /// Any runs.
-    fn of_runs(of_runs: &[RunDrag], config: &BetweenRunsConfig) -> Self {
+    fn of_runs(of_runs: &[RunScore], config: &BetweenRunsConfig) -> Self {
         let found = [0.003, 0.01].map(|start| mixture(of_runs, start, config));
         let Mixture { drag, share, gain } = if found[1].gain > found[0].gain { found[1] } else { found[0] };
-        let odds = |run: &&RunDrag| share * run.gain(drag).clamp(-500.0, 500.0).exp() > 1.0 - share;
+        let odds = |run: &&RunScore| share * run.gain(drag).clamp(-500.0, 500.0).exp() > 1.0 - share;
         let dragging = of_runs.iter().filter(odds).map(|run| run.run).collect();
         Self { gain, dragging }
     }
 
     /// Those of a unit, all alike.
-    fn of_unit(unit: Vec<usize>, of_runs: &[RunDrag], rows: &[Row]) -> Self {
+    fn of_unit(unit: Vec<usize>, of_runs: &[RunScore], rows: &[Row]) -> Self {
         let those = || of_runs.iter().filter(|run| unit.contains(&run.run));
         let (score, information) =
             (those().map(|run| run.score).sum::<f64>(), those().map(|run| run.information).sum());
@@ -125,7 +125,7 @@ pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, mo
     };
     let (.., plain) = whitened(calibrated.own);
     let units = Units::of(context, rows);
-    let mut best: Option<(f64, Dragging, Vec<RunDrag>)> = None;
+    let mut best: Option<(f64, Dragging, Vec<RunScore>)> = None;
     for constant in SHARES {
         for wind in SHARES {
             let own = Own {
@@ -134,7 +134,7 @@ pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, mo
                 ..calibrated.own
             };
             let (whitening, e, without) = whitened(own);
-            let mut runs = RunDrag::of_runs(rows, whitening.runs(), &whitening.whiten(&braked), &e);
+            let mut runs = RunScore::of_runs(rows, whitening.runs(), &whitening.whiten(&braked), &e);
             for run in &mut runs {
                 run.score *= freedom;
                 run.information *= freedom;
@@ -151,9 +151,9 @@ pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, mo
     let (reached, Dragging { gain, dragging }, of_runs) = best?;
     // From a day on, or on cold days, is another law.
     let at =
-        |run: &RunDrag, of: fn(&Row) -> Option<f64>| rows.iter().find(|row| row.interval.run == run.run).and_then(of);
-    let day = |run: &RunDrag| at(run, |row| row.interval.day);
-    let temperature = |run: &RunDrag| at(run, |row| row.interval.temperature_c);
+        |run: &RunScore, of: fn(&Row) -> Option<f64>| rows.iter().find(|row| row.interval.run == run.run).and_then(of);
+    let day = |run: &RunScore| at(run, |row| row.interval.day);
+    let temperature = |run: &RunScore| at(run, |row| row.interval.temperature_c);
     if step(&of_runs, day).max(step(&of_runs, temperature)) > gain {
         return None;
     }
@@ -167,11 +167,11 @@ const SHARES: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 mod tests {
     use super::*;
 
-    fn runs(constants: impl Iterator<Item = f64>) -> Vec<RunDrag> {
+    fn runs(constants: impl Iterator<Item = f64>) -> Vec<RunScore> {
         let information = 1.0 / (1.5e-3_f64 * 1.5e-3);
         constants
             .enumerate()
-            .map(|(run, constant)| RunDrag { run, score: constant * information, information })
+            .map(|(run, constant)| RunScore { run, score: constant * information, information })
             .collect()
     }
 

@@ -11,7 +11,11 @@ use crate::search::scan::Scan;
 use nalgebra::DVector;
 use rundown::model::effects::EffectKind;
 use rundown_check::agreement::Figure;
-use std::{cell::RefCell, collections::HashMap, rc::Rc};
+use std::{
+    cell::{OnceCell, RefCell},
+    collections::HashMap,
+    rc::Rc,
+};
 
 pub struct Search<'a> {
     pub context: &'a Context<'a>,
@@ -30,6 +34,8 @@ pub struct Search<'a> {
     pub(super) units: Units<'a>,
     /// Whitened columns of terms that were tried, by their text.
     known: RefCell<HashMap<String, Rc<Vec<DVector<f64>>>>>,
+    /// What shifted locations would change, run by run.
+    pub(super) shifts: OnceCell<Vec<DVector<f64>>>,
 }
 
 impl<'a> Search<'a> {
@@ -57,7 +63,8 @@ impl<'a> Search<'a> {
         let scans = families.iter().filter_map(scan).collect();
         let sensors = sensors(context, rows, &whitening);
         let units = Units::of(context, rows);
-        Self { context, rows, whitening, y, sensors, families, unsearched, scans, units, known: RefCell::default() }
+        let (known, shifts) = (RefCell::default(), OnceCell::new());
+        Self { context, rows, whitening, y, sensors, families, unsearched, scans, units, known, shifts }
     }
 
     pub fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {

@@ -8,3 +8,4 @@ pub mod limits;
 pub mod scan;
 pub mod selection;
 pub mod shape;
+pub mod some_runs;

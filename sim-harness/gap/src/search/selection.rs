@@ -5,7 +5,7 @@
 
 use crate::candidate::{Family, Shape, Size, Term};
 use crate::fit::{Base, Gain, choices};
-use crate::noise::{dragging::RunDrag, dragging_units::choice};
+use crate::noise::{dragging::RunScore, dragging_units::choice};
 use crate::search::{fits::Search, shape};
 
 /// A term with what was found of it.
@@ -126,7 +126,8 @@ impl Search<'_> {
             }
             Some(Found { term, gain, value })
         };
-        let best = best(terms.iter().cloned().filter_map(found))?;
+        let in_some = terms.iter().filter_map(|term| self.in_some_runs(term, base));
+        let best = best(terms.iter().cloned().chain(in_some).filter_map(found))?;
         if best.value < self.enough() {
             return Some(best);
         }
@@ -137,19 +138,19 @@ impl Search<'_> {
     fn best_runs(&self, term: &Term, base: &Base) -> Option<Term> {
         let all: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
         let column = base.beside(&self.white(&term.with(Shape::Runs(all)))[0]);
-        let mut of_runs = RunDrag::of_runs(self.rows, self.whitening.runs(), &column, &base.residual);
+        let mut of_runs = RunScore::of_runs(self.rows, self.whitening.runs(), &column, &base.residual);
         of_runs.retain(|run| run.information > 0.0);
-        let sums = |chosen: &[&RunDrag]| {
-            let add = |(a, b): (f64, f64), run: &&RunDrag| (a + run.score, b + run.information);
+        let sums = |chosen: &[&RunScore]| {
+            let add = |(a, b): (f64, f64), run: &&RunScore| (a + run.score, b + run.information);
             chosen.iter().fold((0.0, 0.0), add)
         };
         let mut best: Option<(f64, Vec<usize>)> = None;
-        for RunDrag { score, information, .. } in &of_runs {
+        for RunScore { score, information, .. } in &of_runs {
             let mut drag = score / information;
             if drag <= 0.0 {
                 continue;
             }
-            let mut chosen: Vec<&RunDrag> = Vec::new();
+            let mut chosen: Vec<&RunScore> = Vec::new();
             for _ in 0..6 {
                 chosen = of_runs.iter().filter(|run| run.gain(drag) > self.context.config.between_runs.drags).collect();
                 let (g, i) = sums(&chosen);
@@ -167,7 +168,7 @@ impl Search<'_> {
         }
         let white = |column: &[f64]| base.beside(&self.whitening.whiten(column));
         for runs in self.units.dragging(white, &base.residual) {
-            let chosen: Vec<&RunDrag> = of_runs.iter().filter(|run| runs.contains(&run.run)).collect();
+            let chosen: Vec<&RunScore> = of_runs.iter().filter(|run| runs.contains(&run.run)).collect();
             let (g, i) = sums(&chosen);
             let value = 0.5 * g * g / i - choice(&runs, self.rows);
             if best.as_ref().is_none_or(|b| value > b.0) {

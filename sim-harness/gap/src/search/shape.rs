@@ -14,7 +14,9 @@ struct Turned {
 
 impl Turned {
     fn of(term: &Term) -> Option<Self> {
-        let (Shape::Number(shape), Some(dial)) = (&term.shape, term.of.dial(&term.shape)) else {
+        let (Shape::Number(shape) | Shape::NumberInRuns(shape, _), Some(dial)) =
+            (&term.shape, term.of.dial(&term.shape))
+        else {
             return None;
         };
         Some(Self { dial, value: if dial.exponential { shape.ln() } else { *shape } })
@@ -29,7 +31,7 @@ impl Turned {
     }
 
     fn term(&self, term: &Term, value: f64) -> Term {
-        term.with(Shape::Number(self.shape(value)))
+        term.with(term.shape.with_number(self.shape(value)))
     }
 }
 

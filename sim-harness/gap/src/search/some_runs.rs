@@ -1,0 +1,161 @@
+//! A whole term in some of the runs: trains of two lengths, one of them as described.
+//!
+//! Each run says by its own rows whether the term acts in it:
+//!
+//! ```text
+//! e_i = z_i c_i + d_i s_i + noise        z_i = 1 with probability p, d_i normal
+//! ```
+//!
+//! with c the rows of the term and s what locations a metre further on would change, for those of a run may begin some way off. Both z and d are integrated out; z = 0 is
+//! the rival: locations that differ from run to run, which look much like another length.
+
+use crate::candidate::{Shape, Term};
+use crate::candidates::sensors;
+use crate::fit::{Base, mixed_share};
+use crate::search::fits::Search;
+use core::ops::Range;
+use nalgebra::DVector;
+
+/// In more of the runs it acts in all.
+const MOST_SHARE: f64 = 0.9;
+/// In fewer it may be locations that are off by more than a shift is straight in.
+const LEAST_SHARE: f64 = 0.15;
+/// Spreads of the locations of runs that are tried, m.
+const SHIFTS_M: [f64; 7] = [1.0, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0];
+
+/// Log-likelihoods of a run, over those without the term and without a shift.
+#[derive(Clone, Copy)]
+struct RunGain {
+    run: usize,
+    /// By its shift alone.
+    shifted: f64,
+    /// More by the term beside it.
+    acting: f64,
+}
+
+/// What a term explains that acts in each run with a common probability, beside their shifts.
+fn in_some(of_runs: &[RunGain]) -> f64 {
+    let odds = |share: f64, run: &RunGain| share / (1.0 - share) * run.acting.clamp(-500.0, 500.0).exp();
+    let acts = |share: f64| of_runs.iter().map(|run| 1.0 - 1.0 / (1.0 + odds(share, run))).sum();
+    let share = mixed_share(of_runs.len(), 60, MOST_SHARE, acts);
+    of_runs.iter().map(|run| run.shifted + (1.0 - share).ln() + odds(share, run).ln_1p()).sum()
+}
+
+impl Search<'_> {
+    /// The term in those runs that it explains better. `None`: these are hardly any or nearly all, or their locations may as well be shifted.
+    pub(super) fn in_some_runs(&self, term: &Term, base: &Base) -> Option<Term> {
+        let config = self.context.config;
+        let column = base.beside(&self.white(term)[0]);
+        let of_spreads = SHIFTS_M.map(|sd_m| self.of_runs(&column, base, sd_m));
+        let (worth, of_runs) =
+            of_spreads.iter().map(|of_runs| (in_some(of_runs), of_runs)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let shifts = of_spreads.iter().map(|of_runs| of_runs.iter().map(|run| run.shifted).sum::<f64>());
+        let enough = shifts.fold(0.0, f64::max) + term.penalty(self.context, self.rows) + config.certainty.near;
+        let acting: Vec<usize> = of_runs.iter().filter(|run| run.acting > 0.0).map(|run| run.run).collect();
+        let least = config.evidence.least_runs.max((LEAST_SHARE * of_runs.len() as f64).ceil() as usize);
+        let are_some = acting.len() >= least && acting.len() + least <= of_runs.len();
+        (are_some && worth > enough).then(|| term.with(Shape::NumberInRuns(term.shape.number(), acting)))
+    }
+
+    /// Each run with this column, and locations of this spread.
+    fn of_runs(&self, column: &DVector<f64>, base: &Base, sd_m: f64) -> Vec<RunGain> {
+        let of_run = |(shift, range): (&DVector<f64>, &Range<usize>)| {
+            let c = column.rows(range.start, range.len());
+            let e = base.residual.rows(range.start, range.len());
+            let information = shift.norm_squared();
+            let shrunk = 1.0 / (sd_m.powi(-2) + information);
+            let (with_residual, with_column) = (shift.dot(&e), shift.dot(&c));
+            let squares = (with_residual - with_column).powi(2) - with_residual.powi(2);
+            RunGain {
+                run: self.rows[range.start].interval.run,
+                shifted: 0.5 * shrunk * with_residual.powi(2) - 0.5 * (sd_m * sd_m * information).ln_1p(),
+                acting: c.dot(&e) - 0.5 * c.norm_squared() + 0.5 * shrunk * squares,
+            }
+        };
+        self.shifts().iter().zip(self.whitening.runs()).map(of_run).collect()
+    }
+
+    /// What locations of each run a metre further on would change in its rows, whitened. Alone: a shift of all runs is a nuisance, and taken from each fit.
+    fn shifts(&self) -> &[DVector<f64>] {
+        self.shifts.get_or_init(|| {
+            let all = sensors::LOCATION_OFFSET.columns(&Shape::Law, self.context, self.rows).remove(0);
+            let of_run = |range: &Range<usize>| {
+                let mut column = vec![0.0; all.len()];
+                column[range.clone()].copy_from_slice(&all[range.clone()]);
+                self.whitening.whiten(&column).rows(range.start, range.len()).into_owned()
+            };
+            self.whitening.runs().iter().map(of_run).collect()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::candidates;
+    use crate::data::believed::tests::on_a_hilly_line;
+    use crate::data::rows::Row;
+    use crate::noise::calibrate::Calibrated;
+    use crate::noise::whitening::Noise;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+    use rundown::model::direction::Direction;
+    use rundown::model::effects::EffectKind;
+
+    const RUNS: usize = 40;
+
+    /// In which runs a length of `asked_m` is found, of 40 on a line with 30 gradients. `train`: how much longer the train of a run is, and by how much its locations are off, m.
+    fn found_in(asked_m: f64, seed: u64, train: impl Fn(usize, f64) -> (f64, f64)) -> Option<Vec<usize>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        on_a_hilly_line(RUNS, |context| {
+            let believed = context.believed.train();
+            let (gravity, length_m) = (believed.gravity_n_per_kg(), believed.length_m());
+            let mut rows = Vec::new();
+            for run in 0..RUNS {
+                let direction = [Direction::Up, Direction::Down][run % 2];
+                let track = context.believed.line(direction).track;
+                let (longer_m, off_m) = train(run, rng.sample(StandardNormal));
+                for i in 0..60 {
+                    let mut row = Row::coasting(direction, 250.0 + 490.0 * f64::from(i), 25.0);
+                    row.interval.run = run;
+                    row.interval.begin_s = 20.0 * f64::from(i);
+                    let at_m = row.interval.middle().location_m;
+                    let gradient = |at_m: f64, length_m: f64| gravity * track.mean_gradient(at_m, length_m, direction);
+                    let noise: f64 = rng.sample(StandardNormal);
+                    row.residual_n_per_kg =
+                        gradient(at_m - off_m, length_m + longer_m) - gradient(at_m, length_m) + 0.004 * noise;
+                    rows.push(row);
+                }
+            }
+            let noise = Noise { acceleration_mps2: 0.004, ..Noise::default() };
+            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let search = Search::new(context, &rows, &calibrated, true);
+            let term = Term { of: candidates::of(EffectKind::TrainLengthError), shape: Shape::Number(asked_m) };
+            let found = search.in_some_runs(&term, &search.base(&[]).unwrap());
+            found.map(|term| term.shape.runs().to_vec())
+        })
+    }
+
+    #[test]
+    fn runs_of_a_longer_train_are_told_from_the_others() {
+        for seed in 0..3 {
+            let found = found_in(264.0, seed, |run, _| (if run % 3 == 0 { 102.0 } else { 0.0 }, 0.0)).unwrap();
+            assert_eq!(found, (0..RUNS).step_by(3).collect::<Vec<_>>(), "{seed}");
+            let both = |run: usize, normal: f64| (if run % 2 < run % 3 { 102.0 } else { 0.0 }, 15.0 * normal);
+            let right = (0..RUNS).filter(|run| run % 2 < run % 3).collect::<Vec<_>>();
+            assert_eq!(found_in(264.0, seed, both).unwrap(), right, "beside shifted locations, {seed}");
+        }
+    }
+
+    #[test]
+    fn neither_one_train_nor_locations_that_differ_are_two_lengths() {
+        for seed in 10..13 {
+            assert_eq!(found_in(264.0, seed, |_, _| (0.0, 0.0)), None);
+            assert_eq!(found_in(264.0, seed, |_, _| (102.0, 0.0)), None);
+            for shifted_m in [5.0, 15.0, 25.0] {
+                assert_eq!(found_in(264.0, seed, |_, normal| (0.0, shifted_m * normal)), None, "{shifted_m}");
+            }
+        }
+    }
+}
