@@ -30,7 +30,7 @@ impl Failed {
 
     /// As the results have it.
     pub(crate) fn json(&self) -> Value {
-        json!({ "file": self.file, "errors": self.error.lines().collect::<Vec<&str>>() })
+        json!({ "file": self.file.to_string_lossy(), "errors": self.error.lines().collect::<Vec<&str>>() })
     }
 }
 

@@ -135,6 +135,53 @@ fn a_bad_row_names_file_line_and_column_and_stops_only_its_run() {
     assert_eq!(folder.read("out/bad.estimates.csv").lines().count(), 116);
 }
 
+/// A folder `logs` with one log whose name no text can hold.
+#[cfg(unix)]
+fn named_in_bytes(text: &str) -> Folder {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = Folder::new().with("logs/read.me", "");
+    std::fs::write(folder.path("logs").join(std::ffi::OsStr::from_bytes(b"l\xff\xfe.csv")), text).unwrap();
+    folder
+}
+
+#[test]
+#[cfg(unix)]
+fn a_log_whose_name_is_no_utf8_is_read_like_any_other() {
+    let folder = named_in_bytes(RUN);
+    let described = ["--train", &reference("train.toml"), "--track", &reference("track.toml")];
+    let run = |command: &str, inputs: &[&str]| {
+        let said = folder.rundown(&[&[command, "--out", command], &described[..], inputs].concat());
+        assert!(said.code == Some(0) && !said.err.contains("panicked"), "{command}: {said:?}");
+        said
+    };
+    let file = "logs/l\u{fffd}\u{fffd}.csv";
+    run("replay", &["logs"]);
+    assert_eq!(folder.json("replay/replay.json")["runs"][0]["file"], file);
+    run("check", &["logs"]);
+    run("study", &["--runs", "logs"]);
+    let said = folder.rundown(&["import", "--out", "import", "logs"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let note = format!("{file}: its name is no UTF-8; import.toml has it as shown here, so name the file to repeat");
+    assert!(said.err.contains(&note), "{said:?}");
+    assert!(folder.read("import/import.toml").contains(file));
+    let again = folder.rundown(&["import", "--mapping", "import/import.toml", "--out", "again", "logs"]);
+    assert_eq!(again.code, Some(0), "{again:?}");
+    assert_eq!(folder.read("again/import.json"), folder.read("import/import.json"));
+    // One run is too few for a gap: what is wrong with it is said.
+    let few = folder.rundown(&[&["gap", "--out", "gap"], &described[..], &["--runs", "logs"]].concat());
+    assert!(few.err.contains("expected at least 5") && !few.err.contains("panicked"), "{few:?}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_log_that_cannot_be_used_and_whose_name_is_no_utf8_is_named() {
+    let folder = named_in_bytes("time_s,location_m\n0,x\n");
+    folder.write("logs/run01.csv", RUN);
+    let said = folder.replay(&["logs"]);
+    assert_eq!(said.code, Some(1), "{said:?}");
+    assert_eq!(folder.json("out/replay.json")["failed"][0]["file"], "logs/l\u{fffd}\u{fffd}.csv");
+}
+
 #[test]
 fn a_row_back_in_time_is_warned_of_and_counted() {
     let folder = Folder::new().with("run.csv", &format!("{RUN}5.0,20,10\n"));

@@ -216,7 +216,14 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
     if again > 0 {
         notes.push(format!("{} given again, read once", counted(again, "file is", "files are")));
     }
+    notes.extend(files.iter().filter(|path| path.to_str().is_none()).map(|path| without_a_name(path)));
     Ok((files, notes))
+}
+
+/// `import.toml` is a text.
+fn without_a_name(path: &Path) -> String {
+    let path = path.display();
+    format!("{path}: its name is no UTF-8; import.toml has it as shown here, so name the file to repeat the import")
 }
 
 /// That nothing is there to be read, and what was left out; folders in a folder are not entered.

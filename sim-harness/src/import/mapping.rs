@@ -5,7 +5,7 @@ use super::meaning::Meaning;
 use super::source::row::Layout;
 use rundown_files::refusal::ReadError;
 use rundown_files::toml_file::TomlFile;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -43,7 +43,7 @@ pub struct Chainage {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
     /// A track whose centre line is taken instead of one made from the runs.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "shown")]
     pub track: Option<PathBuf>,
 }
 
@@ -76,11 +76,20 @@ impl Method {
     }
 }
 
+/// A path as a person sees it: a text holds no bytes that are no letters.
+fn shown<S: Serializer>(track: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
+    track.as_ref().map(|path| path.to_string_lossy()).serialize(serializer)
+}
+
+fn all_shown<S: Serializer>(files: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(files.iter().map(|path| path.to_string_lossy()))
+}
+
 /// What is said about some files; about all where it names none.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SourceMapping {
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", serialize_with = "all_shown")]
     pub files: Vec<PathBuf>,
     /// Unit (vehicle) of all rows, where no column has it.
     #[serde(skip_serializing_if = "Option::is_none")]

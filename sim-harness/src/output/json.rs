@@ -221,7 +221,7 @@ fn of_run(run: &ReplayedRun, config: &Config, tables: Tables) -> Value {
     json!({
         "run": run.name,
         "unit": run.unit,
-        "file": run.path,
+        "file": run.path.to_string_lossy(),
         "direction": parameters::direction_word(run.direction),
         "rows": run.rows,
         "steps": run.estimates.len(),
