@@ -4,7 +4,7 @@ use crate::agreement::Figure;
 use crate::correction::Correction;
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::run::RunCheck;
-use crate::{gradients, lost_seconds};
+use crate::{LEAST_SCALE, gradients, lost_seconds};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -25,6 +25,9 @@ pub struct RecorderCheck {
     pub effort_step_n_per_kg: Option<f64>,
     /// Measured over true speed; with the offset known where that is decided.
     pub scale: Option<Figure>,
+    /// Read over described locations, where they were put right: what is open of it is open of the speed, too.
+    #[serde(skip)]
+    pub located: Option<Figure>,
     /// That scale is a wheel's: it matters, and nothing else explains it.
     #[serde(skip)]
     pub is_wheel: bool,
@@ -48,6 +51,17 @@ impl RecorderCheck {
     /// Scale and lost seconds are not distinguishable: the noise of the location hides steps of a second.
     pub fn hides_lost_seconds(&self) -> bool {
         self.lost_second_sd_s.is_some_and(|sd_s| sd_s > lost_seconds::NOT_SEEN_S)
+    }
+
+    /// A scale beside the locations as one beside the line.
+    pub(crate) fn beside_the_line(&self, scale: Figure) -> Figure {
+        let of_line = self.located.map_or(0.0, |located| located.sd / located.value);
+        Figure { sd: scale.sd.hypot(scale.value * of_line), ..scale }
+    }
+
+    /// Whether one wheel gives speed and location: beside the locations as they were read, such a scale is none.
+    pub(crate) fn has_one_wheel(&self, scale: Figure) -> bool {
+        self.located.is_some_and(|located| (scale.value / located.value - 1.0).abs() < LEAST_SCALE)
     }
 
     /// A finding of this recorder as a sentence, with its evidence.

@@ -151,7 +151,8 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         if scaled.is_some() {
             usable.iter().for_each(|i| of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s));
         }
-        let mut recorder = recorder::of(unit, recordings, &mut runs, &of_speeds, known);
+        let located = scaled.map(|scaled| scaled.scale);
+        let mut recorder = recorder::of(unit, located, recordings, &mut runs, &of_speeds, known);
         if let Some(scaled) = scaled {
             recorder.found_by(Kind::LocationScale, scaled.scale, "", Done::PutRight, scaled.evidence());
         }

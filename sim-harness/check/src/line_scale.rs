@@ -6,8 +6,8 @@
 //! read location of a stop = offset of the run + scale × described location + platforms
 //! ```
 //!
-//! Where the odometer gives the speed, too, both agree, and nothing else shows the wheel. Once the locations are right, the speed is off beside them by as much. All
-//! runs of a recorder have one scale, and each an offset, for odometers begin anywhere.
+//! Where the odometer gives the speed, too, both agree, and nothing else shows the wheel. Once the locations are right, the speed is off beside them by as much, and
+//! what the stops leave open of the locations is open of the speed. All runs of a recorder have one scale, and each an offset, for odometers begin anywhere.
 
 use crate::agreement::Figure;
 use crate::profile::Profile;

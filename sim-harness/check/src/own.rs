@@ -59,12 +59,14 @@ impl Grown {
 
 /// Scale and skew of a run, its offset known or not; `values`: 1/s - 1 and o/s of its recorder, with their covariance; `ratio`: by which its wheel has changed.
 pub(crate) fn judged(
+    recorder: &RecorderCheck,
     run: &mut RunCheck,
     (agreement, ratio): (&Agreement, f64),
     (values, covariance): &(Vector2<f64>, Matrix2<f64>),
 ) {
     run.skew_s = Some(agreement.skew_s(*values, covariance));
-    run.scale = pooled(slice::from_ref(agreement)).map(|one| times(one.scale_at(values[1]), ratio));
+    let scale = pooled(slice::from_ref(agreement)).map(|one| times(one.scale_at(values[1]), ratio));
+    run.scale = scale.map(|scale| recorder.beside_the_line(scale));
 }
 
 fn times(scale: Figure, ratio: f64) -> Figure {
@@ -86,7 +88,8 @@ pub(crate) fn of(
     match wheel(recorder, agreement) {
         Some(Wheel::Offset(offset_kmh)) => run.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said),
         Some(Wheel::Scale(scale)) => {
-            run.found(Kind::SpeedScale, times(scale, grown.all), "", put_right(!known.scale));
+            let figure = recorder.beside_the_line(times(scale, grown.all));
+            run.found(Kind::SpeedScale, figure, "", put_right(!known.scale));
             own.correction.scale = if known.scale { 1.0 } else { scale.value };
         }
         None => (),

@@ -51,9 +51,10 @@ fn between(scale: Figure, [rounded, truncated]: [Figure; 2]) -> Figure {
     Figure { sd: scale.sd.hypot(0.5 * (truncated.value - rounded.value)), ..scale }
 }
 
-/// Judges the recorder of these runs, and puts right what is beyond doubt.
+/// Judges the recorder of these runs, and puts right what is beyond doubt. `located`: by which factor their locations were.
 pub(crate) fn of(
     unit: String,
+    located: Option<Figure>,
     recordings: &mut [Recording],
     runs: &mut [RunCheck],
     of_speeds: &[Option<OfSpeed>],
@@ -82,6 +83,7 @@ pub(crate) fn of(
         runs: of_unit.len(),
         speed_step_kmh,
         location_step_m,
+        located,
         lost_second_sd_s: sought.step_sd_s,
         ..RecorderCheck::default()
     };
@@ -102,7 +104,7 @@ pub(crate) fn of(
     let of_runs = || of_unit.iter().copied().zip(agreements.iter().zip(&grown));
     for (i, (agreement, grown)) in of_runs() {
         if let Some(agreement) = agreement {
-            own::judged(&mut runs[i], (agreement, grown.all), &values);
+            own::judged(&recorder, &mut runs[i], (agreement, grown.all), &values);
         }
     }
     recorder.skews(runs, known);
@@ -203,17 +205,20 @@ impl RecorderCheck {
         let offset_mps = if shown == Shown::Truncated { 0.5 * step_kmh / 3.6 } else { 0.0 };
         // The offset of a step is 0 or a half of it: what is decided is known, and leaves the scale sharper.
         let decided = matches!(shown, Shown::Rounded | Shown::Truncated);
-        let scale = match shown {
+        let beside_locations = match shown {
             Shown::Rounded | Shown::Truncated => all.scale_at(offset_mps),
             Shown::Exact => all.scale(),
             Shown::NotKnown => between(all.scale(), [0.0, 0.5 * step_kmh / 3.6].map(|offset| all.scale_at(offset))),
         };
+        let scale = self.beside_the_line(beside_locations);
         self.scale = Some(scale);
         let odd = !decided && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
         if odd && !self.has(Kind::SpeedOffset) {
             self.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
         }
-        let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
+        // Where one wheel gives both, the stops have decided: the speeds follow the locations.
+        let sure = if self.has_one_wheel(scale) { beside_locations } else { scale };
+        let matters = (scale.value - 1.0).abs() > LEAST_SCALE && sure.away_from(1.0) > SURE;
         // No recorder has such an offset: the model does not fit, and its scale is no wheel.
         self.is_wheel = matters && !odd;
         if matters {
@@ -228,7 +233,9 @@ impl RecorderCheck {
             scale: if self.is_wheel && !known.scale { scale.value } else { 1.0 },
         };
         let values = Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] });
-        let of_scale = Matrix2::from_diagonal(&Vector2::new((scale.sd / scale.value.powi(2)).powi(2), 0.0));
+        // The skews are those beside the locations, whatever these are off by.
+        let of_scale = (beside_locations.sd / scale.value.powi(2)).powi(2);
+        let of_scale = Matrix2::from_diagonal(&Vector2::new(of_scale, 0.0));
         (values, if decided { of_scale } else { all.covariance })
     }
 

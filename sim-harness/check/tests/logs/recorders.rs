@@ -1,9 +1,11 @@
 //! Is each property of a recorder found, with its figure, and is a clean log accused of none?
 
 use crate::simulated::{self, Recorder, all, clean, find, kinds, one, only, recording};
-use rundown_check::Check;
-use rundown_check::check;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use rundown_check::finding::{Done, Kind};
+use rundown_check::{Check, Known, check, check_beside};
 use rundown_files::sample::Sample;
 
 /// Recorders that do nothing but round.
@@ -109,6 +111,27 @@ fn intervals_hold_the_truth() {
         all += 1;
     }
     assert!(inside * 100 >= 88 * all, "{inside} of {all}");
+}
+
+/// The stops alone show such a wheel: what they leave open of the locations is open of the speed, too.
+#[test]
+fn intervals_hold_a_wheel_that_only_described_stops_show() {
+    let (mut inside, sets) = ([0, 0], 24);
+    for seed in 0..sets {
+        let mut random = ChaCha8Rng::seed_from_u64(9000 + seed);
+        let recorder = Recorder { scale: 1.013, noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() };
+        let (mut recordings, stops_m) = recorder.with_one_wheel(7000 + seed, 6, 8);
+        let described = |stop_m: f64| stop_m + 30.0 * Distribution::<f64>::sample(&StandardNormal, &mut random);
+        let stops_m: Vec<f64> = stops_m.into_iter().map(described).collect();
+        let check = check_beside(&mut recordings, &Known { stops_m, ..Known::default() });
+        for (inside, kind) in inside.iter_mut().zip([Kind::LocationScale, Kind::SpeedScale]) {
+            let [low, high] = simulated::found(&check, kind).figure.interval();
+            *inside += u64::from((low..high).contains(&1.013));
+        }
+        let [low, high] = check.recorders[0].scale.unwrap().interval();
+        assert!(high - low > 5e-4, "{low} {high}");
+    }
+    assert!(inside.iter().all(|inside| 100 * inside >= 88 * sets), "{inside:?} of {sets}");
 }
 
 /// Where nothing is left in the mean, single steps show it; in more noise their even intervals do, and where they drown it is said that

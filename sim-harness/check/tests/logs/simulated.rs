@@ -83,6 +83,14 @@ impl Trace {
         self.speed_mps[self.speed_mps.len() - 1]
     }
 
+    /// Where it stands.
+    fn stops_m(&self) -> Vec<f64> {
+        let standing = self.location_m.iter().zip(&self.speed_mps).filter(|(_, mps)| **mps == 0.0);
+        let mut stops_m: Vec<f64> = standing.map(|(at_m, _)| *at_m).collect();
+        stops_m.dedup_by(|a, b| (*a - *b).abs() < 1.0);
+        stops_m
+    }
+
     /// Location and speed at a time.
     fn at(&self, time_s: f64) -> (f64, f64) {
         let i = ((time_s / DT).round().max(0.0) as usize).min(self.location_m.len() - 1);
@@ -189,6 +197,15 @@ impl Recorder {
     /// Runs of short hops.
     pub fn hopping(&self, seed: u64, runs: usize, hops: usize) -> Vec<Recording> {
         self.of(seed, runs, |random| Trace::hop(random, hops))
+    }
+
+    /// Runs that stop at the same places, of a wheel that gives both location and speed; and those places.
+    pub fn with_one_wheel(&self, seed: u64, runs: usize, stops: usize) -> (Vec<Recording>, Vec<f64>) {
+        let drive = || Trace::drive(&mut ChaCha8Rng::seed_from_u64(seed), stops);
+        let mut recordings = self.of(seed, runs, |_| drive());
+        let rows = recordings.iter_mut().flat_map(|recording| &mut recording.rows);
+        rows.filter_map(|row| row.location_m.as_mut()).for_each(|at_m| *at_m *= self.scale);
+        (recordings, drive().stops_m())
     }
 
     fn of(&self, seed: u64, runs: usize, drive: impl Fn(&mut ChaCha8Rng) -> Trace) -> Vec<Recording> {
