@@ -93,6 +93,8 @@ pub struct Cutter {
     settings: RunCuts,
     rows: u64,
     last_unit: String,
+    /// The sheet whose rows are about to begin.
+    sheet: Option<String>,
     /// In the order in which they began.
     held: Vec<Held>,
 }
@@ -107,11 +109,30 @@ struct Held {
 
 impl Cutter {
     pub const fn new(settings: RunCuts) -> Self {
-        Self { settings, rows: 0, last_unit: String::new(), held: Vec::new() }
+        Self { settings, rows: 0, last_unit: String::new(), sheet: None, held: Vec::new() }
+    }
+
+    /// The rows of a sheet begin.
+    pub fn sheet(&mut self, name: &str) {
+        self.sheet = Some(name.to_owned());
     }
 
     /// Takes a row; gives the stretches that end before it.
     pub fn push(&mut self, record: Record) -> Vec<Stretch> {
+        let begun = self.sheet.take().filter(|_| self.is_earlier(&record));
+        let ended = if begun.is_some() { std::mem::take(&mut self.held) } else { Vec::new() };
+        let begun = begun.map(|sheet| format!("the sheet {sheet:?} begins, earlier than the one before ends"));
+        ended.into_iter().map(|held| held.stretch).chain(self.next(record, begun)).collect()
+    }
+
+    /// A sheet goes on where the one before ended; one that begins earlier holds other runs, not a clock that was set back.
+    fn is_earlier(&self, record: &Record) -> bool {
+        let last = self.held.iter().filter_map(|held| held.stretch.rows.last());
+        last.map(|row| row.time_s).fold(f64::NEG_INFINITY, f64::max) > record.sample.time_s
+    }
+
+    /// The same within a sheet, or of a file without any; `begun`: why a stretch begins here, where the sheet says it.
+    fn next(&mut self, record: Record, begun: Option<String>) -> Vec<Stretch> {
         self.rows += 1;
         let is_of = |held: &Held| held.stretch.unit == record.unit && held.stretch.run == record.run;
         let found = self.held.iter().position(is_of);
@@ -128,7 +149,7 @@ impl Cutter {
             }
             (Some(at), None) => at,
             (None, None) => {
-                let reason = self.reason(&record);
+                let reason = begun.unwrap_or_else(|| self.reason(&record));
                 self.begin(&record, reason, true)
             }
         };

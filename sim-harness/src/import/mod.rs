@@ -304,6 +304,8 @@ impl ImportOrder {
         let mut runs = Vec::new();
         let mut failure = None;
         let mut odometers: HashMap<(String, String), Odometer> = HashMap::new();
+        let shown = source.path.display();
+        source.sheets.lost().for_each(|lost| account.place(OTHER_SHEETS, || format!("{shown}: {lost}")));
         let mut take = |stretch: Stretch, account: &mut Account| -> Result<(), WriteError> {
             let odometer = odometers.entry((stretch.unit.clone(), stretch.run.clone())).or_default();
             for piece in stretch.pieces(&self.mapping.runs, odometer, account) {
@@ -325,6 +327,10 @@ impl ImportOrder {
                     account.place("lines that cannot be read, left out", || {
                         format!("{}:{line}: {message}", source.path.display())
                     });
+                }
+                Event::Sheet(name) => {
+                    converter.sheet(&source.path, name);
+                    cutter.sheet(name);
                 }
             }
             failure.is_none()
@@ -425,6 +431,7 @@ const MIXED_ROWS: u64 = 100;
 const MIXED: &str = "files of which most rows are in pieces too short for a run (where several trains write into one file, \
                      name the column that tells them apart: unit or run, in [source.columns])";
 
+const OTHER_SHEETS: &str = "sheets with other columns, not read";
 const WITHOUT_RUN: &str = "files of which no row is in a run";
 
 fn pretty(json: &Value) -> String {

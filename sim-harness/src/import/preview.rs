@@ -31,7 +31,7 @@ pub fn words(group: &Group) -> String {
         said("delimiter", layout.delimiter.map(|c| format!("{c:?}"))),
         said("decimal", layout.decimal.map(|c| format!("{c:?}"))),
         said("header in line", layout.header_line.map(|line| line.to_string())),
-        said("sheet", layout.sheet.clone()),
+        source.sheets.words(),
     ];
     text += &format!("  {}\n", layout.into_iter().flatten().collect::<Vec<_>>().join(", "));
     for (index, header) in source.headers.iter().enumerate() {

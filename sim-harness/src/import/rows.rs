@@ -29,7 +29,8 @@ pub struct Record {
 /// What is remembered from row to row of a file.
 #[derive(Debug)]
 pub struct Converter<'a> {
-    path: &'a Path,
+    /// The file, and its sheet where it has several.
+    place: String,
     columns: &'a Columns,
     last_s: Option<f64>,
     days_s: f64,
@@ -43,15 +44,20 @@ pub const MIDNIGHT: &str = "midnights, joined";
 const DAY_S: f64 = 86_400.0;
 
 impl<'a> Converter<'a> {
-    pub const fn new(path: &'a Path, columns: &'a Columns) -> Self {
-        Self { path, columns, last_s: None, days_s: 0.0 }
+    pub fn new(path: &Path, columns: &'a Columns) -> Self {
+        Self { place: path.display().to_string(), columns, last_s: None, days_s: 0.0 }
+    }
+
+    /// The rows of a sheet begin.
+    pub fn sheet(&mut self, path: &Path, name: &str) {
+        self.place = format!("{}[{name}]", path.display());
     }
 
     /// None for a row without a time.
     pub fn record(&mut self, line: u64, fields: &[RowField], account: &mut Account) -> Option<Record> {
         let time = self.time(line, fields, account).filter(|(time_s, _)| time_s.abs() < COLUMNS[0].range.1);
         let Some((time_s, is_dated)) = time else {
-            account.place(NO_TIME, || format!("{}:{line}: expected a time, found none", self.path.display()));
+            account.place(NO_TIME, || format!("{}:{line}: expected a time, found none", self.place));
             return None;
         };
         let mut number = |meaning| self.number(meaning, line, fields, account);
@@ -76,7 +82,7 @@ impl<'a> Converter<'a> {
         sample.speed_mps = sample.speed_mps.filter(|mps| {
             if *mps < 0.0 {
                 account.place("speeds below zero, taken as missing", || {
-                    format!("{}:{line}: speed: expected 0 or more, found {:.2} m/s", self.path.display(), mps)
+                    format!("{}:{line}: speed: expected 0 or more, found {:.2} m/s", self.place, mps)
                 });
             }
             *mps >= 0.0
@@ -103,10 +109,7 @@ impl<'a> Converter<'a> {
             account.place(BEYOND, || {
                 format!(
                     "{}:{}: {}: expected {low} to {high} {}, found {value:e}",
-                    self.path.display(),
-                    sample.line,
-                    column.name,
-                    column.unit
+                    self.place, sample.line, column.name, column.unit
                 )
             });
             match column.name {
@@ -141,7 +144,7 @@ impl<'a> Converter<'a> {
                     account.place(UNREADABLE, || {
                         format!(
                             "{}:{line}:{}: {}: expected a number, found {text:?}",
-                            self.path.display(),
+                            self.place,
                             column.index + 1,
                             column.header
                         )
@@ -166,7 +169,7 @@ impl<'a> Converter<'a> {
                     account.place(UNREADABLE, || {
                         format!(
                             "{}:{line}:{}: {}: expected a time, found {:?}",
-                            self.path.display(),
+                            self.place,
                             column.index + 1,
                             column.header,
                             evidence::text(field).unwrap_or_default()

@@ -371,3 +371,75 @@ fn trains_whose_rows_take_turns_without_a_column_are_said() {
     let said = folder.done(&["import", "fleet.csv", "--chainage", "as-is"]);
     assert!(said.out.contains("name the column that tells them apart"), "{}", said.out);
 }
+
+/// A sheet of rows, its times after so many seconds.
+fn sheet_of(book: &mut rust_xlsxwriter::Workbook, name: &str, begin_s: f64, rows: &[(f64, f64, f64)]) {
+    let sheet = book.add_worksheet().set_name(name).unwrap();
+    for (column, header) in ["Zeit [s]", "Weg [m]", "v [km/h]"].into_iter().enumerate() {
+        sheet.write(0, column as u16, header).unwrap();
+    }
+    for (row, (t, x, v)) in (1..).zip(rows) {
+        for (column, value) in [begin_s + t, *x, 3.6 * v].into_iter().enumerate() {
+            sheet.write(row, column as u16, value).unwrap();
+        }
+    }
+}
+
+const OTHER_SHEETS: &str = "sheets with other columns, not read";
+
+#[test]
+fn sheets_with_the_same_header_are_one_log() {
+    let (folder, rows) = (Folder::new(), drive(&STOPS_M, 30.0));
+    let mut book = rust_xlsxwriter::Workbook::new();
+    for (day, name) in (0..).zip(["Monday", "Tuesday", "Wednesday"]) {
+        sheet_of(&mut book, name, 86_400.0 * f64::from(day), &rows);
+    }
+    book.add_worksheet().set_name("Empty").unwrap();
+    book.save(folder.path("days.xlsx")).unwrap();
+    let said = folder.done(&["import", "days.xlsx", "--chainage", "as-is", "--strict"]);
+    assert!(said.out.contains("3 runs in"), "{}", said.out);
+    for run in 1..=3 {
+        assert_eq!(csv(&folder, &format!("runs/days_{run:02}.csv")).len(), rows.len());
+    }
+    let preview = folder.done(&["import", "--preview", "days.xlsx"]).out;
+    assert!(preview.contains("sheets Monday, Tuesday, Wednesday"), "{preview}");
+    folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+    assert_eq!(folder.read("runs/days_03.csv"), folder.read("again/days_03.csv"));
+    assert_eq!(folder.read("runs/import.toml"), folder.read("again/import.toml"));
+    // One of them is asked for: the others are no loss.
+    folder.write("m.toml", "[[source]]\nlayout.sheet = \"Tuesday\"\n");
+    let said = folder.done(&["import", "days.xlsx", "--mapping", "m.toml", "--out", "one", "--strict"]);
+    assert!(said.out.contains("1 run in"), "{}", said.out);
+}
+
+#[test]
+fn sheets_whose_times_begin_again_are_runs_of_their_own() {
+    let (folder, rows) = (Folder::new(), drive(&STOPS_M, 30.0));
+    let mut book = rust_xlsxwriter::Workbook::new();
+    ["Out", "Again"].into_iter().for_each(|name| sheet_of(&mut book, name, 0.0, &rows));
+    book.save(folder.path("trips.xlsx")).unwrap();
+    let said = folder.done(&["import", "trips.xlsx", "--chainage", "as-is", "--strict"]);
+    assert!(said.out.contains("2 runs in"), "{}", said.out);
+    assert_eq!(csv(&folder, "runs/trips_01.csv"), csv(&folder, "runs/trips_02.csv"));
+    let begins = &folder.json("runs/import.json")["runs"][1]["begins_because"];
+    assert_eq!(begins, "the sheet \"Again\" begins, earlier than the one before ends");
+}
+
+#[test]
+fn sheets_with_other_columns_are_named() {
+    let (folder, rows) = (Folder::new(), drive(&STOPS_M, 30.0));
+    let mut book = rust_xlsxwriter::Workbook::new();
+    sheet_of(&mut book, "Log", 0.0, &rows);
+    let other = book.add_worksheet().set_name("Brakes").unwrap();
+    other.write(0, 0, "Zeit [s]").unwrap().write(0, 1, "p [bar]").unwrap().write(1, 0, 3.0).unwrap();
+    sheet_of(&mut book, "Log 2", 86_400.0, &rows);
+    book.save(folder.path("log.xlsx")).unwrap();
+    let said = folder.done(&["import", "log.xlsx", "--chainage", "as-is"]);
+    assert!(said.out.contains("2 runs in") && said.out.contains(&format!("{OTHER_SHEETS}: 1")), "{}", said.out);
+    let place = "log.xlsx: expected the columns of the sheet \"Log\", found others in \"Brakes\"";
+    assert_eq!(folder.json("runs/import.json")["places"][OTHER_SHEETS][0], place);
+    let preview = folder.done(&["import", "--preview", "log.xlsx"]).out;
+    assert!(preview.contains("sheets Log, Log 2 (not read: Brakes)"), "{preview}");
+    let strict = folder.rundown(&["import", "log.xlsx", "--out", "strict", "--strict"]);
+    assert!(strict.code == Some(1) && strict.err.contains(OTHER_SHEETS), "{}", strict.err);
+}

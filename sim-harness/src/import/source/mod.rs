@@ -12,6 +12,7 @@ mod sheet;
 use parts::Parts;
 use row::{Each, Event, Header, Layout, RowField, SourceFormat};
 use rundown_files::refusal::ReadError;
+use sheet::Sheets;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,8 @@ pub struct SourceFile {
     /// Those of the file, and behind them what parts make.
     pub headers: Vec<Header>,
     parts: Vec<Parts>,
+    /// Of a workbook.
+    pub sheets: Sheets,
 }
 
 /// The kind of a file: by its name, else by its first bytes.
@@ -64,16 +67,21 @@ impl SourceFile {
         log::info!("read {}", path.display());
         let format = wanted.format.map_or_else(|| format_of(path), Ok)?;
         let plain = Layout { format: Some(format), ..wanted.clone() };
+        let mut sheets = Sheets::default();
         let (layout, mut headers) = match format {
             SourceFormat::Csv => csv::open(path, &plain, named)?,
-            SourceFormat::Sheet => sheet::open(path, &plain, named)?,
+            SourceFormat::Sheet => {
+                let (layout, headers, found) = sheet::open(path, &plain, named)?;
+                sheets = found;
+                (layout, headers)
+            }
             SourceFormat::Gpx => (plain, gpx::headers()),
             SourceFormat::Nmea => (plain, nmea::headers()),
             SourceFormat::JsonLines => (plain, json::headers(path)?),
             SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
         let parts = parts::join(&mut headers);
-        Ok(Self { path: path.to_owned(), layout, headers, parts })
+        Ok(Self { path: path.to_owned(), layout, headers, parts, sheets })
     }
 
     /// Every row, as long as `each` wants one.
@@ -95,7 +103,7 @@ impl SourceFile {
                 whole.extend(self.parts.iter().map(|part| part.field(row)));
                 each(Event::Row(number, &whole))
             }
-            bad @ Event::Bad(..) => each(bad),
+            other => each(other),
         })
     }
 
@@ -108,7 +116,7 @@ impl SourceFile {
         let path = &self.path;
         match self.layout.format.unwrap_or(SourceFormat::Csv) {
             SourceFormat::Csv => csv::rows(path, &self.layout, each),
-            SourceFormat::Sheet => sheet::rows(path, &self.layout, each),
+            SourceFormat::Sheet => sheet::rows(path, &self.sheets, each),
             SourceFormat::Gpx => gpx::rows(path, each),
             SourceFormat::Nmea => nmea::rows(path, each),
             SourceFormat::JsonLines => json::rows(path, self.written(), each),

@@ -19,6 +19,8 @@ pub enum Event<'a> {
     Row(u64, &'a [RowField]),
     /// Something that is no row: line, what was expected and found.
     Bad(u64, String),
+    /// The rows of another sheet begin.
+    Sheet(&'a str),
 }
 
 /// Takes one event after the other; false: no more, please.
@@ -80,17 +82,19 @@ impl Header {
     }
 }
 
+/// How many names of a row are known; those of the mapping, `named`, weigh more.
+pub fn known_in(row: &[String], named: &[String]) -> usize {
+    let names: Vec<String> = row.iter().map(|text| units::split(text).0).collect();
+    let by_mapping = row.iter().filter(|text| named.iter().any(|name| name.trim() == text.trim())).count();
+    Meaning::of_names(&names).len() + 4 * by_mapping
+}
+
 /// The row that looks like a header: its index, and how many of its names are known. `named` are those of the mapping.
 pub fn header_among(rows: &[Vec<String>], named: &[String]) -> Option<(usize, usize)> {
-    let known = |row: &Vec<String>| {
-        let names: Vec<String> = row.iter().map(|text| units::split(text).0).collect();
-        let by_mapping = row.iter().filter(|text| named.iter().any(|name| name.trim() == text.trim())).count();
-        Meaning::of_names(&names).len() + 4 * by_mapping
-    };
     let best = rows
         .iter()
         .enumerate()
-        .map(|(index, row)| (known(row), index))
+        .map(|(index, row)| (known_in(row, named), index))
         .max_by_key(|(known, index)| (*known, usize::MAX - index));
     if let Some((known, index)) = best
         && known >= 2
