@@ -328,6 +328,7 @@ impl ImportOrder {
                         format!("{}:{line}: {message}", source.path.display())
                     });
                 }
+                Event::Ragged(line, fields) => converter.ragged(line, fields, account),
                 Event::Sheet(name) => {
                     converter.sheet(&source.path, name);
                     cutter.sheet(name);

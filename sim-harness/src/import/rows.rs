@@ -37,6 +37,8 @@ pub struct Converter<'a> {
 }
 
 pub const NO_TIME: &str = "rows without a time, left out";
+const SHORTER: &str = "rows with fewer fields than the header, the rest taken as missing";
+const LONGER: &str = "rows with more fields than the header, the rest not read";
 pub const UNREADABLE: &str = "fields that cannot be read, taken as missing";
 const BEYOND: &str = "values beyond what trains do, taken as missing";
 const NO_PLACE: &str = "positions that are no place on Earth, taken as missing";
@@ -51,6 +53,17 @@ impl<'a> Converter<'a> {
     /// The rows of a sheet begin.
     pub fn sheet(&mut self, path: &Path, name: &str) {
         self.place = format!("{}[{name}]", path.display());
+    }
+
+    /// The next row has so many fields in place of those of the header. One that nobody reads may be missing.
+    pub fn ragged(&self, line: u64, (expected, found): (usize, usize), account: &mut Account) {
+        let read = self.columns.of.values().map(|column| column.index + 1).filter(|needed| *needed <= expected);
+        let what = match found {
+            _ if found > expected => LONGER,
+            _ if found < read.max().unwrap_or(0) => SHORTER,
+            _ => return,
+        };
+        account.place(what, || format!("{}:{line}: expected {expected} fields, found {found}", self.place));
     }
 
     /// None for a row without a time.
@@ -207,10 +220,10 @@ impl<'a> Converter<'a> {
     }
 }
 
-/// What recorders write for nothing.
+/// What recorders write for nothing. `#N/A` of a table calculation is none of it: it stands where a formula found no value.
 fn is_missing(text: &str) -> bool {
     matches!(
         text.trim().to_ascii_lowercase().as_str(),
-        "" | "-" | "--" | "na" | "n/a" | "nan" | "null" | "none" | "?" | "#nv" | "#n/a" | "inf" | "-inf"
+        "" | "-" | "--" | "na" | "n/a" | "nan" | "null" | "none" | "?" | "inf" | "-inf"
     )
 }

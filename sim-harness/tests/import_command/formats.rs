@@ -443,3 +443,72 @@ fn sheets_with_other_columns_are_named() {
     let strict = folder.rundown(&["import", "log.xlsx", "--out", "strict", "--strict"]);
     assert!(strict.code == Some(1) && strict.err.contains(OTHER_SHEETS), "{}", strict.err);
 }
+
+/// What a file loses is said on the screen, stands in `import.json` with its first place, and is refused with `--strict`.
+#[track_caller]
+fn loses(folder: &Folder, name: &str, what: &str, times: u64, place: &str) {
+    let said = folder.done(&["import", name, "--out", name.split('.').next().unwrap()]);
+    assert!(said.out.contains(&format!("{what}: {times}\n")), "{}{}", said.out, said.err);
+    let json = folder.json(&format!("{}/import.json", name.split('.').next().unwrap()));
+    assert_eq!(json["places"][what][0], place, "{json}");
+    let strict = folder.rundown(&["import", name, "--out", "strict", "--strict"]);
+    assert!(strict.code == Some(1) && strict.err.contains(what), "{}", strict.err);
+}
+
+const UNREADABLE: &str = "fields that cannot be read, taken as missing";
+
+#[test]
+fn errors_of_a_table_calculation_are_counted() {
+    let rows = drive(&STOPS_M, 30.0);
+    let text = table("time_s,location_m,speed_kmh", &rows, |t, x, v| {
+        let speed = if (100.0..300.0).contains(&t) { "#N/A".to_owned() } else { format!("{:.2}", 3.6 * v) };
+        format!("{t},{x:.1},{speed}")
+    });
+    let folder = Folder::new().with("export.csv", &text);
+    let place = "export.csv:102:3: speed_kmh: expected a number, found \"#N/A\"";
+    loses(&folder, "export.csv", UNREADABLE, 200, place);
+    let mut book = rust_xlsxwriter::Workbook::new();
+    sheet_of(&mut book, "Log", 0.0, &rows);
+    let sheet = book.worksheet_from_name("Log").unwrap();
+    for row in 50..60 {
+        sheet.write_formula(row, 2, rust_xlsxwriter::Formula::new("=1/0").set_result("#DIV/0!")).unwrap();
+    }
+    book.save(folder.path("sheet.xlsx")).unwrap();
+    let place = "sheet.xlsx:51:3: v [km/h]: expected a number, found \"#DIV/0!\"";
+    loses(&folder, "sheet.xlsx", UNREADABLE, 10, place);
+}
+
+#[test]
+fn rows_of_another_length_than_the_header_are_counted() {
+    let rows = drive(&STOPS_M, 30.0);
+    let text = table("time_s,location_m,speed_kmh", &rows, |t, x, v| {
+        if t % 3.0 == 0.0 { format!("{t},{x:.1}") } else { format!("{t},{x:.1},{:.2}", 3.6 * v) }
+    });
+    let long = table("time_s,location_m,speed_kmh", &rows, |t, x, v| {
+        if t == 7.0 { format!("{t},{x:.1},0,5") } else { format!("{t},{x:.1},{:.2}", 3.6 * v) }
+    });
+    // A column that nobody needs may be missing, and nothing may stand behind the last one.
+    let good = table("time_s,location_m,speed_kmh,remark,", &rows, |t, x, v| {
+        if t == 9.0 { format!("{t},{x:.1},{:.2}", 3.6 * v) } else { format!("{t},{x:.1},{:.2},ok,,", 3.6 * v) }
+    });
+    let folder = Folder::new().with("short.csv", &text).with("long.csv", &long).with("good.csv", &good);
+    let what = "rows with fewer fields than the header, the rest taken as missing";
+    let short = rows.iter().filter(|(t, ..)| t % 3.0 == 0.0).count() as u64;
+    loses(&folder, "short.csv", what, short, "short.csv:2: expected 3 fields, found 2");
+    let what = "rows with more fields than the header, the rest not read";
+    loses(&folder, "long.csv", what, 1, "long.csv:9: expected 3 fields, found 4");
+    folder.done(&["import", "good.csv", "--strict", "--out", "whole"]);
+}
+
+#[test]
+fn a_track_that_is_torn_off_between_two_points_is_said() {
+    let whole = gpx(&drive(&STOPS_M, 25.0), 0.0, 0.0, 0.0);
+    let end = whole[..whole.len() / 2].rfind("</trkpt>").unwrap() + "</trkpt>".len();
+    let folder = Folder::new().with("torn.gpx", &whole[..end]);
+    let points = whole[..end].matches("</trkpt>").count();
+    let place = format!(
+        "torn.gpx:{points}: expected XML behind track point {points}, found the end of the file within <trkseg>; \
+         the rest of the file is lost"
+    );
+    loses(&folder, "torn.gpx", "lines that cannot be read, left out", 1, &place);
+}

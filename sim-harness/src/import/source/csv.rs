@@ -200,8 +200,8 @@ fn no_header(path: &Path, lines: &[&str]) -> ReadError {
     row::refused(path, message)
 }
 
-/// Every row below the header.
-pub fn rows(path: &Path, layout: &Layout, each: &mut Each) -> Result<(), ReadError> {
+/// Every row below the header, which has so many names.
+pub fn rows(path: &Path, layout: &Layout, named: usize, each: &mut Each) -> Result<(), ReadError> {
     let encoding = layout.encoding.as_deref().unwrap_or("utf-8");
     let mut reader = reader(path, encoding)?;
     let header_line = layout.header_line.unwrap_or(1);
@@ -240,6 +240,10 @@ pub fn rows(path: &Path, layout: &Layout, each: &mut Each) -> Result<(), ReadErr
             if row::units_below(&texts).is_some() {
                 continue;
             }
+        }
+        let is_longer = row.iter().skip(named).any(|field| *field != RowField::Empty);
+        if (row.len() < named || is_longer) && !each(Event::Ragged(line, (named, row.len()))) {
+            return Ok(());
         }
         if !each(Event::Row(line, &row)) {
             return Ok(());

@@ -23,12 +23,14 @@ pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
     let file = File::open(path).map_err(|error| row::io(path, error))?;
     let mut reader = Reader::from_reader(BufReader::new(file));
     let (mut buffer, mut text) = (Vec::new(), String::new());
+    let mut open: Vec<Vec<u8>> = Vec::new();
     let (mut point, mut number, mut tracks): (Option<Vec<RowField>>, u64, u64) = (None, 0, 0);
     loop {
         buffer.clear();
         match reader.read_event_into(&mut buffer) {
             Ok(Xml::Start(tag)) => {
                 text.clear();
+                open.push(tag.local_name().as_ref().to_owned());
                 match tag.local_name().as_ref() {
                     b"trk" => tracks += 1,
                     b"trkpt" => {
@@ -42,6 +44,7 @@ pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
             }
             Ok(Xml::Text(part)) => text += &String::from_utf8_lossy(&part),
             Ok(Xml::End(tag)) => {
+                open.pop();
                 let of_point = match tag.local_name().as_ref() {
                     b"time" => Some(0),
                     b"ele" => Some(3),
@@ -61,16 +64,24 @@ pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
                 }
                 text.clear();
             }
-            Ok(Xml::Eof) => return Ok(()),
+            Ok(Xml::Eof) => {
+                if let Some(tag) = open.last() {
+                    let tag = String::from_utf8_lossy(tag);
+                    each(torn(number, &format!("the end of the file within <{tag}>")));
+                }
+                return Ok(());
+            }
             Ok(_) => {}
             Err(error) => {
-                // What was read is used; the rest of a torn file is lost.
-                each(Event::Bad(
-                    number,
-                    format!("expected XML behind track point {number}, found {error}; the rest of the file is lost"),
-                ));
+                each(torn(number, &error.to_string()));
                 return Ok(());
             }
         }
     }
+}
+
+/// What was read is used; the rest of a torn file is lost.
+fn torn(number: u64, found: &str) -> Event<'static> {
+    let message = format!("expected XML behind track point {number}, found {found}; the rest of the file is lost");
+    Event::Bad(number, message)
 }

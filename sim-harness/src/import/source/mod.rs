@@ -112,10 +112,15 @@ impl SourceFile {
         &self.headers[..self.headers.len() - self.parts.len()]
     }
 
+    /// So many fields are named: nothing may stand behind them.
+    fn named(&self) -> usize {
+        self.written().iter().rposition(|header| !header.written.is_empty()).map_or(0, |last| last + 1)
+    }
+
     fn as_written(&self, each: &mut Each) -> Result<(), ReadError> {
         let path = &self.path;
         match self.layout.format.unwrap_or(SourceFormat::Csv) {
-            SourceFormat::Csv => csv::rows(path, &self.layout, each),
+            SourceFormat::Csv => csv::rows(path, &self.layout, self.named(), each),
             SourceFormat::Sheet => sheet::rows(path, &self.sheets, each),
             SourceFormat::Gpx => gpx::rows(path, each),
             SourceFormat::Nmea => nmea::rows(path, each),

@@ -18,7 +18,8 @@ fn text(cell: &Data) -> String {
 /// Dates become text, as a person would see them; times of the day too.
 fn field(cell: &Data) -> RowField {
     match cell {
-        Data::Empty | Data::Error(_) => RowField::Empty,
+        Data::Empty => RowField::Empty,
+        Data::Error(error) => RowField::Text(error.to_string()),
         Data::Int(number) => RowField::Number(*number as f64),
         Data::Float(number) => RowField::Number(*number),
         Data::Bool(is) => RowField::Number(f64::from(u8::from(*is))),
