@@ -77,6 +77,33 @@ pub fn parse(text: &str, order: DateOrder) -> Option<WrittenTime> {
     }
 }
 
+/// Reads a text of a column of this kind: of one of times of the day `10.11.12` is no date.
+pub fn of_text(kind: ClockKind, text: &str, order: DateOrder) -> Option<WrittenTime> {
+    let of_day_s = (kind == ClockKind::TimeOfDay).then(|| of_dotted_day(text)).flatten();
+    of_day_s.map(WrittenTime::OfDay).or_else(|| parse(text, order))
+}
+
+/// Texts that are times of the day with dots, and dates in no order.
+pub fn are_dotted(texts: &[&String]) -> bool {
+    let are_dates = |order| texts.iter().all(|text| parse_date(text, order).is_some());
+    texts.iter().all(|text| of_dotted_day(text).is_some())
+        && ![DateOrder::Ymd, DateOrder::Dmy, DateOrder::Mdy].into_iter().any(are_dates)
+}
+
+fn of_dotted_day(text: &str) -> Option<f64> {
+    dotted(text.trim()).and_then(|_| of_day(text))
+}
+
+/// The parts of `23.50.00` and `23.50.00,5`.
+fn dotted(time: &str) -> Option<Vec<&str>> {
+    let parts: Vec<&str> = time.splitn(3, '.').collect();
+    let [hours, minutes, seconds] = parts.as_slice() else { return None };
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let is_time = (1..=2).contains(&hours.len()) && digits(hours) == hours.len();
+    let is_time = is_time && minutes.len() == 2 && digits(minutes) == 2 && digits(seconds) == 2;
+    is_time.then_some(parts)
+}
+
 /// Reads a number: digits of a time of the day, or days of a sheet.
 pub fn of_number(kind: ClockKind, value: f64) -> Option<WrittenTime> {
     if kind == ClockKind::Hhmmss {
@@ -139,7 +166,11 @@ fn zoned(time: &str) -> (&str, Option<f64>) {
 /// Date and time of a text, as far as there are any.
 fn split(text: &str) -> (Option<&str>, Option<&str>) {
     let Some(colon) = text.find(':') else {
-        return (Some(text).filter(|text| !text.is_empty()), None);
+        let dotted = text.rsplit_once([' ', 'T', 't', '_', ';']).filter(|(_, time)| dotted(time).is_some());
+        return match dotted {
+            Some((date, time)) => (Some(date.trim_end_matches([',', ' '])), Some(time)),
+            None => (Some(text).filter(|text| !text.is_empty()), None),
+        };
     };
     // The t of `31-Oct-2025` is no separator.
     let is_hour = |at: &usize| text[at + 1..colon].trim_start().bytes().all(|byte| byte.is_ascii_digit());
@@ -220,7 +251,7 @@ fn ymd(year: i32, month: i32, day: i32) -> Option<Date> {
     Date::new(year.try_into().ok()?, month.try_into().ok()?, day.try_into().ok()?).ok()
 }
 
-/// `hh:mm`, `hh:mm:ss`, `hh:mm:ss,123`, `hh:mm:ss:123`, with `am` or `pm`: seconds since midnight.
+/// `hh:mm`, `hh:mm:ss`, `hh:mm:ss,123`, `hh:mm:ss:123`, `hh.mm.ss`, with `am` or `pm`: seconds since midnight.
 fn of_day(time: &str) -> Option<f64> {
     let small = time.trim().to_ascii_lowercase();
     let (time, half) = match small.strip_suffix("am").or_else(|| small.strip_suffix("a.m.")) {
@@ -230,7 +261,8 @@ fn of_day(time: &str) -> Option<f64> {
             None => (small.as_str(), None),
         },
     };
-    let parts: Vec<&str> = time.trim().split(':').collect();
+    let time = time.trim();
+    let parts = if time.contains(':') { time.split(':').collect() } else { dotted(time)? };
     if !(2..=4).contains(&parts.len()) {
         return None;
     }
@@ -329,6 +361,8 @@ mod tests {
             ("31.01.2025 08:04:56.5-02:30", DateOrder::Dmy),
             ("20250131103456.5", DateOrder::Mdy),
             ("20250131T103456.5", DateOrder::Ymd),
+            ("31.01.2025 10.34.56,5", DateOrder::Dmy),
+            ("2025-01-31T10.34.56.5", DateOrder::Ymd),
         ] {
             assert_eq!(seconds(text, order), expected, "{text}");
         }
@@ -349,6 +383,24 @@ mod tests {
         ] {
             assert_eq!(seconds(text, DateOrder::Dmy), None, "{text}");
         }
+    }
+
+    #[test]
+    fn times_of_the_day_have_dots_where_no_date_does() {
+        let of_day = |text| of_text(ClockKind::TimeOfDay, text, DateOrder::Dmy);
+        assert_eq!(of_day("23.50.00"), Some(WrittenTime::OfDay(85_800.0)));
+        assert_eq!(of_day(" 9.05.07,25 "), Some(WrittenTime::OfDay(32_707.25)));
+        assert_eq!(of_day("10.11.12"), Some(WrittenTime::OfDay(36_672.0)));
+        for wrong in ["24.60.00", "23.50", "23.50.61", "23.5o.00"] {
+            assert_eq!(of_day(wrong), None, "{wrong}");
+        }
+        let are_dotted = |texts: &[&str]| {
+            let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
+            super::are_dotted(&texts.iter().collect::<Vec<_>>())
+        };
+        assert!(are_dotted(&["10.31.00", "10.32.00"]));
+        assert!(!are_dotted(&["10.11.12", "11.11.12"]));
+        assert!(!are_dotted(&["10.31.00", "10.32.61"]));
     }
 
     #[test]

@@ -113,7 +113,11 @@ impl SeenRows {
         columns.kind = kind.unwrap_or_else(|| kind_of(&times, &texts, columns.unit(Meaning::Time).is_some()));
         let has_date = columns.has(Meaning::Date) && columns.kind.is_of_day();
         let dates = || self.rows.iter().filter_map(|row| row.date.as_ref()).collect();
-        let dated: Vec<&String> = if has_date { dates() } else { texts.clone() };
+        let dated: Vec<&String> = match columns.kind.is_of_day() {
+            true if has_date => dates(),
+            true => Vec::new(),
+            false => texts.clone(),
+        };
         if !columns.kind.is_of_day() {
             columns.of.remove(&Meaning::Date);
         }
@@ -399,7 +403,7 @@ impl WrittenRow {
         }
         let written = match columns.kind {
             ClockKind::Hhmmss | ClockKind::Excel => clock::of_number(columns.kind, self.numbers[0]?),
-            _ => clock::parse(self.time.as_deref()?, columns.order),
+            kind => clock::of_text(kind, self.time.as_deref()?, columns.order),
         };
         match written? {
             WrittenTime::Instant(seconds) => Some(seconds),
@@ -453,7 +457,7 @@ fn kind_of(times: &[f64], texts: &[&String], has_unit: bool) -> ClockKind {
     let of_day = |text: &&&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::OfDay(_)));
     let looked = texts.len().min(1000);
     let count = texts[..looked].iter().filter(of_day).count();
-    if 2 * count > looked { ClockKind::TimeOfDay } else { ClockKind::DateTime }
+    if 2 * count > looked || clock::are_dotted(&texts[..looked]) { ClockKind::TimeOfDay } else { ClockKind::DateTime }
 }
 
 /// Dates of a sheet from 1954 to 2119, and how far apart its rows may be, days.
@@ -544,7 +548,7 @@ pub fn text(field: &RowField) -> Option<String> {
 pub fn written(kind: ClockKind, field: &RowField, columns: &Columns) -> Option<WrittenTime> {
     match kind {
         ClockKind::Hhmmss | ClockKind::Excel => clock::of_number(kind, value(Some(field), columns.decimal)?),
-        _ => clock::parse(&text(field)?, columns.order),
+        _ => clock::of_text(kind, &text(field)?, columns.order),
     }
 }
 

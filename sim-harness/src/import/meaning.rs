@@ -50,9 +50,10 @@ impl Meaning {
     fn words(self) -> impl Iterator<Item = &'static str> {
         let words = match self {
             Self::Time => {
-                "time|timestamp|datetime|date time|date and time|date heure|fecha hora|zeit|uhrzeit|zeitstempel|\
-                 datum uhrzeit|datum zeit|heure|temps|horodatage|hora|tiempo|ora|tempo|t|utc|gps time|utc time|\
-                 local time|epoch|seconds|sekunden|ts|created at|elapsed|elapsed time"
+                "time|timestamp|datetime|date time|date and time|date heure|fecha hora|data ora|zeit|uhrzeit|\
+                 zeitstempel|datum uhrzeit|datum zeit|heure|temps|horodatage|hora|tiempo|ora|tempo|t|utc|gps time|utc time|\
+                 local time|epoch|seconds|sekunden|ts|created at|elapsed|elapsed time|\
+                 fecha y hora|data e ora"
             }
             Self::Date => "date|datum|tag|jour|fecha|data|giorno|day",
             Self::Location => {

@@ -231,3 +231,39 @@ fn an_index_beside_the_files_stays() {
     let expected = ["a_01.csv,2025-03-01T08:00:00Z,7,up,ann", "b_01.csv,2025-03-02T08:00:00Z,9,up,ben"];
     assert!(expected.iter().all(|line| kept.contains(line)), "{kept}");
 }
+
+#[test]
+fn times_of_the_day_with_dots_are_no_dates() {
+    let rows = drive(&STOPS_M, 30.0);
+    let begin_s = 23.0 * 3600.0 + 50.0 * 60.0;
+    let dotted = |t: f64| clock(begin_s + t).replace(':', ".");
+    let day = |t: f64| if begin_s + t < 86_400.0 { "14.01.2025" } else { "15.01.2025" };
+    let of = |header: &str, written: &dyn Fn(f64) -> String| {
+        table(header, &rows, |t, x, v| {
+            format!("{}\t{}\t{}", written(t), format!("{:.1}", 3.6 * v).replace('.', ","), x.round())
+        })
+    };
+    let two = of("Data\tOra\tVelocit\u{e0} [km/h]\tProgressiva [m]", &|t| format!("{}\t{}", day(t), dotted(t)));
+    let one = of("Data e ora\tVelocit\u{e0} [km/h]\tProgressiva [m]", &|t| format!("{} {}", day(t), dotted(t)));
+    let alone = of("Ora\tVelocit\u{e0} [km/h]\tProgressiva [m]", &|t| format!("{},5", dotted(t)));
+    let said = "[[source]]\n[source.columns]\ntime = { name = \"Ora\", kind = \"time_of_day\" }\n";
+    let folder = Folder::new().with("two.csv", &two).with("one.csv", &one).with("alone.csv", &alone);
+    let folder = folder.with("m.toml", &format!("{said}date = {{ name = \"Data\", order = \"dmy\" }}\n"));
+    let departed = Some("2025-01-14T23:50:00Z");
+    for (name, mapping, departure) in [
+        ("two.csv", None, departed),
+        ("two.csv", Some("m.toml"), departed),
+        ("one.csv", None, departed),
+        ("alone.csv", None, None),
+    ] {
+        let mapped: Vec<&str> = mapping.iter().flat_map(|mapping| ["--mapping", mapping]).collect();
+        let said = folder.done(&[&["import", name, "--out", "runs"], &mapped[..]].concat());
+        let found = csv(&folder, &format!("runs/{}_01.csv", name.split('.').next().unwrap()));
+        assert_eq!(found.len(), rows.len(), "{name}: {}", said.err);
+        near(last(&found)[0] - found[0][0], rows.last().unwrap().0, 0.002);
+        let index = folder.read("runs/runs.csv");
+        assert!(departure.is_none_or(|departure| index.contains(departure)), "{name}: {index}");
+        folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+        assert_eq!(index, folder.read("again/runs.csv"), "{name}");
+    }
+}
