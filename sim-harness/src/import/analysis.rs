@@ -73,7 +73,10 @@ impl Group {
         if let Some(first) = sources.first() {
             needed(columns, first).map_err(|missing| format!("{missing}; {}", notes.join("; ")))?;
         }
-        notes.extend(seen.units(columns)?);
+        // Where a name stands twice, the other column may be the one that agrees.
+        let repeated = columns.repeated(sources.first().map_or(&[], |first| &first.headers));
+        let also: String = repeated.iter().map(|note| format!("; {note}")).collect();
+        notes.extend(seen.units(columns).map_err(|why| why + &also)?);
         *denied = seen.denied(columns);
         notes.extend(notes_of(columns, sources.first().map_or(&[], |first| &first.headers)));
         Ok(())
@@ -166,9 +169,11 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     if !columns.has(Meaning::Location) && !remedy.is_empty() {
         notes.push(format!("no column has a location: it is computed from latitude and longitude{remedy}"));
     }
-    let unused = columns.unused(headers);
-    if !unused.is_empty() && !notes.iter().any(|note| note.contains(&unused)) {
-        notes.push(format!("not used, for no name of theirs is known: {unused}"));
+    notes.extend(columns.repeated(headers));
+    notes.extend(columns.outranked(headers));
+    let nameless = columns.nameless(headers);
+    if !nameless.is_empty() && !notes.iter().any(|note| note.contains(&nameless)) {
+        notes.push(format!("not used, for no name of theirs is known: {nameless}"));
     }
     let local = !columns.kind.has_unit();
     if local && !columns.has_zone && columns.zone_name.is_none() {

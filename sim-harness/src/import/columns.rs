@@ -40,8 +40,19 @@ impl How {
 pub struct Column {
     pub index: usize,
     pub header: String,
+    /// What leads to it in a mapping: `#4` where the header stands before, too.
+    name: String,
     pub unit: Option<Unit>,
     pub how: How,
+}
+
+impl Column {
+    fn new(index: usize, headers: &[Header], unit: Option<Unit>, how: How) -> Self {
+        let header = headers[index].written.clone();
+        let is_led_to = !header.is_empty() && index_of(headers, &header) == Some(index);
+        let name = if is_led_to { header.clone() } else { format!("#{}", index + 1) };
+        Self { index, header, name, unit, how }
+    }
 }
 
 /// What the fields of a row mean.
@@ -85,7 +96,7 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
         }
         taken.push(index);
         let (unit, how) = unit_of(*meaning, &headers[index], Some(mapped))?;
-        of.insert(*meaning, Column { index, header: headers[index].written.clone(), unit, how });
+        of.insert(*meaning, Column::new(index, headers, unit, how));
     }
     let names: Vec<String> = headers
         .iter()
@@ -95,7 +106,7 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
     for (meaning, index) in Meaning::of_names(&names) {
         if !mapping.columns.contains_key(&meaning) {
             let (unit, how) = unit_of(meaning, &headers[index], None)?;
-            of.insert(meaning, Column { index, header: headers[index].written.clone(), unit, how });
+            of.insert(meaning, Column::new(index, headers, unit, how));
         }
     }
     for meaning in [Meaning::Speed, Meaning::Location] {
@@ -148,10 +159,19 @@ fn by_unit_alone(meaning: Meaning, headers: &[Header], of: &BTreeMap<Meaning, Co
     }
     let mut candidates = unused(headers, of).filter_map(|(index, header)| {
         let unit = header.unit_of(meaning)?;
-        Some(Column { index, header: header.written.clone(), unit: Some(unit), how: How::UnitAlone })
+        Some(Column::new(index, headers, Some(unit), How::UnitAlone))
     });
     let only = candidates.next()?;
     candidates.next().is_none().then_some(only)
+}
+
+fn quoted<'a>(headers: impl Iterator<Item = &'a Header>) -> String {
+    headers.map(|header| format!("{:?}", header.written)).collect::<Vec<_>>().join(", ")
+}
+
+/// What its name says.
+fn meaning_of(header: &Header) -> Option<Meaning> {
+    Meaning::of_names(std::slice::from_ref(&header.name)).first().map(|(meaning, _)| *meaning)
 }
 
 /// Columns without a meaning.
@@ -211,7 +231,44 @@ impl Columns {
 
     /// Headers of the columns that are not used, quoted.
     pub fn unused(&self, headers: &[Header]) -> String {
-        unused(headers, &self.of).map(|(_, header)| format!("{:?}", header.written)).collect::<Vec<_>>().join(", ")
+        quoted(unused(headers, &self.of).map(|(_, header)| header))
+    }
+
+    /// Headers of those without a name that is known, quoted.
+    pub fn nameless(&self, headers: &[Header]) -> String {
+        quoted(unused(headers, &self.of).map(|(_, header)| header).filter(|header| meaning_of(header).is_none()))
+    }
+
+    /// What is said of names that stand several times, of which one is used.
+    pub fn repeated(&self, headers: &[Header]) -> Vec<String> {
+        let of_column = |(meaning, column): (&Meaning, &Column)| {
+            let written = headers[column.index].written.as_str();
+            let same: Vec<usize> =
+                (1..).zip(headers).filter(|(_, one)| one.written == written).map(|(n, _)| n).collect();
+            let used = column.index + 1;
+            let other = same.iter().find(|number| **number != used).filter(|_| !written.is_empty())?;
+            let all: Vec<String> = same.iter().map(|number| format!("#{number}")).collect();
+            Some(format!(
+                "column {written:?} stands {} times ({}): #{used} is used; for another one {SAY_IT}: {}",
+                same.len(),
+                all.join(", "),
+                line([(*meaning, &*format!("#{other}"), String::new())])
+            ))
+        };
+        self.of.iter().filter_map(of_column).collect()
+    }
+
+    /// What is said of columns that another one goes before.
+    pub fn outranked(&self, headers: &[Header]) -> Vec<String> {
+        let by_name = |meaning: Meaning| {
+            let taken = self.of.get(&meaning)?;
+            let of_name = |header: &&Header| meaning_of(header) == Some(meaning) && header.written != taken.header;
+            let others = quoted(unused(headers, &self.of).map(|(_, header)| header).filter(of_name));
+            let key = meaning.key();
+            (!others.is_empty())
+                .then(|| format!("not used, for another column has the {key} ({:?}): {others}", taken.header))
+        };
+        Meaning::ALL.into_iter().filter_map(by_name).collect()
     }
 
     /// The columns that are not used, and the line for `--mapping` that takes one for `meaning`; nothing where all are used.
@@ -235,7 +292,7 @@ impl Columns {
             let is_time = *meaning == Meaning::Time;
             let unit = column.unit.filter(|_| !is_time || self.kind.has_unit());
             let column = ColumnMapping {
-                name: column.header.clone(),
+                name: column.name.clone(),
                 unit: unit.map(|unit| unit.name.to_owned()),
                 kind: is_time.then_some(self.kind),
                 order: is_dated.then_some(self.order),

@@ -267,3 +267,36 @@ fn times_of_the_day_with_dots_are_no_dates() {
         assert_eq!(index, folder.read("again/runs.csv"), "{name}");
     }
 }
+
+#[test]
+fn a_column_that_stands_twice_or_has_no_part_is_said_as_it_is() {
+    let rows = drive(&STOPS_M, 30.0);
+    let twice = table("time_s,location_m,speed_kmh,speed_kmh,colour", &rows, |t, x, v| {
+        format!("{t},{x:.1},{:.1},{:.1},red", 3.6 * v, 3.6 * v)
+    });
+    let other = table("time_s,location_m,speed_kmh,gps speed [km/h]", &rows, |t, x, v| {
+        format!("{t},{x:.1},{:.1},{:.1}", 3.6 * v, 3.6 * v)
+    });
+    let folder = Folder::new().with("twice.csv", &twice).with("other.csv", &other);
+    let said = folder.done(&["import", "twice.csv"]).err;
+    let line = "column \"speed_kmh\" stands 2 times (#3, #4): #3 is used; for another one write this into a file for \
+                --mapping: source = [{ columns.speed = { name = \"#4\" } }]";
+    assert!(said.contains(line), "{said}");
+    assert!(said.contains("not used, for no name of theirs is known: \"colour\"\n"), "{said}");
+    folder.write("m.toml", &to_write(line));
+    folder.done(&["import", "twice.csv", "--mapping", "m.toml", "--out", "fourth"]);
+    folder.done(&["import", "--mapping", "fourth/import.toml", "--out", "again"]);
+    assert_eq!(folder.read("fourth/import.toml"), folder.read("again/import.toml"));
+    assert!(folder.read("again/import.toml").contains("name = \"#4\""));
+    folder.write(
+        "wrong.csv",
+        &table("time_s,location_m,speed_kmh,speed_kmh", &rows, |t, x, v| {
+            format!("{t},{x:.1},{:.1},{:.1}", 1.8 * v, 3.6 * v)
+        }),
+    );
+    let said = folder.rundown(&["import", "wrong.csv"]).err;
+    assert!(said.contains("is 2.0000 with these units") && said.contains(line), "{said}");
+    let said = folder.done(&["import", "other.csv"]).err;
+    let line = "not used, for another column has the speed (\"speed_kmh\"): \"gps speed [km/h]\"";
+    assert!(said.contains(line) && !said.contains("no name of theirs"), "{said}");
+}

@@ -87,6 +87,7 @@ impl RunLog {
     /// # Ok::<(), rundown_files::refusal::ReadError>(())
     /// ```
     pub fn parse(path: &Path, bytes: &[u8], bad_rows: BadRows) -> Result<Self, ReadError> {
+        is_text(path, bytes)?;
         let mut rows = rows(utf8(path, bytes)?);
         let empty =
             |found| ReadError::of_file(path, format!("expected a header line and rows below it, found {found}"));
@@ -149,7 +150,29 @@ fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, Refusal> {
         let line = good.matches('\n').count() + 1;
         let place = Place { file: path.to_owned(), line: Some(line), column: Some(row.matches(',').count() + 1) };
         let byte = rest.first().copied().unwrap_or_default();
-        place.refuse("", format!("expected a text in UTF-8, found byte 0x{byte:02x}; save the log as UTF-8"))
+        let expected = format!("expected a text in UTF-8, found byte 0x{byte:02x}");
+        place.refuse("", format!("{expected}; save the log as UTF-8, or let `rundown import` read it"))
+    })
+}
+
+/// What a file that is no text begins with, what it is, and what helps.
+const NO_TEXTS: [(&[u8], &str, &str); 7] = [
+    (b"PK\x03\x04", "a workbook or an archive", "`rundown import` reads workbooks"),
+    (b"\xd0\xcf\x11\xe0", "a workbook", READS_IT),
+    (b"PAR1", "a Parquet file", READS_IT),
+    (b"\x1f\x8b", "a compressed file", UNPACK),
+    (b"\x28\xb5\x2f\xfd", "a compressed file", UNPACK),
+    (b"\xff\xfe", "a text in UTF-16", READS_IT),
+    (b"\xfe\xff", "a text in UTF-16", READS_IT),
+];
+const READS_IT: &str = "`rundown import` reads it";
+const UNPACK: &str = "unpack it first";
+
+/// Files of another kind are named: no encoding would help.
+fn is_text(path: &Path, bytes: &[u8]) -> Result<(), Refusal> {
+    let other = NO_TEXTS.iter().find(|(begin, ..)| bytes.starts_with(begin));
+    other.map_or(Ok(()), |(_, kind, remedy)| {
+        Err(Place::of_file(path).refuse("", format!("expected a text in UTF-8, found {kind}; {remedy}")))
     })
 }
 
@@ -369,7 +392,21 @@ mod tests {
         }
         assert!(message("time_s,location_m,speed_kmh\n").ends_with("found no row below the header that can be read"));
         let error = RunLog::parse("run.csv".as_ref(), b"time_s\n0,\xff", BadRows::Refuse).unwrap_err();
-        assert_eq!(error.to_string(), "run.csv:2:2: expected a text in UTF-8, found byte 0xff; save the log as UTF-8");
+        assert_eq!(
+            error.to_string(),
+            "run.csv:2:2: expected a text in UTF-8, found byte 0xff; save the log as UTF-8, or let \
+             `rundown import` read it"
+        );
+        for (bytes, kind, remedy) in [
+            (&b"PK\x03\x04\xff"[..], "a workbook or an archive", "`rundown import` reads workbooks"),
+            (b"\xd0\xcf\x11\xe0", "a workbook", "`rundown import` reads it"),
+            (b"PAR1\xff", "a Parquet file", "`rundown import` reads it"),
+            (b"\x1f\x8b\x08", "a compressed file", "unpack it first"),
+            (b"\xff\xfet\0", "a text in UTF-16", "`rundown import` reads it"),
+        ] {
+            let error = RunLog::parse("run.csv".as_ref(), bytes, BadRows::Refuse).unwrap_err();
+            assert_eq!(error.to_string(), format!("run.csv: expected a text in UTF-8, found {kind}; {remedy}"));
+        }
         let error = RunLog::read("no/such/run.csv".as_ref(), BadRows::Refuse).unwrap_err();
         assert!(error.to_string().starts_with("no/such/run.csv: cannot be read: "), "{error}");
     }
