@@ -21,6 +21,8 @@ use std::path::{Path, PathBuf};
 pub const INDEX: &str = "runs.csv";
 /// Its column of dates.
 const DEPARTURE: &str = "departure_utc";
+/// Its columns.
+const COLUMNS: [&str; 5] = ["file", DEPARTURE, "unit", "direction", "driver"];
 /// How one looks.
 const DATE: &str = "2025-03-01T08:00:00Z";
 /// Tables that lie beside logs and are none.
@@ -54,8 +56,8 @@ pub struct RunSet {
     pub files: Vec<RunFile>,
     /// What a person may want to know: about the order, dates that cannot be read, files that are no logs.
     pub notes: Vec<String>,
-    /// Of these, the dates of an index that cannot be read.
-    pub undated: Vec<String>,
+    /// Of these, what an index has and that cannot be read: dates, columns, or nothing at all.
+    pub doubts: Vec<String>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -94,14 +96,14 @@ impl RunSet {
         for path in paths {
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
             if !indexes.contains_key(&folder) {
-                let (rows, undated) = read_index(&folder.join(INDEX))?;
-                set.undated.extend(undated.map(|refusal| refusal.to_string()));
+                let (rows, doubts) = read_index(&folder.join(INDEX))?;
+                set.doubts.extend(doubts.iter().map(Refusal::to_string));
                 indexes.insert(folder.clone(), rows);
             }
             let row = indexes[&folder].get(&file_name(&path));
             set.files.push(RunFile::new(path, row));
         }
-        set.notes.extend_from_slice(&set.undated);
+        set.notes.extend_from_slice(&set.doubts);
         for folder in arguments.iter().filter(|argument| argument.is_dir()) {
             set.notes.extend(indexes.get(folder).and_then(|index| set.missing(folder, index)));
         }
@@ -256,8 +258,8 @@ fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     Ok(logs)
 }
 
-/// The rows of an index by the name of their file, and the dates that cannot be read.
-type Index = (HashMap<String, IndexRow>, Option<Refusal>);
+/// The rows of an index by the name of their file, and what of it cannot be read.
+type Index = (HashMap<String, IndexRow>, Vec<Refusal>);
 
 /// An index; nothing when there is none.
 fn read_index(path: &Path) -> Result<Index, ReadError> {
@@ -299,7 +301,23 @@ fn parse_index(path: &Path, bytes: &[u8]) -> Result<Index, ReadError> {
         let more = if unread > 1 { format!(", and {} more like this", unread - 1) } else { String::new() };
         undated.message += &format!("{more}; the run has no date, and comes after those that have one");
     }
-    Ok((rows, undated))
+    let line = header.position().map_or(1, csv::Position::line);
+    let nothing = rows.is_empty().then(|| {
+        let columns = COLUMNS.join(", ");
+        place(None).refuse("", format!("expected a row for each log, found none; its columns are {columns}"))
+    });
+    Ok((rows, unknown_columns(path, line, &header).into_iter().chain(nothing).chain(undated).collect()))
+}
+
+/// Columns of an index that are not read: a date or a unit under another name would be lost without a word.
+fn unknown_columns(path: &Path, line: u64, header: &csv::StringRecord) -> Option<Refusal> {
+    let unknown = |(_, name): &(usize, &str)| !name.is_empty() && !COLUMNS.contains(name);
+    let unknown: Vec<(usize, &str)> = (1..).zip(header).filter(unknown).collect();
+    let (column, _) = *unknown.first()?;
+    let names: Vec<String> = unknown.iter().map(|(_, name)| format!("{name:?}")).collect();
+    let (columns, names) = (COLUMNS.join(", "), names.join(", "));
+    let place = Place { column: Some(column), ..Place::of_line(path, line) };
+    Some(place.refuse("", format!("expected columns among {columns}, found {names}, which are not read")))
 }
 
 /// Runs of one name get their folder's name before it, and a number when that is not enough: no output overwrites another.
@@ -442,6 +460,27 @@ mod tests {
             found \"01.03.2025 09:00\", and 1 more like this; the run has no date, and comes after those that have one";
         assert_eq!(set.notes.len(), 1, "{:?}", set.notes);
         assert!(set.notes[0].ends_with(expected), "{:?}", set.notes);
+    }
+
+    #[test]
+    fn columns_of_an_index_that_are_not_known_are_said() {
+        let folder = folder(&[("a.csv", ""), ("runs.csv", "file,when,unit,veh\na.csv,2025-03-01,7,9\n")]);
+        let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
+        let said = "runs.csv:1:2: expected columns among file, departure_utc, unit, direction, driver, \
+            found \"when\", \"veh\", which are not read";
+        assert!(set.notes.len() == 1 && set.notes[0].ends_with(said), "{:?}", set.notes);
+        assert_eq!(set.doubts, set.notes);
+    }
+
+    #[test]
+    fn an_empty_index_is_said() {
+        let said = "runs.csv: expected a row for each log, found none; its columns are file, departure_utc, unit, \
+            direction, driver";
+        for text in ["", "\n", "# a comment\n", "file,unit\n"] {
+            let folder = folder(&[("a.csv", ""), ("runs.csv", text)]);
+            let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
+            assert!(set.notes.len() == 1 && set.notes[0].ends_with(said), "{text:?}: {:?}", set.notes);
+        }
     }
 
     #[test]

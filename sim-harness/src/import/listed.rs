@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Default)]
 pub struct Indexes {
     files: HashMap<PathBuf, RunFile>,
-    /// Dates that cannot be read.
-    pub undated: Vec<String>,
+    /// What of them cannot be read.
+    pub doubts: Vec<String>,
 }
 
 impl Indexes {
@@ -27,7 +27,7 @@ impl Indexes {
         for paths in folders.into_values() {
             match RunSet::find(&paths) {
                 Ok(set) => {
-                    listed.undated.extend(set.undated);
+                    listed.doubts.extend(set.doubts);
                     listed.files.extend(set.files.into_iter().map(|file| (file.path.clone(), file)));
                 }
                 Err(error) => errors.push(error),

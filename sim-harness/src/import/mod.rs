@@ -259,8 +259,8 @@ impl ImportOrder {
         }
         let placed = chainage::place(&staged, self.mapping.chainage.method, given);
         let (track, mut done) = self.write(groups, &staged, &placed, &account, folder)?;
-        done.notes.extend_from_slice(&listed.undated);
-        done.warnings.extend(listed.undated);
+        done.notes.extend_from_slice(&listed.doubts);
+        done.warnings.extend(listed.doubts);
         if self.strict {
             // Notes are the evidence for units and clocks.
             let errors = errors.iter().map(ToString::to_string);
