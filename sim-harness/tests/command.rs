@@ -393,3 +393,18 @@ fn an_example_is_printed_and_what_it_would_not_use_is_refused() {
     let said = folder.rundown(&["simulate", "--example", "hidden-effect", "--out", "set"]);
     assert!(said.code == Some(2) && said.err.contains("cannot be used with"), "{}", said.err);
 }
+
+#[test]
+fn an_effect_of_a_run_that_no_log_has_is_said() {
+    let effect = |runs: &str| format!("[[effect]]\nname = \"steady_wind\"\nwind_mps = 2.0\nruns = [{runs}]\n");
+    let track = |runs: &str| std::fs::read_to_string(reference("track.toml")).unwrap() + "\n" + &effect(runs);
+    let folder = Folder::new().with("run01.csv", RUN);
+    folder.write("track.toml", &track("\"run01\", \"run1\", \"nope\""));
+    let said = folder.replay_on("track.toml", &["run01.csv"]).err;
+    let note = "track: effect[0].runs: expected names of runs, found \"run1\", \"nope\", which no log has";
+    assert!(said.contains(note), "{said}");
+    let said = folder.replay_on("track.toml", &["--no-estimates", "run01.csv"]).err;
+    assert!(said.contains(note), "{said}");
+    folder.write("track.toml", &track("\"run01.csv\""));
+    assert_eq!(folder.replay_on("track.toml", &["run01.csv"]).err, "");
+}

@@ -407,3 +407,13 @@ fn an_output_folder_that_is_a_file_is_refused_before_the_work() {
     assert!(said.contains("out is a file"), "{said}");
     assert!(!said.contains("all runs"), "{said}");
 }
+
+#[test]
+fn an_effect_of_a_run_that_no_log_has_is_said() {
+    let folder = simulated(5, "");
+    let effect = "\n[[effect]]\nname = \"dragging_brake\"\ndrag_n_per_kg = 0.01\nruns = [\"nope\"]\n";
+    folder.write("set/train.toml", &(folder.read("set/train.toml") + effect));
+    let said = gap(&folder, "set/runs", &["--strict"]);
+    let note = "train: effect[0].runs: expected names of runs, found \"nope\", which no log has";
+    assert!(said.code == Some(1) && said.err.contains(note), "{said:?}");
+}

@@ -37,9 +37,25 @@ impl EffectEntry {
     }
 
     fn acts_in(&self, run: &str) -> bool {
-        let Some(runs) = &self.runs else { return true };
-        runs.iter().any(|name| name == run || name.strip_suffix(".csv") == Some(run))
+        self.runs.as_ref().is_none_or(|runs| runs.iter().any(|name| without_ending(name) == run))
     }
+}
+
+/// A run may be named as its file is.
+fn without_ending(name: &str) -> &str {
+    name.strip_suffix(".csv").unwrap_or(name)
+}
+
+/// What is said of the entries of a file, `train` or `track`, that name runs which are not among those that are read: there they never act.
+pub fn of_no_run(file: &str, entries: &[EffectEntry], is_read: impl Fn(&str) -> bool) -> Vec<String> {
+    let said = |(index, entry): (usize, &EffectEntry)| {
+        let named = entry.runs.iter().flatten();
+        let unknown: Vec<String> =
+            named.filter(|name| !is_read(without_ending(name))).map(|name| format!("{name:?}")).collect();
+        let unknown = (!unknown.is_empty()).then(|| unknown.join(", "))?;
+        Some(format!("{file}: effect[{index}].runs: expected names of runs, found {unknown}, which no log has"))
+    };
+    entries.iter().enumerate().filter_map(said).collect()
 }
 
 /// Checks the entries of one file.

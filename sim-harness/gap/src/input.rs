@@ -12,7 +12,7 @@ use rundown_files::folder::Provenance;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_rows::{self, RunTable};
-use rundown_files::{run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
+use rundown_files::{effect_file, run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
 use std::path::{Path, PathBuf};
 
 /// The believed train and track, and the runs that they are compared with.
@@ -65,21 +65,24 @@ impl Described {
         Ok(Self { files, train_file, train, track_file, track })
     }
 
-    /// `count`: of the runs that were to be read.
-    fn with(self, loaded: Loaded, count: usize, dataset: String, provenance: Provenance) -> Input {
+    /// `names`: of the runs that were to be read.
+    fn with(self, loaded: Loaded, names: &[String], dataset: String, provenance: Provenance) -> Input {
         let Self { train_file, train, track_file, track, .. } = self;
         let Loaded { runs, recordings, check, notes, first_left_out } = loaded;
         let mut coasts = Coasts::default();
         coasts.add(&recordings, &train);
         let gradient_doubt = coasts.doubt(&train, &track, track_file.gradient_sd_permille());
         let doubt = gradient_doubt.map(|doubt| format!("{doubt}; the gap is then theirs"));
+        let is_read = |name: &str| names.iter().any(|one| one == name);
+        let of_no_run = [("train", &train_file.effect), ("track", &track_file.effect)];
+        let of_no_run = of_no_run.map(|(file, entries)| effect_file::of_no_run(file, entries, is_read)).concat();
         Input {
             train,
             train_file,
             surroundings: load::surroundings(&track_file),
             track_file,
             track,
-            left_out: count - runs.len(),
+            left_out: names.len() - runs.len(),
             first_left_out,
             runs,
             recordings,
@@ -87,7 +90,7 @@ impl Described {
             dataset,
             gradient_doubt,
             provenance,
-            notes: notes.into_iter().chain(doubt).collect(),
+            notes: notes.into_iter().chain(of_no_run).chain(doubt).collect(),
         }
     }
 }
@@ -111,7 +114,8 @@ impl Input {
         let mut loaded = load::runs(&set, &described.train, &described.track_file, direction, as_recorded);
         loaded.notes.splice(0..0, set.notes.iter().cloned());
         let dataset: Vec<String> = runs.iter().map(|path| path.display().to_string()).collect();
-        Ok(described.with(loaded, set.files.len(), dataset.join(" "), provenance))
+        let names: Vec<String> = set.files.into_iter().map(|file| file.name).collect();
+        Ok(described.with(loaded, &names, dataset.join(" "), provenance))
     }
 
     /// The same with tables of runs in memory, which say the directions themselves.
@@ -124,9 +128,9 @@ impl Input {
         let dataset: Vec<String> = tables.iter().map(|table| table.path.display().to_string()).collect();
         let line = CentreLine::new(&described.track_file.centre_line);
         let recordings = run_rows::recordings(tables, line.as_ref()).map_err(Refusal::unread)?;
-        let count = recordings.len();
+        let names: Vec<String> = recordings.iter().map(|recording| recording.name.clone()).collect();
         let loaded = load::of_tables(recordings, &described.train, &described.track_file, as_recorded);
-        Ok(described.with(loaded, count, dataset.join(" "), provenance))
+        Ok(described.with(loaded, &names, dataset.join(" "), provenance))
     }
 
     /// Reads a folder as `rundown simulate` writes it.

@@ -42,7 +42,7 @@ use rundown_files::{WriteError, config_file, effect_file};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, train_file::TrainFile};
 use serde_json::Value;
 use source::Source;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -115,6 +115,8 @@ pub struct Opened {
     line: Option<CentreLine>,
     /// Logs that were read.
     seen: Seen,
+    /// Names of the runs that were read, also of those that cannot be used.
+    named: HashSet<String>,
     provenance: Provenance,
 }
 
@@ -213,7 +215,8 @@ impl Request {
         let inputs = described.into_iter().flatten().cloned().chain(source.paths());
         let provenance = Provenance::begin(&inputs.collect::<Vec<PathBuf>>());
         let seen = Seen::default();
-        Ok(Opened { request: self, config, train, core_train, track, estimator, source, line, seen, provenance })
+        let named = HashSet::new();
+        Ok(Opened { request: self, config, train, core_train, track, estimator, source, line, seen, named, provenance })
     }
 }
 
@@ -240,6 +243,8 @@ impl Opened {
         }
         let mut recordings = self.diagnosed(read, &mut summary)?;
         source::tell_apart(&mut recordings);
+        self.named.extend(recordings.iter().map(|recording| recording.name.clone()));
+        summary.notes.extend(self.of_no_run());
         let mut off = self.off_track();
         recordings.iter().for_each(|recording| off.add(&recording.rows));
         summary.first(&off);
@@ -287,6 +292,13 @@ impl Opened {
         self.source.notes().iter().cloned().chain(self.track.beyond_the_line()).collect()
     }
 
+    /// Effects of runs that none of the logs is; call it once all are read.
+    fn of_no_run(&self) -> Vec<String> {
+        let files = [("train", &self.train.effect), ("track", &self.track.effect)];
+        let is_read = |name: &str| self.named.contains(name);
+        files.into_iter().flat_map(|(file, entries)| effect_file::of_no_run(file, entries, is_read)).collect()
+    }
+
     /// Of no location yet.
     fn off_track(&self) -> OffTrack {
         OffTrack::new(&self.track, BEYOND_M)
@@ -305,8 +317,14 @@ impl Opened {
         let mut recordings = Vec::new();
         for result in read {
             match result {
-                Ok(recording) => recordings.push(recording),
-                Err(failure) => summary.failed.push(failure),
+                Ok(recording) => {
+                    self.named.insert(recording.name.clone());
+                    recordings.push(recording);
+                }
+                Err(failure) => {
+                    self.named.extend(failure.file.file_stem().map(|name| name.to_string_lossy().into_owned()));
+                    summary.failed.push(failure);
+                }
             }
         }
         if self.request.as_recorded {

@@ -85,6 +85,7 @@ impl Opened {
                 outputs.add(&runs)?;
                 seen(&runs);
             }
+            summary.notes.extend(self.of_no_run());
             summary.first(&off);
             let look_wrong = summary.gradient_doubt.is_some();
             summary.notes.extend(advice.notes(&self.estimator, look_wrong));
