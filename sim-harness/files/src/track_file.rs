@@ -205,17 +205,13 @@ fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), ReadError> {
         let is_radius = curve.radius_m >= LEAST_RADIUS_M && curve.radius_m.is_finite();
         entry("curve", index).need(is_radius, "radius_m", || format!("{LEAST_RADIUS_M} or more"), curve.radius_m)?;
     }
-    for (index, tunnel) in values.tunnel.iter().enumerate() {
-        entry("tunnel", index).ends(tunnel.from_m, tunnel.to_m)?;
-    }
+    apart(&file, "tunnel", &values.tunnel, |tunnel| (tunnel.from_m, tunnel.to_m))?;
     for (index, limit) in values.speed_limit.iter().enumerate() {
         let is_speed = limit.kmh > 0.0 && limit.kmh <= MOST_LIMIT_KMH;
         let expected = || format!("above 0, at most {MOST_LIMIT_KMH}");
         entry("speed_limit", index).need(is_speed, "kmh", expected, limit.kmh)?;
     }
-    for (index, section) in values.feeding_section.iter().enumerate() {
-        entry("feeding_section", index).ends(section.from_m, section.to_m)?;
-    }
+    apart(&file, "feeding_section", &values.feeding_section, |section| (section.from_m, section.to_m))?;
     for (index, point) in values.centre_line.iter().enumerate() {
         let point_at = entry("centre_line", index);
         point_at.within("latitude_deg", point.latitude_deg, 90.0)?;
@@ -281,6 +277,24 @@ fn sorted<T>(
         entry.need(found.is_finite(), field, || "a finite number".to_owned(), found)?;
         entry.need(found > before || (!strictly && found == before), field, || beyond(before), found)?;
         before = found;
+    }
+    Ok(())
+}
+
+/// Entries end behind where they begin, and before the next one does: a place is in one tunnel, and fed by one section.
+fn apart<T>(
+    file: &TomlFile<TrackFile>,
+    table: &'static str,
+    entries: &[T],
+    ends_m: impl Fn(&T) -> (f64, f64),
+) -> Result<(), ReadError> {
+    let mut before = f64::NEG_INFINITY;
+    for (index, one) in entries.iter().enumerate() {
+        let (from_m, to_m) = ends_m(one);
+        let entry = Entry { file, table, index };
+        entry.ends(from_m, to_m)?;
+        entry.need(from_m >= before, "from_m", || format!("{before} or more, where the entry before ends"), from_m)?;
+        before = to_m;
     }
     Ok(())
 }
@@ -374,6 +388,20 @@ mod tests {
             let found = message(&(entry(100) + &entry(50)));
             let expected = format!("{table}[1].{field}: expected beyond 100, where the entry before begins, found 50");
             assert!(found.ends_with(&expected), "{found}");
+        }
+    }
+
+    #[test]
+    fn overlapping_tunnels_and_feeding_sections_are_refused() {
+        for (table, more) in [("tunnel", ""), ("feeding_section", "name = \"A\"\n")] {
+            let entry = |from_m: u32, to_m: u32| format!("[[{table}]]\nfrom_m = {from_m}\nto_m = {to_m}\n{more}");
+            let lines = 5 + more.lines().count();
+            let found = message(&(entry(100, 300) + &entry(250, 400)));
+            let line = lines + 2;
+            let expected = "expected 300 or more, where the entry before ends, found 250";
+            assert_eq!(found, format!("track.toml:{line}:10: {table}[1].from_m: {expected}"));
+            let text = format!("name = \"line\"\nlength_m = 1000\n{}{}", entry(100, 300), entry(300, 400));
+            assert!(TrackFile::parse("track.toml".as_ref(), &text).is_ok());
         }
     }
 
