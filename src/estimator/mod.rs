@@ -29,13 +29,14 @@ use crate::tick::effort_reading::Column;
 use crate::tick::estimate::{Cause, Counters, Estimate, Validity};
 use crate::tick::foresight::Foresight;
 use crate::tick::measurement::Measurement;
-use crate::tick::memory::{MemoryConfig, Vehicle};
+use crate::tick::memory::{MemoryConfig, Vehicle, beside_gain};
 use crate::tick::plausibility::{Judged, is_out_of_range};
 use crate::tick::published::{JUDGED_KMH, Published};
 use crate::tick::regime::Regime;
 use crate::tick::sensor::Rounding;
 use crate::tick::truncation;
 use core::borrow::{Borrow, BorrowMut};
+use nalgebra::Vector3;
 use rundown_wire::{Learned, errors};
 
 /// Without a location for longer than this the location is invalid; the same for the speed, s.
@@ -237,11 +238,12 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
 
     /// As [`Estimator::begin_run`], in the place of another run: a run takes 14 kB, which the board never has on its stack.
     pub fn begin_run_in(&self, run: &mut RunState, vehicle: &Vehicle, direction: Direction) {
+        let gain_sd = self.config.learning.gain_sd;
         let begin = match self.config.mode {
-            Mode::Paper => vehicle.davis(),
-            Mode::Gated | Mode::Measured => vehicle.next_run(&self.memory_config()),
+            Mode::Paper => beside_gain(&vehicle.davis(), (1.0, gain_sd * gain_sd), &Vector3::zeros()),
+            Mode::Gated | Mode::Measured => vehicle.constants(&self.memory_config(), gain_sd),
         };
-        run.begin(&self.config.learning, begin, vehicle.column, direction);
+        run.begin(begin, vehicle.column, direction);
         run.distances.begin_run(&self.config.sensor);
         run.truncated = self.config.mode != Mode::Paper && self.cuts_off(vehicle);
     }
@@ -334,12 +336,18 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     #[inline(never)]
     pub fn end_run_in(&self, run: &mut RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
         summary.run_davis = run.davis();
+        summary.gain = run.learner.gain();
+        let column = match self.config.mode {
+            Mode::Measured => Column::of_run(summary.gain, &run.effort_reading),
+            Mode::Paper | Mode::Gated => vehicle.column,
+        };
         match self.config.mode {
             Mode::Paper => vehicle.replace(&summary.run_davis),
             Mode::Gated | Mode::Measured => {
                 let foresight = run.learner.foresight();
                 let hops_share = run.learner.hops_share();
-                vehicle.learn(&self.memory_config(), &run.begin, &summary.run_davis, &foresight, hops_share);
+                let end = run.learner.constants();
+                vehicle.learn(&self.memory_config(), [&run.begin, end], column, &foresight, hops_share);
                 vehicle.widen(&mut summary.run_davis, hops_share);
                 summary.foresight = foresight;
             }
@@ -349,10 +357,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         }
         run.features.end(&self.config.features);
         run.features.features_in(&self.config.features, &mut summary.features);
-        summary.gain = run.learner.gain();
-        if self.config.mode == Mode::Measured {
-            vehicle.column = Column::of_run(summary.gain, &run.effort_reading);
-        }
+        vehicle.column = column;
         let cut_off = self.cuts_off(vehicle);
         vehicle.offset.add(&self.config.sensor, &run.distances);
         if self.cuts_off(vehicle) != cut_off && self.config.mode != Mode::Paper {

@@ -20,7 +20,7 @@ use crate::model::state::{LOCATION, SIZE, SPEED, resistance_sd};
 use crate::tick::effort_reading::MeanEffort;
 use crate::tick::estimate::{Cause, Estimate, Validity};
 use crate::tick::kinematics::Kinematics;
-use crate::tick::learning::{self, Counts, LearningConfig, Tick};
+use crate::tick::learning::{self, Counts, LearningConfig, Tick, davis_of};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Judged;
 use crate::tick::regime::{Evidence, Recogniser, Regime};
@@ -60,7 +60,7 @@ pub(super) fn paper_tick(
                 // The covariance is of no use any more: begin again with what was learned.
                 run.counters.count(Cause::Numerics);
                 validity = Validity::Held(Cause::Numerics);
-                next = begin(&run.begin);
+                next = begin(&davis_of(&run.begin));
             }
         }
     }

@@ -13,7 +13,7 @@ use crate::plain::{self, Plain as _};
 use crate::tick::effort_reading::{Column, EffortReading};
 use crate::tick::estimate::Counters;
 use crate::tick::kinematics::Kinematics;
-use crate::tick::learning::{Learner, LearningConfig, Tick};
+use crate::tick::learning::{Learner, Tick};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Plausibility;
 use crate::tick::regime::{Recogniser, Regime};
@@ -28,7 +28,7 @@ in_place! {
     pub struct RunState {
         pub(crate) direction: Direction = (Direction::Up);
         /// What was believed of this run's train when it began.
-        pub(crate) begin: Gaussian<3> = (Gaussian::ZEROED);
+        pub(crate) begin: Gaussian<4> = (Gaussian::ZEROED);
         pub(crate) plausibility: Plausibility = (Plausibility::ZEROED);
         pub(crate) kinematics: Kinematics = (Kinematics::ZEROED);
         pub(crate) paper: Option<PaperLoop> = (None, zeroed Some(PaperLoop::ZEROED));
@@ -83,18 +83,18 @@ impl RunState {
     /// To no run, in place.
     pub fn reset(&mut self) {
         self.journey = Journey::ZEROED;
-        self.begin(&LearningConfig::default(), Gaussian::ZEROED, Column::default(), Direction::Up);
+        self.begin(Gaussian::ZEROED, Column::default(), Direction::Up);
     }
 
-    /// Begins with a belief of this run's train, in place and without a copy of the features' buffers. The surroundings stay.
-    pub(crate) fn begin(&mut self, config: &LearningConfig, begin: Gaussian<3>, column: Column, direction: Direction) {
+    /// Begins with a belief of this run's train and the gain of its effort column, in place and without a copy of the features' buffers. The surroundings stay.
+    pub(crate) fn begin(&mut self, begin: Gaussian<4>, column: Column, direction: Direction) {
         let mut journey = self.journey;
         journey.begin();
         self.clear_fields();
         self.journey = journey;
         self.direction = direction;
-        let [gain, share] = column.next_run();
-        self.learner.begin_run(config, &begin, gain);
+        let [_, share] = column.next_run();
+        self.learner.begin_run(&begin);
         self.effort_reading.begin_run(share, column);
         self.features.begin();
         self.begin = begin;

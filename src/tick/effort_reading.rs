@@ -114,6 +114,26 @@ impl Column {
         Self { steps: steps.map(|steps| (steps + 0.999).min(MOST_STEPS) as i16 as u16) }
     }
 
+    /// Variance of the gain as the last run left it; 0: nothing is known of it.
+    pub(crate) fn gain_variance(self) -> Real {
+        let [(_, variance), _] = self.next_run();
+        if variance > 0.0 { (variance - square(GAIN_DRIFT_SD)).max(0.0).into() } else { 0.0 }
+    }
+
+    /// How much of what goes with the gain goes with that of the next run, for it drifts between runs; and its variance before.
+    pub(crate) fn kept(self) -> (Real, Real) {
+        let [(_, after), _] = self.next_run();
+        let before = self.gain_variance();
+        (if after > 0.0 { before / Real::from(after) } else { 1.0 }, before)
+    }
+
+    /// The gain of the next run, true over read, and its variance; no column is off by more than `described_sd`.
+    pub(crate) fn next_gain(self, described_sd: Real) -> (Real, Real) {
+        let [(gain, variance), _] = self.next_run();
+        let described = described_sd * described_sd;
+        (gain.into(), if variance > 0.0 { described.min(variance.into()) } else { described })
+    }
+
     /// Before the next run: mean and variance of the gain, true over read, and of `s`; 0 where nothing is known, or a gain stands there that no sensor has.
     pub fn next_run(self) -> [(f32, f32); 2] {
         let is_gain = (self.steps[0] as i16).unsigned_abs() < MOST_GAIN_STEPS;

@@ -20,9 +20,11 @@ use crate::plain::plain;
 use crate::tick::bounds::settings;
 use crate::tick::effort_reading::MeanEffort;
 use crate::tick::foresight::{Course, Foresight, Leg, Lines};
+use crate::tick::memory::beside_gain;
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::{InPlace, in_place};
 use heapless::Deque;
+use nalgebra::Vector3;
 
 settings! {
     /// When and how the resistance is learned.
@@ -176,20 +178,19 @@ impl Learner {
     pub fn new(config: &LearningConfig, davis: &Gaussian<3>) -> Self {
         let mut learner = Self::ZEROED;
         learner.clear_fields();
-        learner.begin_run(config, davis, (1.0, 0.0));
+        let gain = (1.0, config.gain_sd * config.gain_sd);
+        learner.begin_run(&beside_gain(davis, gain, &Vector3::zeros()));
         learner
     }
 
     /// After [`InPlace::clear_fields`].
-    pub(crate) fn begin_run(&mut self, config: &LearningConfig, davis: &Gaussian<3>, gain: (f32, f32)) {
-        let constants = &mut self.constants;
-        let (gain, variance) = gain;
-        *constants = Gaussian::ZEROED;
-        constants.mean[3] = gain.into();
-        let described = config.gain_sd * config.gain_sd;
-        constants.covariance[(3, 3)] = if variance > 0.0 { described.min(variance.into()) } else { described };
-        constants.mean.fixed_rows_mut::<3>(0).copy_from(&davis.mean);
-        constants.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&davis.covariance);
+    pub(crate) fn begin_run(&mut self, constants: &Gaussian<4>) {
+        self.constants = *constants;
+    }
+
+    /// r0, r1, r2 and the gain of the effort as learned so far.
+    pub fn constants(&self) -> &Gaussian<4> {
+        &self.constants
     }
 
     /// The run's Davis coefficients as learned so far.
@@ -377,7 +378,7 @@ impl Learner {
     }
 }
 
-fn davis_of(constants: &Gaussian<4>) -> Gaussian<3> {
+pub(crate) fn davis_of(constants: &Gaussian<4>) -> Gaussian<3> {
     Gaussian {
         mean: constants.mean.fixed_rows::<3>(0).into_owned(),
         covariance: constants.covariance.fixed_view::<3, 3>(0, 0).into_owned(),

@@ -18,8 +18,10 @@
 //! Everything is in shares of the manufacturer's coefficients (1 = as described), which keeps the numbers near one. What a run said is a
 //! normal likelihood: the difference of information between the end and the beginning of its filter.
 
+mod by_gain;
 mod record;
 
+pub use by_gain::{ByGain, beside_gain};
 pub use record::{HypothesisRecord, Implausible, LEAST_SHARE, MOST_SHARE, VehicleRecord};
 
 use crate::Real;
@@ -29,6 +31,7 @@ use crate::tick::bounds::settings;
 use crate::tick::effort_reading::Column;
 use crate::tick::foresight::{Foresight, Trust};
 use crate::tick::truncation::SpeedOffset;
+use by_gain::Said;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -103,6 +106,9 @@ pub struct Vehicle {
     /// Of its effort column.
     #[serde(default)]
     pub(crate) column: Column,
+    /// What its resistance and the gain of that column have in common.
+    #[serde(default)]
+    pub(crate) by_gain: ByGain,
     /// Of its speed readings.
     #[serde(default)]
     pub(crate) offset: SpeedOffset,
@@ -136,6 +142,7 @@ impl Vehicle {
             runs: 0,
             trust: Trust::NONE,
             column: Column::default(),
+            by_gain: ByGain::default(),
             offset: SpeedOffset::default(),
             hops_share: 0.0,
         }
@@ -152,6 +159,13 @@ impl Vehicle {
     pub fn next_run(&self, config: &MemoryConfig) -> Gaussian<3> {
         let of_run = |hypothesis: &Hypothesis| hypothesis.of_run(&config.deviation(&self.nominal, hypothesis.scale));
         self.in_si(&self.mixture(of_run))
+    }
+
+    /// The same beside the gain of its effort column, of which nothing more is known before the first run than `gain_sd`.
+    pub fn constants(&self, config: &MemoryConfig, gain_sd: Real) -> Gaussian<4> {
+        let (gain, variance) = self.column.next_gain(gain_sd);
+        let common = self.by_gain.slope().component_mul(&shares(&self.nominal)) * self.column.gain_variance();
+        beside_gain(&self.next_run(config), (gain, variance), &common)
     }
 
     /// Number of runs that said something.
@@ -203,22 +217,23 @@ impl Vehicle {
     /// Takes up what a run said: its belief at the beginning and at the end, and how its coasts had been foreseen. A run that learned nothing changes nothing.
     ///
     /// What scatters more than it should says less. What the doubt of the track has in it is shared by the runs: so much of what is known is forgotten first, and no number of
-    /// runs says more than the track allows.
+    /// runs says more than the track allows. `column`: what is known of the effort column by now.
     pub fn learn(
         &mut self,
         config: &MemoryConfig,
-        begin: &Gaussian<3>,
-        end: &Gaussian<3>,
+        [begin, end]: [&Gaussian<4>; 2],
+        column: Column,
         run: &Foresight,
         hops_share: Real,
     ) {
         if begin == end {
             return;
         }
+        let gain = if column == self.column { begin.mean[3] } else { column.next_gain(0.0).0 };
         // One after the other, for the stack's sake.
-        if let Some((information, vector)) = self.likelihood(begin, end) {
-            self.forget(config, &information, run.track_share());
-            self.take_up(config, &information, &vector, run);
+        if let Some(said) = self.said(begin, end, gain) {
+            self.forget(config, &said.information, run.track_share());
+            self.take_up(config, &said, gain - begin.mean[3], run);
             let among = self.runs.clamp(1, RUNS_OF_HOPS) as f32;
             self.hops_share += (hops_share as f32 - self.hops_share) / among;
         }
@@ -240,22 +255,29 @@ impl Vehicle {
         }
     }
 
+    /// `moved`: by how much the gain is another one than when the run began.
     #[inline(never)]
-    fn take_up(&mut self, config: &MemoryConfig, information: &Matrix3<Real>, vector: &Vector3<Real>, run: &Foresight) {
+    fn take_up(&mut self, config: &MemoryConfig, said: &Said, moved: Real, run: &Foresight) {
         let mut trust = self.trust;
         trust.add(&run.trust);
         if !trust.is_sound() {
             trust = Trust::NONE;
         }
-        let weight = 1.0 / trust.inflation();
-        let (information, vector) = (information * weight, vector * weight);
-        let drift = Matrix3::from_diagonal_element(config.drift_sd * config.drift_sd);
+        let said = said.weighed(1.0 / trust.inflation());
+        let mut drift = Matrix3::from_diagonal_element(config.drift_sd * config.drift_sd);
+        let mut slope = self.by_gain.slope();
+        // The gain drifts between runs, and what was learned was learned under the one before.
+        let (kept, variance) = self.column.kept();
+        drift += slope * slope.transpose() * (variance * (1.0 - kept));
+        slope *= kept;
         let mut next = *self;
         let mut log_weights = [0.0; SCALES.len()];
-        for (hypothesis, log_weight) in next.hypotheses.iter_mut().zip(&mut log_weights) {
+        let mut slopes = [slope; SCALES.len()];
+        for ((hypothesis, log_weight), slope) in next.hypotheses.iter_mut().zip(&mut log_weights).zip(&mut slopes) {
             hypothesis.vehicle.covariance += drift;
+            hypothesis.vehicle.mean += *slope * moved;
             let deviation = config.deviation(&self.nominal, hypothesis.scale);
-            let Some(evidence) = hypothesis.learn(&deviation, &information, &vector) else {
+            let Some(evidence) = hypothesis.learn(&deviation, &said, slope) else {
                 return;
             };
             *log_weight = libm::log(hypothesis.weight) + evidence;
@@ -267,12 +289,16 @@ impl Vehicle {
             hypothesis.weight = libm::exp(log_weight - largest).max(1e-3);
             sum += hypothesis.weight;
         }
-        for hypothesis in &mut next.hypotheses {
+        let mut slope = Vector3::zeros();
+        for (hypothesis, own) in next.hypotheses.iter_mut().zip(&slopes) {
             hypothesis.weight /= sum;
+            slope += own * hypothesis.weight;
         }
+        next.by_gain = ByGain::of(&slope);
         next.runs = next.runs.saturating_add(1);
         next.trust = trust;
-        if next.hypotheses.iter().all(|one| one.weight.is_finite() && one.vehicle.is_finite()) {
+        let is_finite = |one: &Hypothesis| one.weight.is_finite() && one.vehicle.is_finite();
+        if next.by_gain.is_sound() && next.hypotheses.iter().all(is_finite) {
             *self = next;
         }
     }
@@ -286,26 +312,15 @@ impl Vehicle {
             hypothesis.vehicle = vehicle;
         }
         self.trust = Trust::NONE;
+        self.by_gain = ByGain::default();
         self.runs = self.runs.saturating_add(1);
     }
 
-    /// What the run itself said, free of the belief it began with: information matrix and vector, in shares.
-    #[inline(never)]
-    fn likelihood(&self, begin: &Gaussian<3>, end: &Gaussian<3>) -> Option<(Matrix3<Real>, Vector3<Real>)> {
-        let begin = self.in_shares(begin);
-        let end = self.in_shares(end);
-        let before = inverse(&begin.covariance)?;
-        let after = inverse(&end.covariance)?;
-        let information = after - before;
-        let information = (information + information.transpose()) * 0.5;
-        Some((information, after * end.mean - before * begin.mean))
-    }
-
-    /// One normal distribution with the mean and the covariance of the weighted hypotheses.
+    /// One normal distribution with the mean and the covariance of the weighted hypotheses, and what the gain of the column adds.
     fn mixture(&self, of: impl Fn(&Hypothesis) -> Gaussian<3>) -> Gaussian<3> {
         let mean: Vector3<Real> =
             self.hypotheses.iter().map(|hypothesis| of(hypothesis).mean * hypothesis.weight).sum();
-        let covariance = self
+        let mut covariance: Matrix3<Real> = self
             .hypotheses
             .iter()
             .map(|hypothesis| {
@@ -314,6 +329,8 @@ impl Vehicle {
                 (one.covariance + apart * apart.transpose()) * hypothesis.weight
             })
             .sum();
+        let slope = self.by_gain.slope();
+        covariance += slope * slope.transpose() * self.column.gain_variance();
         Gaussian { mean, covariance }
     }
 
@@ -359,9 +376,10 @@ impl Hypothesis {
         }
     }
 
-    /// Takes up a likelihood exp(-½ rᵀΛr + ηᵀr) of a run whose train is the vehicle plus a deviation.
+    /// Takes up a likelihood exp(-½ rᵀΛr + ηᵀr) of a run whose train is the vehicle plus a deviation. `slope`: how the vehicle moves with the gain of the column.
     /// Returns the logarithm of how well it was foreseen.
-    fn learn(&mut self, deviation: &Gaussian<3>, information: &Matrix3<Real>, vector: &Vector3<Real>) -> Option<Real> {
+    fn learn(&mut self, deviation: &Gaussian<3>, said: &Said, slope: &mut Vector3<Real>) -> Option<Real> {
+        let Said { information, vector, by_gain } = said;
         let one = Matrix3::identity();
         let of_run = self.of_run(deviation);
         let mean = of_run.mean;
@@ -375,8 +393,10 @@ impl Hypothesis {
 
         // What is left of the run's information once its own deviation is integrated out.
         let blurred = inverse(&(one + information * deviation.covariance))?;
+        let falls = -by_gain - information * *slope;
         let information = blurred * information;
         let covariance = self.vehicle.covariance * inverse(&(one + information * self.vehicle.covariance))?;
+        *slope += covariance * (blurred * falls);
         self.vehicle = Gaussian {
             mean: self.vehicle.mean + covariance * (blurred * eta),
             covariance: (covariance + covariance.transpose()) * 0.5,
@@ -390,6 +410,9 @@ mod tests {
     use super::*;
     extern crate std;
     use crate::model::state::resistance_sd;
+    use crate::tick::effort_reading::EffortReading;
+    use crate::tick::snapshot::InPlace as _;
+    use nalgebra::{Matrix4, Vector4};
 
     /// Reported standard deviation of r(100 km/h) after runs that each tell the coefficients with a standard deviation of such a share, with a share of the
     /// track in it, and coasts that scatter so far.
@@ -399,15 +422,52 @@ mod tests {
         let trust = Trust { coasts: 10.0, squares, ..Trust::NONE };
         let run = Foresight { trust, track_share: 10.0 * track_share, ..Foresight::NONE };
         for sd in runs {
-            let begin = vehicle.next_run(&config);
+            let begin = vehicle.constants(&config, 0.03);
             let mut end = begin;
-            let unit = Vector3::new(1.0 / 7.38e-3, 1.0 / 1.6e-4, 1.0 / 2.8e-5);
+            let unit = Vector4::new(1.0 / 7.38e-3, 1.0 / 1.6e-4, 1.0 / 2.8e-5, 0.0);
             let before = begin.covariance.try_inverse().unwrap();
-            end.covariance = (before + Matrix3::from_diagonal(&unit.map(|u| u * u / (sd * sd)))).try_inverse().unwrap();
-            vehicle.learn(&config, &begin, &end, &run, 0.0);
+            end.covariance = (before + Matrix4::from_diagonal(&unit.map(|u| u * u / (sd * sd)))).try_inverse().unwrap();
+            vehicle.learn(&config, [&begin, &end], Column::default(), &run, 0.0);
         }
         assert_eq!(vehicle.runs() as usize, runs.len());
         resistance_sd(&vehicle.davis(), 100.0 / 3.6)
+    }
+
+    /// A vehicle with the column's gain after so many runs, each of which tells the coefficients with this standard deviation, shares, if the gain is 1: where it is `1 + x`, all seem
+    /// `10 x` larger. The truth is 1.1 of the description, and the gain 1.
+    fn after_runs_by_effort(runs: usize, sd: Real) -> Vehicle {
+        let config = MemoryConfig { drift_sd: 0.0, ..MemoryConfig::default() };
+        let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
+        let unit = [1.0 / 7.38e-3, 1.0 / 1.6e-4, 1.0 / 2.8e-5];
+        // What each coefficient less ten times the gain is, shares.
+        let seen = Matrix4::from_fn(|row, column| match (row, column) {
+            (3, _) => 0.0,
+            (_, 3) => -10.0 / sd,
+            (row, column) if row == column => unit[row] / sd,
+            _ => 0.0,
+        });
+        let told = Vector4::new(-8.9 / sd, -8.9 / sd, -8.9 / sd, 0.0);
+        for _ in 0..runs {
+            let begin = vehicle.constants(&config, 0.03);
+            let before = begin.covariance.try_inverse().unwrap();
+            let covariance = (before + seen.transpose() * seen).try_inverse().unwrap();
+            let end = Gaussian { mean: covariance * (before * begin.mean + seen.transpose() * told), covariance };
+            let column = Column::of_run((end.mean[3], end.sd(3)), &EffortReading::ZEROED);
+            vehicle.learn(&config, [&begin, &end], column, &Foresight::NONE, 0.0);
+            vehicle.column = column;
+        }
+        vehicle
+    }
+
+    #[test]
+    fn a_gain_that_is_not_known_leaves_its_doubt_in_the_resistance_of_any_number_of_runs() {
+        let sd = |runs| after_runs_by_effort(runs, 0.1).davis().sd(0) / 7.38e-3;
+        let (one, many) = (sd(1), sd(60));
+        // What the runs tell is the gain, by the description, and the resistance under it: 15 % of three coefficients that are 15 % off each.
+        assert!(one > 0.1 && many > 0.4 * one, "{one} {many}");
+        let (few, all) = (after_runs_by_effort(10, 0.1), after_runs_by_effort(60, 0.1));
+        let moved = (all.davis().mean - few.davis().mean).component_div(&few.davis().mean).amax();
+        assert!(moved < few.davis().sd(0) / 7.38e-3, "{moved}");
     }
 
     #[test]
@@ -439,10 +499,10 @@ mod tests {
         let after = |shares: &[Real]| {
             let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
             for share in shares {
-                let begin = vehicle.next_run(&config);
+                let begin = vehicle.constants(&config, 0.03);
                 let mut end = begin;
                 end.covariance *= 0.1;
-                vehicle.learn(&config, &begin, &end, &Foresight::NONE, *share);
+                vehicle.learn(&config, [&begin, &end], Column::default(), &Foresight::NONE, *share);
             }
             vehicle
         };

@@ -399,11 +399,11 @@ fn wear_of_a_year_is_even_and_its_size_is_known() {
 fn learned() -> (Vehicle, Persisted) {
     let config = MemoryConfig::default();
     let mut vehicle = Vehicle::new(&config, NOMINAL);
-    let begin = vehicle.next_run(&config);
+    let begin = vehicle.constants(&config, 0.03);
     let mut end = begin;
     end.mean *= 0.9;
     end.covariance *= 0.2;
-    vehicle.learn(&config, &begin, &end, &Foresight::NONE, 0.0);
+    vehicle.learn(&config, [&begin, &end], vehicle.column(), &Foresight::NONE, 0.0);
     let effects = [
         Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }),
         Effect::Unknown(Unknown {

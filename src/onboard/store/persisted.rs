@@ -12,7 +12,7 @@ use crate::onboard::train_id::TrainId;
 use crate::plain::{self, Bytes, Plain, plain};
 use crate::tick::effort_reading::Column;
 use crate::tick::foresight::Trust;
-use crate::tick::memory::{Implausible, MemoryConfig, Vehicle, VehicleRecord};
+use crate::tick::memory::{ByGain, Implausible, MemoryConfig, Vehicle, VehicleRecord};
 use crate::tick::snapshot::{InPlace, in_place};
 use crate::tick::truncation::SpeedOffset;
 use embedded_storage::nor_flash::NorFlash;
@@ -42,6 +42,8 @@ in_place! {
         pub offset: Appended<SpeedOffset> = (Appended::START);
         /// Share of what it was taught that short hops taught.
         pub hops_share: Appended<f32> = (Appended::START);
+        /// What its resistance has in common with the gain of the column.
+        pub by_gain: Appended<ByGain> = (Appended::START);
     }
 }
 
@@ -133,7 +135,8 @@ impl Persisted {
         + 4 * 4
         + 12
         + 4 * 4
-        + 4;
+        + 4
+        + 3 * 4;
 
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
@@ -147,6 +150,7 @@ impl Persisted {
             column: Appended(vehicle.column),
             offset: Appended(vehicle.speed_offset()),
             hops_share: Appended(vehicle.hops_share),
+            by_gain: Appended(vehicle.by_gain),
         }
     }
 
@@ -212,7 +216,8 @@ impl Persisted {
     ) -> Result<(), NotRestored> {
         self.effects_in(effects)?;
         *vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
-        vehicle.recall(self.trust.into(), self.column.0, self.offset.0, self.hops_share.0);
+        let column = (self.column.0, self.by_gain.0);
+        vehicle.recall(self.trust.into(), column, self.offset.0, self.hops_share.0);
         Ok(())
     }
 
@@ -260,6 +265,7 @@ fn identity(train: TrainId) -> Identity {
 mod tests {
     use super::*;
     use crate::model::effects::Coordinate;
+    use nalgebra::Vector3;
 
     #[test]
     fn largest_size_is_the_one_stated() {
@@ -280,7 +286,7 @@ mod tests {
         assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
     }
 
-    /// Trust came first, then the effort column, the speed readings, the share of short hops.
+    /// Trust came first, then the effort column, the speed readings, the share of short hops, what goes with the column's gain.
     #[test]
     fn a_record_of_older_firmware_ends_before_what_came_later() {
         let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
@@ -288,10 +294,12 @@ mod tests {
         let trust = Trust { coasts: 3.0, squares: 2.5, worse: -1.75, apart: 0.25 };
         let column = Column { steps: [300, 40, 65_436, 20, 1000] };
         let offset = SpeedOffset { runs: 3.5, information: 900.0, vector: 120.0, squares: 17.0 };
-        vehicle.recall(trust, column, offset, 0.75);
+        let by_gain = ByGain::of(&Vector3::new(3.5, -2.0, 7.25));
+        vehicle.recall(trust, (column, by_gain), offset, 0.75);
         let mut buffer = [0; Persisted::MAX_SIZE];
         let bytes = Persisted::new(&vehicle, &Effects::NONE).encode(&mut buffer).unwrap();
-        let hops_from = bytes.len() - 4;
+        let gain_from = bytes.len() - 12;
+        let hops_from = gain_from - 4;
         let offset_from = hops_from - 16;
         let column_from = offset_from - (2 + 1 + 3 + 1 + 2);
         let read = |end: usize| {
@@ -299,16 +307,19 @@ mod tests {
             plain::read_all(&mut stored, &bytes[..end]).then(|| {
                 let mut restored = Vehicle::new(&MemoryConfig::default(), davis);
                 stored.vehicle_and_effects(&davis, &mut restored, &mut Effects::NONE.clone()).unwrap();
-                (*restored.trust(), restored.column(), restored.speed_offset(), restored.hops_share)
+                let column = (restored.column(), restored.by_gain);
+                (*restored.trust(), column, restored.speed_offset(), restored.hops_share)
             })
         };
         let none = SpeedOffset::default();
-        assert_eq!(read(bytes.len()), Some((trust, column, offset, 0.75)));
-        assert_eq!(read(hops_from), Some((trust, column, offset, 0.0)));
-        assert_eq!(read(offset_from), Some((trust, column, none, 0.0)));
-        assert_eq!(read(column_from), Some((trust, Column::default(), none, 0.0)));
-        assert_eq!(read(column_from - 16), Some((Trust::NONE, Column::default(), none, 0.0)));
-        for cut in [1, 3, 5, 12, 21, 28, 30, 44] {
+        let (alone, unknown) = ((column, ByGain::default()), (Column::default(), ByGain::default()));
+        assert_eq!(read(bytes.len()), Some((trust, (column, by_gain), offset, 0.75)));
+        assert_eq!(read(gain_from), Some((trust, alone, offset, 0.75)));
+        assert_eq!(read(hops_from), Some((trust, alone, offset, 0.0)));
+        assert_eq!(read(offset_from), Some((trust, alone, none, 0.0)));
+        assert_eq!(read(column_from), Some((trust, unknown, none, 0.0)));
+        assert_eq!(read(column_from - 16), Some((Trust::NONE, unknown, none, 0.0)));
+        for cut in [1, 5, 11, 13, 17, 24, 33, 40, 42, 56] {
             assert_eq!(read(bytes.len() - cut), None, "without its last {cut} bytes");
         }
     }

@@ -1,6 +1,6 @@
 //! The vehicle as it is stored: plain numbers, each once, and the check before they are believed again.
 
-use super::{Hypothesis, SCALES, Vehicle, shares};
+use super::{ByGain, Hypothesis, SCALES, Vehicle, shares};
 use crate::Real;
 use crate::filter::elimination::{NotPositiveDefinite, eliminate};
 use crate::filter::gaussian::Gaussian;
@@ -112,6 +112,7 @@ impl Vehicle {
             runs: record.runs,
             trust: Trust::NONE,
             column: Column::default(),
+            by_gain: ByGain::default(),
             offset: SpeedOffset::default(),
             hops_share: 0.0,
         };
@@ -124,11 +125,14 @@ impl Vehicle {
 
     /// Takes up what is known of how it foresaw coasts, of its effort column, of its speed readings and of where it was taught. Numbers that are none are left: what was learned
     /// is worth more.
-    pub fn recall(&mut self, trust: Trust, column: Column, offset: SpeedOffset, hops_share: f32) {
+    pub fn recall(&mut self, trust: Trust, column: (Column, ByGain), offset: SpeedOffset, hops_share: f32) {
         if trust.is_sound() {
             self.trust = trust;
         }
-        self.column = column;
+        self.column = column.0;
+        if column.1.is_sound() {
+            self.by_gain = column.1;
+        }
         if offset.is_sound() {
             self.offset = offset;
         }
@@ -183,11 +187,11 @@ mod tests {
     fn learned() -> Vehicle {
         let config = MemoryConfig::default();
         let mut vehicle = Vehicle::new(&config, DAVIS);
-        let begin = vehicle.next_run(&config);
+        let begin = vehicle.constants(&config, 0.03);
         let mut end = begin;
         end.mean *= 1.1;
         end.covariance *= 0.3;
-        vehicle.learn(&config, &begin, &end, &Foresight::NONE, 0.0);
+        vehicle.learn(&config, [&begin, &end], Column::default(), &Foresight::NONE, 0.0);
         assert_eq!(vehicle.runs(), 1);
         vehicle
     }
