@@ -59,9 +59,13 @@ impl Candidate for This {
         Some(Dial { step: 0.03, range: (log_m - 0.3, log_m + 0.3), exponential: true })
     }
 
-    fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
+    fn effect(&self, fitted: &Fitted, naming: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
         let true_length_m = fitted.term.shape.number();
-        let interval = fitted.shape.map(|limits| ("true_length_m", limits.shape.0, limits.shape.1));
+        // Where only some runs have it, which these are has been chosen by it, and the lag of the locations of all was, too.
+        let apart_m = (true_length_m - naming.context.believed.train().length_m()).abs();
+        let chosen = if fitted.term.shape.runs().is_empty() { 0.0 } else { naming.context.config.certainty.chosen };
+        let more_m = chosen * apart_m;
+        let interval = fitted.shape.map(|limits| ("true_length_m", limits.shape.0 - more_m, limits.shape.1 + more_m));
         Some((TrainLengthError { true_length_m }.into(), interval.into_iter().collect()))
     }
 

@@ -11,16 +11,14 @@ use crate::search::scan::Scan;
 use nalgebra::DVector;
 use rundown::model::effects::EffectKind;
 use rundown_check::agreement::Figure;
-use std::{
-    cell::{OnceCell, RefCell},
-    collections::HashMap,
-    rc::Rc,
-};
+use std::{cell::RefCell, collections::HashMap, rc::Rc};
 
 pub struct Search<'a> {
     pub context: &'a Context<'a>,
     pub rows: &'a [Row],
     pub whitening: Whitening,
+    /// The same without what all runs have alike: each run by itself.
+    pub(super) apart: Whitening,
     y: DVector<f64>,
     /// Whitened columns of what sensors do; part of every fit.
     sensors: Vec<DVector<f64>>,
@@ -34,8 +32,6 @@ pub struct Search<'a> {
     pub(super) units: Units<'a>,
     /// Whitened columns of terms that were tried, by their text.
     known: RefCell<HashMap<String, Rc<Vec<DVector<f64>>>>>,
-    /// What shifted locations would change, run by run.
-    pub(super) shifts: OnceCell<Vec<DVector<f64>>>,
 }
 
 impl<'a> Search<'a> {
@@ -63,17 +59,25 @@ impl<'a> Search<'a> {
         let scans = families.iter().filter_map(scan).collect();
         let sensors = sensors(context, rows, &whitening);
         let units = Units::of(context, rows);
-        let (known, shifts) = (RefCell::default(), OnceCell::new());
-        Self { context, rows, whitening, y, sensors, families, unsearched, scans, units, known, shifts }
+        let (apart, known) = (calibrated.without_nuisances(context, rows), RefCell::default());
+        Self { context, rows, whitening, apart, y, sensors, families, unsearched, scans, units, known }
     }
 
     pub fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
-        let key = format!("{term:?}");
+        self.cached(format!("{term:?}"), term, &self.whitening)
+    }
+
+    /// The same with each run by itself.
+    pub(super) fn white_apart(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
+        self.cached(format!("apart {term:?}"), term, &self.apart)
+    }
+
+    fn cached(&self, key: String, term: &Term, whitening: &Whitening) -> Rc<Vec<DVector<f64>>> {
         if let Some(known) = self.known.borrow().get(&key) {
             return Rc::clone(known);
         }
         let columns = term.columns(self.context, self.rows);
-        let white = Rc::new(columns.iter().map(|c| self.whitening.whiten(c)).collect());
+        let white = Rc::new(columns.iter().map(|c| whitening.whiten(c)).collect());
         self.known.borrow_mut().insert(key, Rc::clone(&white));
         white
     }

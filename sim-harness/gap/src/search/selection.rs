@@ -49,7 +49,7 @@ impl Search<'_> {
 
     fn best_of(&self, family: &Family, base: &Base, model: &[Term]) -> Option<Found> {
         let terms = match family {
-            Family::Whole(terms) => return self.best_whole(terms, base),
+            Family::Whole(terms) => return self.best_whole(terms, base, model),
             Family::Shapes(terms) => terms.clone(),
             Family::Section(term) => {
                 let scan = self.scans.iter().find(|scan| scan.term.is_like(term))?;
@@ -117,7 +117,7 @@ impl Search<'_> {
     }
 
     /// A whole term is a column of its own: its coefficient is 1.
-    fn best_whole(&self, terms: &[Term], base: &Base) -> Option<Found> {
+    fn best_whole(&self, terms: &[Term], base: &Base, model: &[Term]) -> Option<Found> {
         let found = |term: Term| {
             let gain = self.gain(base, &term)?;
             let value = gain.gain - term.penalty(self.context, self.rows);
@@ -126,7 +126,8 @@ impl Search<'_> {
             }
             Some(Found { term, gain, value })
         };
-        let in_some = terms.iter().filter_map(|term| self.in_some_runs(term, base));
+        let left = self.left_in_runs(model);
+        let in_some = left.iter().flat_map(|left| terms.iter().filter_map(|term| self.in_some_runs(term, left)));
         let best = best(terms.iter().cloned().chain(in_some).filter_map(found))?;
         if best.value < self.enough() {
             return Some(best);

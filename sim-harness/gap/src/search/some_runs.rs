@@ -3,7 +3,7 @@
 //! Each run says by its own rows whether the term acts in it:
 //!
 //! ```text
-//! e_i = z_i c_i + d_i s_i + noise        z_i = 1 with probability p, d_i normal
+//! e_i = z_i c_i + d_i s_i + noise        z_i = 1 with probability p, d_i normal around the lag of all runs
 //! ```
 //!
 //! with c the rows of the term and s what locations a metre further on would change, for those of a run may begin some way off. Both z and d are integrated out; z = 0 is
@@ -12,9 +12,10 @@
 use crate::candidate::{Shape, Term};
 use crate::candidates::sensors;
 use crate::fit::{Base, mixed_share};
+use crate::noise::calibrate::effort;
 use crate::search::fits::Search;
 use core::ops::Range;
-use nalgebra::DVector;
+use nalgebra::{DVector, DVectorView};
 
 /// In more of the runs it acts in all.
 const MOST_SHARE: f64 = 0.9;
@@ -22,6 +23,20 @@ const MOST_SHARE: f64 = 0.9;
 const LEAST_SHARE: f64 = 0.15;
 /// Spreads of the locations of runs that are tried, m.
 const SHIFTS_M: [f64; 7] = [1.0, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0];
+/// Lags of the locations of all runs that are tried, in steps of so many metres, up to so many steps.
+const LAGS_M: (f64, i32) = (4.0, 10);
+
+/// Rounds in which the share of the runs is found.
+const ROUNDS: usize = 20;
+
+/// Products of what a run has left with a shift of its locations in the direction of travel.
+pub(super) struct RunLeft {
+    run: usize,
+    left: DVector<f64>,
+    shift: DVector<f64>,
+    with_left: f64,
+    information: f64,
+}
 
 /// Log-likelihoods of a run, over those without the term and without a shift.
 #[derive(Clone, Copy)]
@@ -37,55 +52,92 @@ struct RunGain {
 fn in_some(of_runs: &[RunGain]) -> f64 {
     let odds = |share: f64, run: &RunGain| share / (1.0 - share) * run.acting.clamp(-500.0, 500.0).exp();
     let acts = |share: f64| of_runs.iter().map(|run| 1.0 - 1.0 / (1.0 + odds(share, run))).sum();
-    let share = mixed_share(of_runs.len(), 60, MOST_SHARE, acts);
+    let share = mixed_share(of_runs.len(), ROUNDS, MOST_SHARE, acts);
     of_runs.iter().map(|run| run.shifted + (1.0 - share).ln() + odds(share, run).ln_1p()).sum()
 }
 
+/// Shifts of the locations, m: their spread, and what all runs have in common.
+fn shifts() -> impl Iterator<Item = (f64, f64)> {
+    let lags = move |sd_m| (-LAGS_M.1..=LAGS_M.1).map(move |step| (sd_m, LAGS_M.0 * f64::from(step)));
+    SHIFTS_M.into_iter().flat_map(lags)
+}
+
+/// The products of a term's column in a run.
+struct OfTerm<'a> {
+    run: &'a RunLeft,
+    with_left: f64,
+    with_shift: f64,
+    information: f64,
+}
+
+impl<'a> OfTerm<'a> {
+    fn new(run: &'a RunLeft, column: DVectorView<'_, f64>) -> Self {
+        Self {
+            run,
+            with_left: run.left.dot(&column),
+            with_shift: run.shift.dot(&column),
+            information: column.norm_squared(),
+        }
+    }
+
+    fn gain(&self, (sd_m, lag_m): (f64, f64)) -> RunGain {
+        let RunLeft { run, with_left, information, .. } = *self.run;
+        let shrunk = 1.0 / (sd_m.powi(-2) + information);
+        let beyond_lag = with_left - lag_m * information;
+        let lagged = lag_m * with_left - 0.5 * lag_m * lag_m * information;
+        let squares = (beyond_lag - self.with_shift).powi(2) - beyond_lag.powi(2);
+        RunGain {
+            run,
+            shifted: lagged + 0.5 * shrunk * beyond_lag.powi(2) - 0.5 * (sd_m * sd_m * information).ln_1p(),
+            acting: self.with_left - lag_m * self.with_shift - 0.5 * self.information + 0.5 * shrunk * squares,
+        }
+    }
+}
+
 impl Search<'_> {
-    /// The term in those runs that it explains better. `None`: these are hardly any or nearly all, or their locations may as well be shifted.
-    pub(super) fn in_some_runs(&self, term: &Term, base: &Base) -> Option<Term> {
-        let config = self.context.config;
-        let column = base.beside(&self.white(term)[0]);
-        let of_spreads = SHIFTS_M.map(|sd_m| self.of_runs(&column, base, sd_m));
-        let (worth, of_runs) =
-            of_spreads.iter().map(|of_runs| (in_some(of_runs), of_runs)).max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let shifts = of_spreads.iter().map(|of_runs| of_runs.iter().map(|run| run.shifted).sum::<f64>());
-        let enough = shifts.fold(0.0, f64::max) + term.penalty(self.context, self.rows) + config.certainty.near;
-        let acting: Vec<usize> = of_runs.iter().filter(|run| run.acting > 0.0).map(|run| run.run).collect();
-        let least = config.evidence.least_runs.max((LEAST_SHARE * of_runs.len() as f64).ceil() as usize);
-        let are_some = acting.len() >= least && acting.len() + least <= of_runs.len();
-        (are_some && worth > enough).then(|| term.with(Shape::NumberInRuns(term.shape.number(), acting)))
-    }
-
-    /// Each run with this column, and locations of this spread.
-    fn of_runs(&self, column: &DVector<f64>, base: &Base, sd_m: f64) -> Vec<RunGain> {
-        let of_run = |(shift, range): (&DVector<f64>, &Range<usize>)| {
-            let c = column.rows(range.start, range.len());
-            let e = base.residual.rows(range.start, range.len());
-            let information = shift.norm_squared();
-            let shrunk = 1.0 / (sd_m.powi(-2) + information);
-            let (with_residual, with_column) = (shift.dot(&e), shift.dot(&c));
-            let squares = (with_residual - with_column).powi(2) - with_residual.powi(2);
-            RunGain {
-                run: self.rows[range.start].interval.run,
-                shifted: 0.5 * shrunk * with_residual.powi(2) - 0.5 * (sd_m * sd_m * information).ln_1p(),
-                acting: c.dot(&e) - 0.5 * c.norm_squared() + 0.5 * shrunk * squares,
-            }
+    /// What a model leaves in each run. The lag of the locations, which is much like another length in all runs, is left in it.
+    pub(super) fn left_in_runs(&self, model: &[Term]) -> Option<Vec<RunLeft>> {
+        let white = |column: &[f64]| self.apart.whiten(column);
+        let residual: Vec<f64> = self.rows.iter().map(|row| row.residual_n_per_kg).collect();
+        let (whole, free): (Vec<&Term>, Vec<&Term>) = model.iter().partition(|term| term.is_whole());
+        let columns = |of: &[&Term]| -> Vec<Vec<f64>> {
+            of.iter().flat_map(|term| term.columns(self.context, self.rows)).collect()
         };
-        self.shifts().iter().zip(self.whitening.runs()).map(of_run).collect()
+        let left = columns(&whole).iter().fold(white(&residual), |left, column| left - white(column));
+        let delay = sensors::DELAY.columns(&Shape::Law, self.context, self.rows);
+        let beside = columns(&free).into_iter().chain(delay).chain([effort(self.rows)]);
+        let beside: Vec<DVector<f64>> =
+            beside.filter(|column| column.iter().any(|value| *value != 0.0)).map(|column| white(&column)).collect();
+        let left = Base::new(&left, &beside, self.apart.runs())?.residual;
+        let further_on = sensors::LOCATION_OFFSET.columns(&Shape::Law, self.context, self.rows).remove(0);
+        let ahead = further_on.iter().zip(self.rows).map(|(shift, row)| shift * row.direction.sign());
+        let shift = white(&ahead.collect::<Vec<f64>>());
+        let of_run = |range: &Range<usize>| {
+            let [left, shift] = [&left, &shift].map(|all| all.rows(range.start, range.len()).into_owned());
+            let (with_left, information) = (shift.dot(&left), shift.norm_squared());
+            RunLeft { run: self.rows[range.start].interval.run, left, shift, with_left, information }
+        };
+        Some(self.apart.runs().iter().map(of_run).collect())
     }
 
-    /// What locations of each run a metre further on would change in its rows, whitened. Alone: a shift of all runs is a nuisance, and taken from each fit.
-    fn shifts(&self) -> &[DVector<f64>] {
-        self.shifts.get_or_init(|| {
-            let all = sensors::LOCATION_OFFSET.columns(&Shape::Law, self.context, self.rows).remove(0);
-            let of_run = |range: &Range<usize>| {
-                let mut column = vec![0.0; all.len()];
-                column[range.clone()].copy_from_slice(&all[range.clone()]);
-                self.whitening.whiten(&column).rows(range.start, range.len()).into_owned()
-            };
-            self.whitening.runs().iter().map(of_run).collect()
-        })
+    /// The term in those runs that it explains better. `None`: these are hardly any or nearly all, or their locations may as well be shifted.
+    pub(super) fn in_some_runs(&self, term: &Term, runs: &[RunLeft]) -> Option<Term> {
+        let config = self.context.config;
+        let column = &self.white_apart(term)[0];
+        let of_run = |(run, range): (_, &Range<usize>)| OfTerm::new(run, column.rows(range.start, range.len()));
+        let of_term: Vec<OfTerm<'_>> = runs.iter().zip(self.apart.runs()).map(of_run).collect();
+        let all: Vec<Vec<RunGain>> = shifts().map(|by| of_term.iter().map(|run| run.gain(by)).collect()).collect();
+        let sum = |of_runs: &[RunGain], of: fn(&RunGain) -> f64| of_runs.iter().map(of).sum::<f64>();
+        let by_shifts = all.iter().map(|of_runs| sum(of_runs, |run| run.shifted)).fold(0.0, f64::max);
+        let enough = by_shifts + term.penalty(self.context, self.rows) + config.certainty.near;
+        // No choice of the runs is worth more than one that costs nothing.
+        let most = |of_runs: &&Vec<RunGain>| sum(of_runs, |run| run.shifted + run.acting.max(0.0)) > enough;
+        let worth = all.iter().filter(most).map(|of_runs| (in_some(of_runs), of_runs));
+        let (worth, best) = worth.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let acting: Vec<usize> = best.iter().filter(|run| run.acting > 0.0).map(|run| run.run).collect();
+        let least = config.evidence.least_runs.max((LEAST_SHARE * best.len() as f64).ceil() as usize);
+        let are_some = acting.len() >= least && acting.len() + least <= best.len();
+        (are_some && worth > enough).then(|| term.with(Shape::NumberInRuns(term.shape.number(), acting)))
     }
 }
 
@@ -132,7 +184,7 @@ mod tests {
             let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
             let search = Search::new(context, &rows, &calibrated, true);
             let term = Term { of: candidates::of(EffectKind::TrainLengthError), shape: Shape::Number(asked_m) };
-            let found = search.in_some_runs(&term, &search.base(&[]).unwrap());
+            let found = search.in_some_runs(&term, &search.left_in_runs(&[]).unwrap());
             found.map(|term| term.shape.runs().to_vec())
         })
     }
