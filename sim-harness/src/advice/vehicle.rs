@@ -2,6 +2,8 @@
 //!
 //! In: the runs as replayed, the description and what is believed of vehicles before any run. Out: notes, one line a unit.
 
+use crate::report::taught_mps;
+use core::ops::Range;
 use nalgebra::Vector3;
 use rundown::estimator::Estimator;
 use rundown::filter::gaussian::Gaussian;
@@ -16,8 +18,11 @@ use std::collections::BTreeMap;
 const FAR: f64 = 4.0;
 /// A conversion is worth a word if it comes so much nearer to what was learned than the description, which holds back what is learned.
 const NEARER: f64 = 0.6;
-/// Speeds at which it is judged, km/h: where trains coast.
-const JUDGED_KMH: [f64; 3] = [60.0, 90.0, 120.0];
+/// A description that is so far off at the speeds that taught, root mean square of the logarithm, and a conversion that is no further than the second and this share of it: trains
+/// that never run fast do not get far from a description per km/h, whose largest term is right.
+const OTHER_UNITS: (f64, f64, f64) = (0.25, 0.1, 0.35);
+/// Speeds at which it is judged where nothing says which taught, m/s.
+const USUAL_MPS: Range<f64> = 16.7..33.3;
 /// Coasts that scatter so much more than expected are worth a word ...
 const SCATTER: f64 = 1.5;
 /// ... if there are this many.
@@ -46,11 +51,14 @@ pub struct After {
     pub(super) learned: Learned,
     trust: Trust,
     hops_share: f64,
+    taught_mps: Range<f64>,
 }
 
 impl After {
     pub(super) fn of(run: &ReplayedRun) -> Self {
-        Self { davis: run.vehicle_after, learned: run.learned, trust: run.trust, hops_share: run.hops_share }
+        let taught_mps = taught_mps(core::slice::from_ref(run)).unwrap_or(USUAL_MPS);
+        let ReplayedRun { vehicle_after: davis, learned, trust, hops_share, .. } = *run;
+        Self { davis, learned, trust, hops_share, taught_mps }
     }
 }
 
@@ -105,11 +113,20 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
         ));
     }
     let away = deviations(estimator, &after.davis);
+    let described = Off::of(&estimator.train().davis(), after, [1.0; 3]);
+    let nearest = Off::nearest(&estimator.train().davis(), after);
     if away > FAR {
-        let conversion = conversion(&estimator.train().davis(), &after.davis);
-        let hint = conversion.map_or_else(String::new, |words| format!("; nearest to it would be {words}"));
+        let hint = nearest.filter(|(_, off)| off.rms < NEARER * described.rms);
+        let hint = hint.map_or_else(String::new, |(words, _)| format!("; nearest to it would be {words}"));
         say(format!(
             "the described resistance looks wrong: what was learned is {away:.0} standard deviations of trains away from it{hint}"
+        ));
+    } else if let Some((words, _)) = nearest.filter(|(_, off)| off.may_be_units(&described)) {
+        say(format!(
+            "the described resistance may be in other units: at {:.0} km/h, the fastest speed that taught, {:.0} % of it were \
+             learned, as {words} would have it",
+            3.6 * after.taught_mps.end,
+            100.0 * described.fastest
         ));
     }
     notes
@@ -122,18 +139,67 @@ fn deviations(estimator: &Estimator, found: &Gaussian<3>) -> f64 {
     described.covariance.try_inverse().map_or(0.0, |weight| apart.dot(&(weight * apart)).max(0.0).sqrt())
 }
 
-/// The conversion of the description that is nearest to what was learned, if it is much nearer than the description itself.
-fn conversion(described: &Davis, found: &Gaussian<3>) -> Option<&'static str> {
-    let off = |factors: [f64; 3]| {
-        let at = |kmh: f64| {
-            let v = kmh / 3.6;
+/// How far what was learned is from a description at the speeds that taught.
+#[derive(Clone, Copy)]
+struct Off {
+    /// Root mean square of the logarithm of the ratio.
+    rms: f64,
+    /// Learned over described at the fastest speed.
+    fastest: f64,
+}
+
+impl Off {
+    /// From the description with these factors on its coefficients.
+    fn of(described: &Davis, after: &After, factors: [f64; 3]) -> Self {
+        let Range { start, end } = after.taught_mps;
+        let ratio = |v: f64| {
             let converted = described.r0 * factors[0] + v * (described.r1 * factors[1] + v * described.r2 * factors[2]);
-            let ratio = Vector3::new(1.0, v, v * v).dot(&found.mean) / converted;
-            ratio.max(f64::MIN_POSITIVE).ln().powi(2)
+            (Vector3::new(1.0, v, v * v).dot(&after.davis.mean) / converted).max(f64::MIN_POSITIVE)
         };
-        JUDGED_KMH.map(at).into_iter().sum::<f64>().sqrt()
-    };
-    let tried = CONVERSIONS.into_iter().map(|(words, factors)| (words, off(factors)));
-    let (words, nearest) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (nearest < NEARER * off([1.0; 3])).then_some(words)
+        let squares = [start, 0.5 * (start + end), end].map(|v| ratio(v).ln().powi(2));
+        Self { rms: (squares.iter().sum::<f64>() / 3.0).sqrt(), fastest: ratio(end) }
+    }
+
+    /// From the conversion of the description that is nearest to what was learned.
+    fn nearest(described: &Davis, after: &After) -> Option<(&'static str, Self)> {
+        let tried = CONVERSIONS.into_iter().map(|(words, factors)| (words, Self::of(described, after, factors)));
+        tried.min_by(|a, b| a.1.rms.total_cmp(&b.1.rms))
+    }
+
+    /// This conversion is what was learned, and the description is not.
+    fn may_be_units(&self, described: &Self) -> bool {
+        let (far, near, share) = OTHER_UNITS;
+        described.rms > far && self.rms < near.min(share * described.rms)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRAM: Davis = Davis { r0: 0.021, r1: 3.4e-4, r2: 5.1e-5 };
+
+    /// What is said of a tram's description, where the runs taught the true coefficients from 10 to 50 km/h.
+    fn nearest(described: Davis) -> Option<&'static str> {
+        let after = After {
+            davis: Gaussian::independent([TRAM.r0, TRAM.r1, TRAM.r2], [1e-3, 1e-4, 1e-5]),
+            learned: Learned::Learned,
+            trust: Trust::NONE,
+            hops_share: 1.0,
+            taught_mps: 10.0 / 3.6..50.0 / 3.6,
+        };
+        let (words, off) = Off::nearest(&described, &after)?;
+        off.may_be_units(&Off::of(&described, &after, [1.0; 3])).then_some(words)
+    }
+
+    #[test]
+    fn a_tram_that_is_described_per_kmh_is_recognised_and_one_that_is_a_third_off_is_not() {
+        let Davis { r0, r1, r2 } = TRAM;
+        let per_kmh = nearest(Davis { r0, r1: r1 / 3.6, r2: r2 / 12.96 }).unwrap();
+        assert!(per_kmh.starts_with("r1 and r2 per km/h"), "{per_kmh}");
+        for factor in [0.7, 0.8, 1.0, 1.25, 1.4] {
+            assert_eq!(nearest(Davis { r0: factor * r0, r1: factor * r1, r2: factor * r2 }), None, "{factor}");
+            assert_eq!(nearest(Davis { r0: factor * r0, r1, r2: r2 / factor }), None, "{factor}");
+        }
+    }
 }

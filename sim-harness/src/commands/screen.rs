@@ -5,8 +5,8 @@ use crate::{
     alike::few,
     logs::Failed,
     output::json::mode_word,
-    report::regime_shares,
     report::resistance::{Resistance, doubt},
+    report::{regime_shares, shown_kmh, taught_mps},
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use rundown::estimator::config::{Config, Mode};
@@ -148,7 +148,7 @@ pub(super) fn mode_words(config: &Config) -> String {
     }
 }
 
-/// One line a run: rows, steps, time in each regime, resistance at 100 km/h of the vehicle after it.
+/// One line a run: rows, steps, time in each regime, resistance of the vehicle after it at 100 km/h, or the fastest speed that taught it.
 /// `all`: how many runs there are, of which these are the first. In the `paper` mode the interval is the filter's and no measure of accuracy:
 /// it is left out.
 pub(super) fn run_table(runs: &[ReplayedRun], all: usize, mode: Mode) -> String {
@@ -157,9 +157,13 @@ pub(super) fn run_table(runs: &[ReplayedRun], all: usize, mode: Mode) -> String 
     for regime in Regime::ALL {
         text += &format!(" {:>10}", regime.as_str());
     }
-    text += match mode {
-        Mode::Paper => "   r(100 km/h) of the filter, no measure of the vehicle\n",
-        Mode::Gated | Mode::Measured => "   r(100 km/h) of the vehicle, 95 % interval\n",
+    let speed_kmh = match mode {
+        Mode::Paper => 100.0,
+        Mode::Gated | Mode::Measured => shown_kmh(taught_mps(runs).map(|speeds| speeds.end)),
+    };
+    text += &match mode {
+        Mode::Paper => format!("   r({speed_kmh} km/h) of the filter, no measure of the vehicle\n"),
+        Mode::Gated | Mode::Measured => format!("   r({speed_kmh} km/h) of the vehicle, 95 % interval\n"),
     };
     for run in runs.iter().take(RUNS_PRINTED) {
         text += &format!("{:width$}  {:>6} {:>6} {:>8}", run.name, run.rows, run.estimates.len(), run.dropped.len());
@@ -167,8 +171,8 @@ pub(super) fn run_table(runs: &[ReplayedRun], all: usize, mode: Mode) -> String 
             text += &format!(" {:>8.1} %", 100.0 * share);
         }
         let of_vehicle = match mode {
-            Mode::Paper => mean_resistance(&run.vehicle_after, 100.0),
-            Mode::Gated | Mode::Measured => resistance(&run.vehicle_after, 100.0),
+            Mode::Paper => mean_resistance(&run.vehicle_after, speed_kmh),
+            Mode::Gated | Mode::Measured => resistance(&run.vehicle_after, speed_kmh),
         };
         text += &format!("   {of_vehicle}{}\n", doubt(run.learned));
     }

@@ -15,7 +15,6 @@ use crate::advice::{Advice, coasts, vehicle::After};
 use crate::learned_train::Results;
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
-use crate::report::page::HISTORY_KMH;
 use crate::report::{Report, RunView, Vehicle, figures, write_report};
 use crate::{output::tables::Tables, output::write_tables};
 use rundown::estimator::config::{Config, Mode};
@@ -498,7 +497,7 @@ impl Replayed {
         let vehicle = report.vehicles.iter().find(|vehicle| vehicle.unit == run.unit)?;
         let drawing = match name {
             "resistance" => report.resistance_curve(Some(vehicle)),
-            "history" => figures::vehicle_history(&vehicle.after, &self.core_train, HISTORY_KMH),
+            "history" => figures::vehicle_history(&vehicle.after, &self.core_train, report.shown_kmh()),
             "motion" => figures::motion(run, &self.core_train),
             "terms" => figures::resistance_terms(run),
             "regimes" => figures::regimes(run),

@@ -149,6 +149,10 @@ impl Report<'_> {
         self.runs.iter().map(RunView::learned).fold(Learned::default(), |all, run| all.and(&run))
     }
 
+    pub(crate) fn shown_kmh(&self) -> Real {
+        shown_kmh(self.learned().speeds_mps.map(|speeds| speeds.end))
+    }
+
     /// r(v) of a vehicle after its last run, as the page has it.
     pub(crate) fn resistance_curve(&self, vehicle: Option<&Vehicle>) -> Drawing {
         let its =
@@ -230,6 +234,21 @@ impl Learned {
             speeds_mps: all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)),
         }
     }
+}
+
+/// Speed at which r(v) is shown, km/h: 100, or the fastest that taught where trains never get there, in whole tens. Beyond what taught it r is the description's as much as the
+/// runs', and its interval knows only descriptions that are about right.
+pub(crate) fn shown_kmh(fastest_mps: Option<Real>) -> Real {
+    const USUAL_KMH: Real = 100.0;
+    let fastest_kmh = fastest_mps.map_or(USUAL_KMH, |fastest| 3.6 * fastest);
+    (10.0 * (fastest_kmh / 10.0).floor()).clamp(10.0, USUAL_KMH)
+}
+
+/// The slowest and the fastest speed that taught the resistance in these runs, m/s.
+pub(crate) fn taught_mps(runs: &[ReplayedRun]) -> Option<Range<Real>> {
+    let taught = runs.iter().flat_map(|run| run.estimates.iter().filter(|estimate| estimate.learning));
+    let speeds_mps = taught.map(|estimate| estimate.belief.mean[state::SPEED]).filter(|speed| speed.is_finite());
+    speeds_mps.map(|speed| speed..speed).reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))
 }
 
 /// Share of the time in each regime, indexed by `Regime as usize`; none when no time went by.

@@ -19,8 +19,6 @@ use runs::run_table;
 
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
 
-pub(crate) const HISTORY_KMH: Real = 100.0;
-
 /// Units whose curves are drawn; all are in the table.
 const PICTURED: usize = 12;
 
@@ -208,8 +206,8 @@ fn of_vehicle(report: &Report, vehicle: &Vehicle) -> Markup {
         (curve(report, Some(vehicle)))
         @if vehicle.after.len() > 1 {
             (figure(
-                &figures::vehicle_history(&vehicle.after, report.train, HISTORY_KMH),
-                "Running resistance of the vehicle at 100 km/h as it stood after each run."
+                &figures::vehicle_history(&vehicle.after, report.train, report.shown_kmh()),
+                &format!("Running resistance of the vehicle at {} km/h as it stood after each run.", report.shown_kmh())
             ))
         }
     }

@@ -2,18 +2,12 @@
 
 use super::super::resistance::{Resistance, doubt};
 use super::super::{Report, RunView, regime_shares};
-use super::{HISTORY_KMH, KMH};
+use super::KMH;
 use maud::{Markup, html};
 use rundown::{Real, filter::ukf::Reading, model::units::KmPerHour, tick::regime::Regime};
 use rundown_pages::numbers::{NOTHING, number};
 use rundown_pages::run_pages;
 use rundown_pages::shell::swatch;
-
-/// Speed of r(v) in the table: 100 km/h as elsewhere, or the fastest that taught where the trains never get there, in whole tens of km/h.
-fn shown_kmh(report: &Report) -> Real {
-    let fastest_kmh = report.learned().speeds_mps.map_or(HISTORY_KMH, |speeds| KMH * speeds.end);
-    (10.0 * (fastest_kmh / 10.0).floor()).clamp(10.0, HISTORY_KMH)
-}
 
 /// `0.03125 ± 0.00042`; in the paper's mode the interval says nothing of the vehicle.
 fn resistance(run: &RunView, report: &Report, speed_kmh: Real) -> String {
@@ -26,7 +20,7 @@ fn resistance(run: &RunView, report: &Report, speed_kmh: Real) -> String {
 }
 
 pub(super) fn run_table(report: &Report) -> Markup {
-    let speed_kmh = shown_kmh(report);
+    let speed_kmh = report.shown_kmh();
     let interval = if report.mode == "paper" { "N/kg" } else { "N/kg, 95 % interval" };
     html! {
             @if report.runs.is_empty() {
