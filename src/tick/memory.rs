@@ -268,8 +268,10 @@ impl Vehicle {
         let mut slope = self.by_gain.slope();
         // The gain drifts between runs, and what was learned was learned under the one before.
         let (kept, variance) = self.column.kept();
-        drift += slope * slope.transpose() * (variance * (1.0 - kept));
-        slope *= kept;
+        if variance > 0.0 {
+            drift += slope * slope.transpose() * (variance * (1.0 - kept));
+            slope *= kept;
+        }
         let mut next = *self;
         let mut log_weights = [0.0; SCALES.len()];
         let mut slopes = [slope; SCALES.len()];
@@ -329,8 +331,11 @@ impl Vehicle {
                 (one.covariance + apart * apart.transpose()) * hypothesis.weight
             })
             .sum();
-        let slope = self.by_gain.slope();
-        covariance += slope * slope.transpose() * self.column.gain_variance();
+        let variance = self.column.gain_variance();
+        if variance > 0.0 {
+            let slope = self.by_gain.slope();
+            covariance += slope * slope.transpose() * variance;
+        }
         Gaussian { mean, covariance }
     }
 
@@ -393,10 +398,14 @@ impl Hypothesis {
 
         // What is left of the run's information once its own deviation is integrated out.
         let blurred = inverse(&(one + information * deviation.covariance))?;
-        let falls = -by_gain - information * *slope;
+        // Without a column there is nothing to move, and each product takes the board its time.
+        let none = Vector3::zeros();
+        let falls = (*by_gain != none || *slope != none).then(|| -by_gain - information * *slope);
         let information = blurred * information;
         let covariance = self.vehicle.covariance * inverse(&(one + information * self.vehicle.covariance))?;
-        *slope += covariance * (blurred * falls);
+        if let Some(falls) = falls {
+            *slope += covariance * (blurred * falls);
+        }
         self.vehicle = Gaussian {
             mean: self.vehicle.mean + covariance * (blurred * eta),
             covariance: (covariance + covariance.transpose()) * 0.5,

@@ -136,6 +136,7 @@ settings! {
         least_gain: f64 = 0.01, /// A gain nearer to 1 is not reported: a sensor is off by about so much. Judgement.
         least_delay_s: f64 = 0.7, /// A shorter delay is put right and not told, s. Judgement: what a mean over a second before is late by.
         least_offset_m: f64 = 10.0, /// A smaller offset is left as it is, m. Judgement: receivers.
+        most_between: f64 = 0.7, /// Offsets of single runs that differ by more than this share of that of all are none of all. Derived: of half of the runs alone they differ by the whole of the mean.
         gain_sd: f64 = 0.002, /// Standard deviation of a gain at least: efforts between two readings, as a share. Judgement.
         delay_step_s: f64 = 0.5, /// Delays are tried so far apart, and are certain to a half of that, s. Judgement: the time it takes.
         offset_step_m: f64 = 10.0, /// Offsets are tried so far apart, m. Judgement: less than the length of a train.

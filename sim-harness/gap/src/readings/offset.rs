@@ -24,6 +24,8 @@ use rundown_check::agreement::Figure;
 pub struct Offset {
     /// Shown less true location along the line, m.
     pub offset_m: Figure,
+    /// Spread of the offsets of single runs, m: half of them with another length of the train have one, too, and the others none.
+    between_m: f64,
     /// Log-likelihood over none, less that of the prior.
     pub gain: f64,
     /// What another length of the train brings instead.
@@ -36,7 +38,8 @@ impl Offset {
     /// It is beyond doubt, and no train of another length.
     pub fn matters(&self, config: &NuisanceConfig, enough: f64) -> Option<Figure> {
         let Figure { value, .. } = self.offset_m;
-        let sure = value.abs() > config.least_offset_m && self.offset_m.away_from(0.0) > config.sure;
+        let is_of_all = self.between_m < config.most_between * value.abs();
+        let sure = is_of_all && value.abs() > config.least_offset_m && self.offset_m.away_from(0.0) > config.sure;
         let length_gain = self.length_gain - self.length_penalty;
         (sure && self.gain > enough && self.gain >= length_gain).then_some(self.offset_m)
     }
@@ -110,12 +113,21 @@ pub fn offset(context: &Context<'_>, rows: &[Row], measured: bool) -> Option<Off
         scores[*place] += slope[i] * rest[i];
     }
     let scatter = scores.iter().map(|score| score * score).sum::<f64>();
+    let of_run = |run: &core::ops::Range<usize>| {
+        let slope = slope.rows(run.start, run.len());
+        (slope.dot(&rest.rows(run.start, run.len())).powi(2), slope.norm_squared())
+    };
+    let of_runs: Vec<(f64, f64)> = whitening.runs().iter().map(of_run).collect();
+    let sum = |of: fn(&(f64, f64)) -> f64| of_runs.iter().map(of).sum::<f64>();
+    // Scores vary by their information from the noise, and by its square times the spread between runs. (DerSimonian and Laird 1986.)
+    let between = (sum(|run| run.0) - sum(|run| run.1)) / sum(|run| run.1 * run.1).max(f64::MIN_POSITIVE);
     // Where gradients come and go alike, there is more than one likely offset.
     let weighed = tried.iter().map(|(offset_m, loss)| ((least - loss).exp(), (offset_m - value).powi(2)));
     let (weight, square) = weighed.fold((0.0, 0.0), |(weight, square), (w, s)| (weight + w, square + w * s));
     let sd = (scatter.sqrt().max(information.sqrt()) / information).max((square / weight).sqrt());
     let (length_gain, length_penalty) = length_gain(&Offer { context, rows, measured }, &left, none)?;
-    Some(Offset { offset_m: Figure { value, sd }, gain: none - loss(value), length_gain, length_penalty })
+    let between_m = between.max(0.0).sqrt();
+    Some(Offset { offset_m: Figure { value, sd }, between_m, gain: none - loss(value), length_gain, length_penalty })
 }
 
 /// In which part of the line each row lies, the parts equally filled.
@@ -161,13 +173,19 @@ mod tests {
 
     /// What is found of 40 runs on a line with 30 gradients, whose locations are shown `offset_m` too far on; `stretch_m`: how much longer the train is.
     fn found(offset_m: f64, stretch_m: f64, seed: u64) -> (Offset, bool) {
+        found_of(&|_| (offset_m, stretch_m), &[Direction::Up, Direction::Down], seed)
+    }
+
+    /// The same with an offset and a stretch for each run, and these directions by turns.
+    fn found_of(of_run: &dyn Fn(usize) -> (f64, f64), directions: &[Direction], seed: u64) -> (Offset, bool) {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         on_a_hilly_line(40, |context| {
             let train = context.believed.train();
             let gravity = train.gravity_n_per_kg();
             let mut rows = Vec::new();
             for run in 0..40 {
-                let direction = [Direction::Up, Direction::Down][run % 2];
+                let direction = directions[run % directions.len()];
+                let (offset_m, stretch_m) = of_run(run);
                 let speed_mps = rng.random_range(20.0..40.0);
                 let track = context.believed.line(direction).track;
                 for i in 0..60 {
@@ -219,6 +237,16 @@ mod tests {
         for seed in 20..23 {
             let (found, told) = found(0.0, 80.0, seed);
             assert!(!told, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn half_of_the_runs_with_a_longer_train_in_one_direction_are_no_offset_of_all() {
+        for seed in 30..33 {
+            let (found, told) = found_of(&|run| (0.0, if run % 2 == 0 { 100.0 } else { 0.0 }), &[Direction::Up], seed);
+            assert!(!told, "{found:?}");
+            let (found, told) = found_of(&|run| (60.0 + (run % 5) as f64 * 6.0, 0.0), &[Direction::Up], seed);
+            assert!(told, "{found:?}");
         }
     }
 }

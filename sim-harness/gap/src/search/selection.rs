@@ -126,6 +126,10 @@ impl Search<'_> {
             }
             Some(Found { term, gain, value })
         };
+        // One train has one length beside the one described.
+        if model.iter().any(|other| terms.first().is_some_and(|term| other.of.name() == term.of.name())) {
+            return None;
+        }
         let left = self.left_in_runs(model);
         let in_some = left.iter().flat_map(|left| terms.iter().filter_map(|term| self.in_some_runs(term, left)));
         let best = best(terms.iter().cloned().chain(in_some).filter_map(found))?;
