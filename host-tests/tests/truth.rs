@@ -116,8 +116,8 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
             boxed(|at| 6e-3 * at.facts.plan.season),
         ),
         (
-            Effect::from(TrainLengthError { true_length_m: 260.0 }),
-            Effect::from(TrainLengthError { true_length_m: LENGTH_M }),
+            Effect::from(TrainLengthError { true_length_m: 260.0, runs: Affected::all() }),
+            Effect::from(TrainLengthError { true_length_m: LENGTH_M, runs: Affected::all() }),
             Box::new(move |at| {
                 let line = Line::flat_corridor();
                 let [low, high] = at.train_m;
