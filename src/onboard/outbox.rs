@@ -46,12 +46,12 @@ impl<'a> Arriving<'a> {
 /// A queue of frames in `N` bytes.
 ///
 /// ```
-/// use rundown::onboard::outbox::Outbox;
+/// use rundown::onboard::outbox::{Outbox, WhenFull};
 ///
 /// let mut outbox = Outbox::<8>::new();
-/// outbox.push(&[1, 2, 3, 0])?;
-/// outbox.push(&[4, 5, 6, 0])?;
-/// outbox.push(&[7, 0])?; // the first goes
+/// outbox.push(&[1, 2, 3, 0], WhenFull::DropOldest)?;
+/// outbox.push(&[4, 5, 6, 0], WhenFull::DropOldest)?;
+/// outbox.push(&[7, 0], WhenFull::DropOldest)?; // the first goes
 /// assert_eq!(outbox.dropped(), 1);
 /// assert_eq!(outbox.pop(), Some(4));
 /// # Ok::<(), rundown::onboard::outbox::NoRoom>(())
@@ -81,12 +81,12 @@ impl<const N: usize> Outbox<N> {
         Self { bytes: [0; N], first: 0, waiting: 0, inside: false, owed: false, dropped: 0 }
     }
 
-    /// Takes a whole frame, at the cost of the oldest ones if there is no room.
+    /// Takes a whole frame.
     ///
     /// # Errors
-    /// [`NoRoom`]: it would not fit into an empty outbox. Nothing changes but the count.
-    pub fn push(&mut self, frame: &[u8]) -> Result<(), NoRoom> {
-        let mut arriving = Arriving::new(frame, WhenFull::DropOldest);
+    /// As [`Outbox::take`].
+    pub fn push(&mut self, frame: &[u8], when_full: WhenFull) -> Result<(), NoRoom> {
+        let mut arriving = Arriving::new(frame, when_full);
         while !self.take(&mut arriving)? {}
         Ok(())
     }
@@ -203,8 +203,8 @@ mod tests {
     #[test]
     fn frames_come_out_as_they_went_in() {
         let mut outbox = Outbox::<16>::new();
-        outbox.push(&[1, 2, 0]).unwrap();
-        outbox.push(&[3, 0]).unwrap();
+        outbox.push(&[1, 2, 0], WhenFull::DropOldest).unwrap();
+        outbox.push(&[3, 0], WhenFull::DropOldest).unwrap();
         assert_eq!(drain(&mut outbox), [1, 2, 0, 3, 0]);
         assert!(outbox.is_empty());
         assert_eq!(outbox.dropped(), 0);
@@ -213,9 +213,9 @@ mod tests {
     #[test]
     fn a_frame_half_sent_ends_in_a_delimiter_of_its_own() {
         let mut outbox = Outbox::<6>::new();
-        outbox.push(&[1, 2, 3, 0]).unwrap();
+        outbox.push(&[1, 2, 3, 0], WhenFull::DropOldest).unwrap();
         assert_eq!(outbox.pop(), Some(1));
-        outbox.push(&[4, 5, 6, 0]).unwrap();
+        outbox.push(&[4, 5, 6, 0], WhenFull::DropOldest).unwrap();
         assert_eq!(drain(&mut outbox), [0, 4, 5, 6, 0]);
         assert_eq!(outbox.dropped(), 1);
     }
@@ -223,10 +223,10 @@ mod tests {
     #[test]
     fn a_reader_that_was_away_finds_the_newest_whole() {
         let mut outbox = Outbox::<10>::new();
-        outbox.push(&[9, 9, 9, 0]).unwrap();
+        outbox.push(&[9, 9, 9, 0], WhenFull::DropOldest).unwrap();
         outbox.pop();
         for value in 1..=100 {
-            outbox.push(&[value, value, 0]).unwrap();
+            outbox.push(&[value, value, 0], WhenFull::DropOldest).unwrap();
         }
         assert_eq!(drain(&mut outbox), [0, 98, 98, 0, 99, 99, 0, 100, 100, 0]);
         assert_eq!(outbox.dropped(), 98);
@@ -235,8 +235,8 @@ mod tests {
     #[test]
     fn a_frame_that_never_fits_changes_nothing() {
         let mut outbox = Outbox::<4>::new();
-        outbox.push(&[1, 0]).unwrap();
-        assert_eq!(outbox.push(&[1, 2, 3, 4, 0]), Err(NoRoom { found: 5, room: 4 }));
+        outbox.push(&[1, 0], WhenFull::DropOldest).unwrap();
+        assert_eq!(outbox.push(&[1, 2, 3, 4, 0], WhenFull::DropOldest), Err(NoRoom { found: 5, room: 4 }));
         assert_eq!(drain(&mut outbox), [1, 0]);
         assert_eq!(outbox.dropped(), 1);
     }
@@ -244,19 +244,15 @@ mod tests {
     #[test]
     fn a_frame_that_may_not_displace_waits_only_where_there_is_room() {
         let mut outbox = Outbox::<6>::new();
-        let refuse = |outbox: &mut Outbox<6>| {
-            let mut arriving = Arriving::new(&[9, 9, 0], WhenFull::DropThis);
-            while !outbox.take(&mut arriving)? {}
-            Ok(())
-        };
+        let refuse = |outbox: &mut Outbox<6>| outbox.push(&[9, 9, 0], WhenFull::DropThis);
         refuse(&mut outbox).unwrap();
-        outbox.push(&[1, 0]).unwrap();
+        outbox.push(&[1, 0], WhenFull::DropOldest).unwrap();
         assert_eq!(refuse(&mut outbox), Err(NoRoom { found: 3, room: 1 }));
         assert_eq!(outbox.dropped(), 1);
         assert_eq!(drain(&mut outbox), [9, 9, 0, 1, 0]);
         // Nor does it keep its own place against another.
         refuse(&mut outbox).unwrap();
-        outbox.push(&[1, 2, 3, 0]).unwrap();
+        outbox.push(&[1, 2, 3, 0], WhenFull::DropOldest).unwrap();
         assert_eq!(drain(&mut outbox), [1, 2, 3, 0]);
     }
 
@@ -302,7 +298,7 @@ mod tests {
             if below(3) == 0 {
                 let mut frame: Vec<u8> = (0..below(12)).map(|_| 1 + below(255) as u8).collect();
                 frame.push(DELIMITER);
-                outbox.push(&frame).unwrap();
+                outbox.push(&frame, WhenFull::DropOldest).unwrap();
                 model.push(&frame, 23);
             } else {
                 let piece = below(6) as usize;
@@ -324,7 +320,7 @@ mod tests {
         let mut outbox = Outbox::<300>::new();
         let old: Vec<u8> = core::iter::repeat_n(7, 149).chain([0]).collect();
         let new: Vec<u8> = core::iter::repeat_n(8, 199).chain([0]).collect();
-        outbox.push(&old).unwrap();
+        outbox.push(&old, WhenFull::DropOldest).unwrap();
         for _ in 0..100 {
             outbox.pop();
         }
@@ -342,8 +338,8 @@ mod tests {
     #[test]
     fn a_frame_of_the_whole_size_fits() {
         let mut outbox = Outbox::<4>::new();
-        outbox.push(&[1, 2, 0]).unwrap();
-        outbox.push(&[1, 2, 3, 0]).unwrap();
+        outbox.push(&[1, 2, 0], WhenFull::DropOldest).unwrap();
+        outbox.push(&[1, 2, 3, 0], WhenFull::DropOldest).unwrap();
         assert_eq!(drain(&mut outbox), [1, 2, 3, 0]);
     }
 }

@@ -131,6 +131,7 @@ pub fn send<const N: usize>(port: &mut impl LinePort, outbox: &mut Outbox<N>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::onboard::outbox::WhenFull;
     use embedded_hal_nb::serial::ErrorType;
     use heapless::spsc::Queue;
     extern crate std;
@@ -225,7 +226,7 @@ mod tests {
         let mut port = Mock::default();
         let (mut queue, mut outbox, errors) = (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
         let (mut ring, _) = queue.split();
-        outbox.push(&[1, 2, 0]).unwrap();
+        outbox.push(&[1, 2, 0], WhenFull::DropOldest).unwrap();
         for sent in 0..3 {
             send(&mut port, &mut outbox);
             assert!(port.asks, "after {sent} bytes");

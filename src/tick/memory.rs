@@ -229,7 +229,8 @@ impl Vehicle {
         if begin == end {
             return;
         }
-        let gain = if column == self.column { begin.mean[3] } else { column.next_gain(0.0).0 };
+        let [(gain, _), _] = column.next_run();
+        let gain = Real::from(gain);
         // One after the other, for the stack's sake.
         if let Some(said) = self.said(begin, end, gain) {
             self.forget(config, &said.information, run.track_share());

@@ -5,7 +5,7 @@ use crate::flash::Flash;
 use crate::prelude::*;
 use rundown::estimator::run_state::RunState;
 use rundown::onboard::application::{Application, Hardware};
-use rundown::onboard::outbox::{Arriving, Outbox, WhenFull};
+use rundown::onboard::outbox::{Outbox, WhenFull};
 use rundown::onboard::task::Room;
 use rundown_wire::link::serial::{Decoder, encode};
 use rundown_wire::{Downlink, Health};
@@ -76,15 +76,7 @@ impl SerialBoard {
             not_sent: self.outbox.dropped(),
         };
         let outbox = &mut self.outbox;
-        let mut send = |frame: &[u8], when_full: WhenFull| {
-            let mut arriving = Arriving::new(frame, when_full);
-            loop {
-                match outbox.take(&mut arriving) {
-                    Ok(false) => {}
-                    taken => break taken.is_ok(),
-                }
-            }
-        };
+        let mut send = |frame: &[u8], when_full: WhenFull| outbox.push(frame, when_full).is_ok();
         if self.passed.is_multiple_of(PERIOD_S * LINE_BYTES_PER_S) {
             self.application.tick(state, &mut send);
         }

@@ -8,7 +8,7 @@ use crate::link::can_link::CanLink;
 use crate::link::isotp::Config;
 use crate::link::serial::Decoder;
 use crate::link::{Counters, Link, Message};
-use crate::onboard::outbox::{Arriving, NoRoom, Outbox, WhenFull};
+use crate::onboard::outbox::{NoRoom, Outbox, WhenFull};
 use embedded_can::nb::Can;
 
 /// A line over the controller `C`, with `N` bytes for messages that wait.
@@ -29,9 +29,7 @@ impl<C, const N: usize> CanLine<C, N> {
     /// # Errors
     /// [`NoRoom`]: it would not fit into an empty line, or not without dropping another.
     pub fn push(&mut self, frame: &[u8], when_full: WhenFull) -> Result<(), NoRoom> {
-        let mut arriving = Arriving::new(frame, when_full);
-        while !self.waiting.take(&mut arriving)? {}
-        Ok(())
+        self.waiting.push(frame, when_full)
     }
 
     /// Messages that had to make way for newer ones.

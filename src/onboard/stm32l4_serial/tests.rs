@@ -1,7 +1,7 @@
 //! A mock of the chip: a line that brings and takes bytes, both channels, and the flags that ask for interrupts.
 
 use super::*;
-use crate::onboard::outbox::Outbox;
+use crate::onboard::outbox::{Outbox, WhenFull};
 use crate::onboard::serial::{self, LineErrors};
 use heapless::spsc::Queue;
 use rundown_wire::LineCounts;
@@ -356,7 +356,7 @@ fn frames_go_in_order_and_a_buffer_that_is_being_sent_is_not_touched() {
     for number in 1..=60_u8 {
         let mut frame: Vec<u8> = (0..usize::from(number) * 3 % 200).map(|_| number).collect();
         frame.push(0);
-        board.outbox.push(&frame).unwrap();
+        board.outbox.push(&frame, WhenFull::DropOldest).unwrap();
         expected.extend(frame);
         serial::send(&mut board.port, &mut board.outbox);
         // The line is slower than the frames at first.
@@ -377,11 +377,11 @@ fn frames_go_in_order_and_a_buffer_that_is_being_sent_is_not_touched() {
 #[test]
 fn a_transfer_that_the_bus_refuses_is_given_up_and_the_next_one_goes() {
     let mut board = Board::start();
-    board.outbox.push(&[1, 2, 0]).unwrap();
+    board.outbox.push(&[1, 2, 0], WhenFull::DropOldest).unwrap();
     serial::send(&mut board.port, &mut board.outbox);
     board.chip().flags |= Channel::Send.flag(dma::ERROR);
     board.serve();
-    board.outbox.push(&[3, 0]).unwrap();
+    board.outbox.push(&[3, 0], WhenFull::DropOldest).unwrap();
     serial::send(&mut board.port, &mut board.outbox);
     board.chip().takes(SEND);
     board.serve();
