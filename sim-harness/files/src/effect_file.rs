@@ -46,16 +46,19 @@ fn without_ending(name: &str) -> &str {
     name.strip_suffix(".csv").unwrap_or(name)
 }
 
-/// What is said of the entries of a file, `train` or `track`, that name runs which are not among those that are read: there they never act.
-pub fn of_no_run(file: &str, entries: &[EffectEntry], is_read: impl Fn(&str) -> bool) -> Vec<String> {
-    let said = |(index, entry): (usize, &EffectEntry)| {
-        let named = entry.runs.iter().flatten();
-        let unknown: Vec<String> =
-            named.filter(|name| !is_read(without_ending(name))).map(|name| format!("{name:?}")).collect();
-        let unknown = (!unknown.is_empty()).then(|| unknown.join(", "))?;
-        Some(format!("{file}: effect[{index}].runs: expected names of runs, found {unknown}, which no log has"))
+/// What is said of the entries of the train's and the track's file that name runs which are not among those that are read: there they never act.
+pub fn of_no_run(train: &[EffectEntry], track: &[EffectEntry], is_read: impl Fn(&str) -> bool) -> Vec<String> {
+    let of_file = |(file, entries): (&'static str, &'_ [EffectEntry])| {
+        let said = |(index, entry): (usize, &EffectEntry)| {
+            let named = entry.runs.iter().flatten();
+            let unknown: Vec<String> =
+                named.filter(|name| !is_read(without_ending(name))).map(|name| format!("{name:?}")).collect();
+            let unknown = (!unknown.is_empty()).then(|| unknown.join(", "))?;
+            Some(format!("{file}: effect[{index}].runs: expected names of runs, found {unknown}, which no log has"))
+        };
+        entries.iter().enumerate().filter_map(said).collect::<Vec<String>>()
     };
-    entries.iter().enumerate().filter_map(said).collect()
+    [("train", train), ("track", track)].map(of_file).concat()
 }
 
 /// Checks the entries of one file.

@@ -219,6 +219,8 @@ settings! {
         most_drag_n_per_kg: f64 = 0.05, /// Largest, N/kg. Judgement.
         most_dragging: f64 = 0.6, /// More than this share of the runs does not drag: it is the train. Judgement.
         drags: f64 = 1.0, /// A run drags if the data are more likely by so much, log-likelihood. Judgement.
+        least_with_term: f64 = 0.15, /// Least share of the runs in which another length acts that has not all: fewer may be locations that are far off. Judgement: a shift is straight within a train's length.
+        most_with_term: f64 = 0.9, /// Largest such share that is tried: in more of the runs it acts in all. Judgement.
     }
     /// What freedom costs, in log-likelihood: the same for resistance, traction and readings.
     penalty: PenaltyConfig {

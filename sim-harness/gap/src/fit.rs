@@ -20,6 +20,16 @@ pub fn mixed_share(runs: usize, rounds: usize, most: f64, mut expected: impl FnM
     (0..rounds).fold(0.2, |share, _| (expected(share) / runs).clamp(0.5 / runs, most))
 }
 
+/// Odds that a run is of the second kind, whose gain of log-likelihood that is.
+pub fn mixed_odds(share: f64, gain: f64) -> f64 {
+    share * gain.clamp(-500.0, 500.0).exp() / (1.0 - share)
+}
+
+/// What runs of two kinds gain together, log-likelihood: of which kind each is, is integrated out.
+pub fn mixed_gain(share: f64, gains: impl Iterator<Item = f64>) -> f64 {
+    gains.map(|gain| (1.0 - share).ln() + mixed_odds(share, gain).ln_1p()).sum()
+}
+
 /// A coordinate search: each coordinate is moved by its step to either side as long as that gains, then the steps are made smaller.
 pub struct Climb<const N: usize> {
     pub steps: [f64; N],

@@ -74,8 +74,7 @@ impl Described {
         let gradient_doubt = coasts.doubt(&train, &track, track_file.gradient_sd_permille());
         let doubt = gradient_doubt.map(|doubt| format!("{doubt}; the gap is then theirs"));
         let is_read = |name: &str| names.iter().any(|one| one == name);
-        let of_no_run = [("train", &train_file.effect), ("track", &track_file.effect)];
-        let of_no_run = of_no_run.map(|(file, entries)| effect_file::of_no_run(file, entries, is_read)).concat();
+        let of_no_run = effect_file::of_no_run(&train_file.effect, &track_file.effect, is_read);
         Input {
             train,
             train_file,

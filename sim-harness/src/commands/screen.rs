@@ -157,14 +157,13 @@ pub(super) fn run_table(runs: &[ReplayedRun], all: usize, mode: Mode) -> String 
     for regime in Regime::ALL {
         text += &format!(" {:>10}", regime.as_str());
     }
-    let speed_kmh = match mode {
-        Mode::Paper => 100.0,
-        Mode::Gated | Mode::Measured => shown_kmh(taught_mps(runs).map(|speeds| speeds.end)),
+    let (speed_kmh, whose) = match mode {
+        Mode::Paper => (100.0, "the filter, no measure of the vehicle"),
+        Mode::Gated | Mode::Measured => {
+            (shown_kmh(taught_mps(runs).map(|speeds| speeds.end)), "the vehicle, 95 % interval")
+        }
     };
-    text += &match mode {
-        Mode::Paper => format!("   r({speed_kmh} km/h) of the filter, no measure of the vehicle\n"),
-        Mode::Gated | Mode::Measured => format!("   r({speed_kmh} km/h) of the vehicle, 95 % interval\n"),
-    };
+    text += &format!("   r({speed_kmh} km/h) of {whose}\n");
     for run in runs.iter().take(RUNS_PRINTED) {
         text += &format!("{:width$}  {:>6} {:>6} {:>8}", run.name, run.rows, run.estimates.len(), run.dropped.len());
         for share in regime_shares(run).unwrap_or_default() {

@@ -293,9 +293,7 @@ impl Opened {
 
     /// Effects of runs that none of the logs is; call it once all are read.
     fn of_no_run(&self) -> Vec<String> {
-        let files = [("train", &self.train.effect), ("track", &self.track.effect)];
-        let is_read = |name: &str| self.named.contains(name);
-        files.into_iter().flat_map(|(file, entries)| effect_file::of_no_run(file, entries, is_read)).collect()
+        effect_file::of_no_run(&self.train.effect, &self.track.effect, |name| self.named.contains(name))
     }
 
     /// Of no location yet.

@@ -246,9 +246,8 @@ pub(crate) fn shown_kmh(fastest_mps: Option<Real>) -> Real {
 
 /// The slowest and the fastest speed that taught the resistance in these runs, m/s.
 pub(crate) fn taught_mps(runs: &[ReplayedRun]) -> Option<Range<Real>> {
-    let taught = runs.iter().flat_map(|run| run.estimates.iter().filter(|estimate| estimate.learning));
-    let speeds_mps = taught.map(|estimate| estimate.belief.mean[state::SPEED]).filter(|speed| speed.is_finite());
-    speeds_mps.map(|speed| speed..speed).reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))
+    let learned = runs.iter().map(|run| RunView::of(run, None).learned());
+    learned.fold(Learned::default(), |all, run| all.and(&run)).speeds_mps
 }
 
 /// Share of the time in each regime, indexed by `Regime as usize`; none when no time went by.

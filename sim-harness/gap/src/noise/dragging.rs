@@ -14,7 +14,7 @@ use crate::candidate::Term;
 use crate::columns::braked;
 use crate::config::BetweenRunsConfig;
 use crate::data::{believed::Context, rows::Row};
-use crate::fit::mixed_share;
+use crate::fit::{mixed_gain, mixed_odds, mixed_share};
 use crate::noise::calibrate::{Calibrated, Deviations, Own, left, own_columns, whitening};
 use crate::noise::dragging_units::{Units, choice};
 use core::ops::Range;
@@ -54,11 +54,10 @@ struct Mixture {
 }
 
 fn mixture(runs: &[RunScore], mut drag: f64, config: &BetweenRunsConfig) -> Mixture {
-    let odds = |share: f64, gain: f64| share * gain.clamp(-500.0, 500.0).exp() / (1.0 - share);
     let share = mixed_share(runs.len(), 60, config.most_dragging, |share| {
         let (mut sum, mut score, mut information) = (0.0, 0.0, 0.0);
         for run in runs {
-            let odds = odds(share, run.gain(drag));
+            let odds = mixed_odds(share, run.gain(drag));
             let drags = odds / (1.0 + odds);
             sum += drags;
             score += drags * run.score;
@@ -67,8 +66,7 @@ fn mixture(runs: &[RunScore], mut drag: f64, config: &BetweenRunsConfig) -> Mixt
         drag = (score / information.max(1e-12)).clamp(config.least_drag_n_per_kg, config.most_drag_n_per_kg);
         sum
     });
-    let of_run = |run: &RunScore| (1.0 - share).ln() + odds(share, run.gain(drag)).ln_1p();
-    Mixture { drag, share, gain: runs.iter().map(of_run).sum() }
+    Mixture { drag, share, gain: mixed_gain(share, runs.iter().map(|run| run.gain(drag))) }
 }
 
 /// Largest gain of log-likelihood of a constant in all runs on one side of some value of a coordinate.

@@ -15,6 +15,7 @@ use crate::data::interval::Point;
 use crate::data::{rows::Row, runs::Run};
 use crate::fit::Base;
 use crate::noise::calibrate::{calibrate, flexible};
+use crate::noise::dragging::RunScore;
 use nalgebra::DVector;
 use rundown::model::effects::{Coordinate, EffectKind};
 use rundown_check::agreement::Figure;
@@ -113,14 +114,11 @@ pub fn offset(context: &Context<'_>, rows: &[Row], measured: bool) -> Option<Off
         scores[*place] += slope[i] * rest[i];
     }
     let scatter = scores.iter().map(|score| score * score).sum::<f64>();
-    let of_run = |run: &core::ops::Range<usize>| {
-        let slope = slope.rows(run.start, run.len());
-        (slope.dot(&rest.rows(run.start, run.len())).powi(2), slope.norm_squared())
-    };
-    let of_runs: Vec<(f64, f64)> = whitening.runs().iter().map(of_run).collect();
-    let sum = |of: fn(&(f64, f64)) -> f64| of_runs.iter().map(of).sum::<f64>();
+    let of_runs = RunScore::of_runs(rows, whitening.runs(), &slope, &rest);
+    let sum = |of: fn(&RunScore) -> f64| of_runs.iter().map(of).sum::<f64>();
     // Scores vary by their information from the noise, and by its square times the spread between runs. (DerSimonian and Laird 1986.)
-    let between = (sum(|run| run.0) - sum(|run| run.1)) / sum(|run| run.1 * run.1).max(f64::MIN_POSITIVE);
+    let excess = sum(|run| run.score.powi(2)) - sum(|run| run.information);
+    let between = excess / sum(|run| run.information.powi(2)).max(f64::MIN_POSITIVE);
     // Where gradients come and go alike, there is more than one likely offset.
     let weighed = tried.iter().map(|(offset_m, loss)| ((least - loss).exp(), (offset_m - value).powi(2)));
     let (weight, square) = weighed.fold((0.0, 0.0), |(weight, square), (w, s)| (weight + w, square + w * s));

@@ -127,7 +127,8 @@ impl Search<'_> {
             Some(Found { term, gain, value })
         };
         // One train has one length beside the one described.
-        if model.iter().any(|other| terms.first().is_some_and(|term| other.of.name() == term.of.name())) {
+        let name = terms.first()?.of.name();
+        if model.iter().any(|other| other.of.name() == name) {
             return None;
         }
         let left = self.left_in_runs(model);

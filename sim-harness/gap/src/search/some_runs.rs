@@ -11,16 +11,12 @@
 
 use crate::candidate::{Shape, Term};
 use crate::candidates::sensors;
-use crate::fit::{Base, mixed_share};
+use crate::fit::{Base, mixed_gain, mixed_odds, mixed_share};
 use crate::noise::calibrate::effort;
 use crate::search::fits::Search;
 use core::ops::Range;
 use nalgebra::{DVector, DVectorView};
 
-/// In more of the runs it acts in all.
-const MOST_SHARE: f64 = 0.9;
-/// In fewer it may be locations that are off by more than a shift is straight in.
-const LEAST_SHARE: f64 = 0.15;
 /// Spreads of the locations of runs that are tried, m.
 const SHIFTS_M: [f64; 7] = [1.0, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0];
 /// Lags of the locations of all runs that are tried, in steps of so many metres, up to so many steps.
@@ -49,11 +45,11 @@ struct RunGain {
 }
 
 /// What a term explains that acts in each run with a common probability, beside their shifts.
-fn in_some(of_runs: &[RunGain]) -> f64 {
-    let odds = |share: f64, run: &RunGain| share / (1.0 - share) * run.acting.clamp(-500.0, 500.0).exp();
-    let acts = |share: f64| of_runs.iter().map(|run| 1.0 - 1.0 / (1.0 + odds(share, run))).sum();
-    let share = mixed_share(of_runs.len(), ROUNDS, MOST_SHARE, acts);
-    of_runs.iter().map(|run| run.shifted + (1.0 - share).ln() + odds(share, run).ln_1p()).sum()
+fn in_some(of_runs: &[RunGain], most_share: f64) -> f64 {
+    let gains = || of_runs.iter().map(|run| run.acting);
+    let acts = |share: f64| gains().map(|gain| 1.0 - 1.0 / (1.0 + mixed_odds(share, gain))).sum();
+    let share = mixed_share(of_runs.len(), ROUNDS, most_share, acts);
+    of_runs.iter().map(|run| run.shifted).sum::<f64>() + mixed_gain(share, gains())
 }
 
 /// Shifts of the locations, m: their spread, and what all runs have in common.
@@ -97,32 +93,29 @@ impl<'a> OfTerm<'a> {
 impl Search<'_> {
     /// What a model leaves in each run. The lag of the locations, which is much like another length in all runs, is left in it.
     pub(super) fn left_in_runs(&self, model: &[Term]) -> Option<Vec<RunLeft>> {
-        let white = |column: &[f64]| self.apart.whiten(column);
         let residual: Vec<f64> = self.rows.iter().map(|row| row.residual_n_per_kg).collect();
+        let sensor = |of| self.white_apart(&Term { of, shape: Shape::Law });
         let (whole, free): (Vec<&Term>, Vec<&Term>) = model.iter().partition(|term| term.is_whole());
-        let columns = |of: &[&Term]| -> Vec<Vec<f64>> {
-            of.iter().flat_map(|term| term.columns(self.context, self.rows)).collect()
-        };
-        let left = columns(&whole).iter().fold(white(&residual), |left, column| left - white(column));
-        let delay = sensors::DELAY.columns(&Shape::Law, self.context, self.rows);
-        let beside = columns(&free).into_iter().chain(delay).chain([effort(self.rows)]);
-        let beside: Vec<DVector<f64>> =
-            beside.filter(|column| column.iter().any(|value| *value != 0.0)).map(|column| white(&column)).collect();
+        let left = self.apart.whiten(&residual);
+        let left = whole.iter().fold(left, |left, term| left - &self.white_apart(term)[0]);
+        let free = free.iter().flat_map(|term| self.white_apart(term).to_vec());
+        let beside = free.chain(sensor(sensors::DELAY).to_vec()).chain([self.apart.whiten(&effort(self.rows))]);
+        let beside: Vec<DVector<f64>> = beside.filter(|column| column.iter().any(|value| *value != 0.0)).collect();
         let left = Base::new(&left, &beside, self.apart.runs())?.residual;
-        let further_on = sensors::LOCATION_OFFSET.columns(&Shape::Law, self.context, self.rows).remove(0);
-        let ahead = further_on.iter().zip(self.rows).map(|(shift, row)| shift * row.direction.sign());
-        let shift = white(&ahead.collect::<Vec<f64>>());
+        let further_on = sensor(sensors::LOCATION_OFFSET);
         let of_run = |range: &Range<usize>| {
-            let [left, shift] = [&left, &shift].map(|all| all.rows(range.start, range.len()).into_owned());
+            let first = &self.rows[range.start];
+            let [left, shift] = [&left, &further_on[0]].map(|all| all.rows(range.start, range.len()).into_owned());
+            let shift = shift * first.direction.sign();
             let (with_left, information) = (shift.dot(&left), shift.norm_squared());
-            RunLeft { run: self.rows[range.start].interval.run, left, shift, with_left, information }
+            RunLeft { run: first.interval.run, left, shift, with_left, information }
         };
         Some(self.apart.runs().iter().map(of_run).collect())
     }
 
     /// The term in those runs that it explains better. `None`: these are hardly any or nearly all, or their locations may as well be shifted.
     pub(super) fn in_some_runs(&self, term: &Term, runs: &[RunLeft]) -> Option<Term> {
-        let config = self.context.config;
+        let (config, between) = (self.context.config, &self.context.config.between_runs);
         let column = &self.white_apart(term)[0];
         let of_run = |(run, range): (_, &Range<usize>)| OfTerm::new(run, column.rows(range.start, range.len()));
         let of_term: Vec<OfTerm<'_>> = runs.iter().zip(self.apart.runs()).map(of_run).collect();
@@ -132,10 +125,10 @@ impl Search<'_> {
         let enough = by_shifts + term.penalty(self.context, self.rows) + config.certainty.near;
         // No choice of the runs is worth more than one that costs nothing.
         let most = |of_runs: &&Vec<RunGain>| sum(of_runs, |run| run.shifted + run.acting.max(0.0)) > enough;
-        let worth = all.iter().filter(most).map(|of_runs| (in_some(of_runs), of_runs));
+        let worth = all.iter().filter(most).map(|of_runs| (in_some(of_runs, between.most_with_term), of_runs));
         let (worth, best) = worth.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let acting: Vec<usize> = best.iter().filter(|run| run.acting > 0.0).map(|run| run.run).collect();
-        let least = config.evidence.least_runs.max((LEAST_SHARE * best.len() as f64).ceil() as usize);
+        let least = config.evidence.least_runs.max((between.least_with_term * best.len() as f64).ceil() as usize);
         let are_some = acting.len() >= least && acting.len() + least <= best.len();
         (are_some && worth > enough).then(|| term.with(Shape::NumberInRuns(term.shape.number(), acting)))
     }
