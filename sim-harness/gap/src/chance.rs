@@ -129,6 +129,11 @@ impl<'a> Ground<'a> {
         Self::on(context, rows, driven_less(context, rows, calibrated).for_trials(context, rows))
     }
 
+    /// For comparing runs by what all have alike in part: the gain of all is no random effect, which would take its share from each run.
+    pub fn of_each_run(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
+        Self::on(context, rows, driven_less(context, rows, calibrated).without_nuisances(context, rows))
+    }
+
     fn on(context: &'a Context<'a>, rows: &'a [Row], whitening: Whitening) -> Self {
         let sensors = sensors(context, rows, &whitening);
         Self { y: whitening.whiten(&residuals(rows)), sensors, habits: Vec::new(), context, rows, whitening }

@@ -220,6 +220,7 @@ settings! {
         most_dragging: f64 = 0.6, /// More than this share of the runs does not drag: it is the train. Judgement.
         drags: f64 = 1.0, /// A run drags if the data are more likely by so much, log-likelihood. Judgement.
         least_with_term: f64 = 0.15, /// Least share of the runs in which another length acts that has not all: fewer may be locations that are far off. Judgement: a shift is straight within a train's length.
+        least_effort: f64 = 0.02, /// Units that need efforts nearer to those of the others are told nothing of, a share. Judgement: loads and sensors differ by about half of it.
         most_with_term: f64 = 0.9, /// Largest such share that is tried: in more of the runs it acts in all. Judgement.
     }
     /// What freedom costs, in log-likelihood: the same for resistance, traction and readings.

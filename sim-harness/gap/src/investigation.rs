@@ -14,6 +14,7 @@ use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
 use crate::holdout::{journey::Journey, share::Share};
+use crate::levels::More;
 use crate::named::Named;
 use crate::naming::{
     confounded::{confounded, of_one_alone},
@@ -115,7 +116,8 @@ pub fn investigate(
     }
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let mut nuisances = nuisances(&readings, findings.gain, config);
-    nuisances::beside(&mut nuisances, &named, findings.gain_may_be_mass);
+    let of_a_unit = findings.differing.standouts.iter().any(|one| one.more == More::Effort);
+    nuisances::beside(&mut nuisances, &named, findings.gain_may_be_mass || of_a_unit);
     nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let with = effects(&named)?;
     for one in &mut named {

@@ -73,8 +73,9 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["not_compared[].why", "", "why", ""],
     ["standouts[].by", "", "by what runs are grouped: `unit`, `driver`, `day`", ""],
     ["standouts[].of", "", "the unit, driver or date whose runs differ from the others", ""],
+    ["standouts[].more", "", "of what: `resistance` in coasting, or `effort` for the same motion", ""],
     ["standouts[].runs", "", "its runs", ""],
-    ["standouts[].share", "1", "its resistance in coasting beyond that of the others, of the believed", ""],
+    ["standouts[].share", "1", "what it has beyond the others, of the believed resistance or of the effort", ""],
     ["standouts[].share_sd", "1", "the standard deviation of that", ""],
     [
         "standouts[].described",

@@ -5,9 +5,11 @@
 //! difference of its kind that exchanged labels make (`exchange.rs`; permutation test). Runs that are all of one driver and of one unit differ by both names.
 
 mod exchange;
+mod loads;
 
 use crate::candidate::Fitted;
 use crate::chance::{Ground, OfRun, beyond_noise, probability};
+use crate::columns::mass;
 use crate::config::{EvidenceConfig, GapConfig};
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::noise::{calibrate::Calibrated, habits::regime};
@@ -33,20 +35,41 @@ pub enum Level {
     Day,
 }
 
-/// Runs that have more resistance than the others, or less.
+/// Of what runs have more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum More {
+    /// Resistance in coasting, a share of the believed.
+    Resistance,
+    /// Effort for the same motion, a share of it.
+    Effort,
+}
+
+impl More {
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Resistance => "resistance",
+            Self::Effort => "effort",
+        }
+    }
+}
+
+/// Runs that have more resistance than the others, or need more effort; or less.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standout {
+    /// Of what.
+    pub more: More,
     /// What the runs share.
     pub level: Level,
     /// Name of the unit or driver, or the date.
     pub of: String,
     /// How many runs it has.
     pub runs: usize,
-    /// Resistance beyond that of the other runs, as a share of the believed.
+    /// What it has beyond the other runs, as a share.
     pub share: Figure,
-    /// Resistance beyond the believed one itself, as a share of it; beside the effects of places.
+    /// The same beyond the description, as a share of it; beside the effects of places. Of efforts beside the gain of the column that all have.
     pub described: f64,
-    /// The other one, where there are only two, with its resistance beyond the believed one.
+    /// The other one, where there are only two, with what that has beyond the description.
     pub other: Option<(String, f64)>,
     /// Probability of such a difference, or a larger one, somewhere among these levels, if none differs.
     pub p_value: f64,
@@ -81,6 +104,9 @@ impl Standout {
     pub fn sentence(&self) -> String {
         let Self { level, of, share: Figure { value, sd }, described, other, .. } = self;
         let name = level.name();
+        if self.more == More::Effort {
+            return loads::sentence(self);
+        }
         let than = other.as_ref().map_or("the others".to_owned(), |(other, _)| format!("those of {name} {other}"));
         let against = match other {
             Some((other, others)) => {
@@ -88,8 +114,17 @@ impl Standout {
             }
             None => format!("they have {}", amount(*described)),
         };
+        let mass = if *level == Level::Unit {
+            format!(
+                "; the air drag of a {} unit is as much {} for its mass",
+                if *value < 0.0 { "heavier" } else { "lighter" },
+                comparative(*value)
+            )
+        } else {
+            String::new()
+        };
         format!(
-            "The {} of {name} {of} have {:.1} \u{b1} {:.1} % {} resistance in coasting than {than}, beside the effects above (p-value {:.3}). Against the description {against}: no law of its own is known for that.",
+            "The {} of {name} {of} have {:.1} \u{b1} {:.1} % {} resistance in coasting than {than}, beside the effects above (p-value {:.3}). Against the description {against}: no law of its own is known for that{mass}.",
             counted(self.runs, "run", "runs"),
             100.0 * value.abs(),
             196.0 * sd,
@@ -103,6 +138,7 @@ impl Standout {
         json!({
             "by": self.level.name(),
             "of": self.of,
+            "more": self.more.name(),
             "runs": self.runs,
             "share": self.share.value,
             "share_sd": self.share.sd,
@@ -159,6 +195,11 @@ fn labels(level: Level, runs: &[&Run]) -> Vec<String> {
     runs.iter().map(|run| level.of(run)).filter(|label| !label.is_empty()).collect()
 }
 
+/// The same of all rows.
+fn all_believed(context: &Context<'_>, rows: &[Row]) -> Vec<f64> {
+    rows.iter().map(|row| believed(context, row)).collect()
+}
+
 /// The coasting rows, with their noise.
 fn coasting(rows: &[Row], calibrated: &Calibrated, config: &EvidenceConfig) -> (Vec<Row>, Calibrated) {
     let coasts = |(row, _): &(&Row, &f64)| regime(row, config) == 0;
@@ -172,30 +213,34 @@ fn believed(context: &Context<'_>, row: &Row) -> f64 {
     row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps))
 }
 
-/// The believed resistance in the rows of a group, for each group of these levels but the largest of each.
-fn all_columns(context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<Vec<f64>> {
+/// What groups may have more of in their rows, for each group of these levels but the largest of each. `values`: of the rows.
+fn all_columns(levels: &[Level], values: &[f64], rows: &[Row], runs: &[Run], least: usize) -> Vec<Vec<f64>> {
     let of_rows = runs_of(rows, runs);
     let of_level = |level: Level| {
         let labels = labels(level, &of_rows);
-        let of = groups(labels.iter().map(String::as_str), context.config.evidence.least_runs);
+        let of = groups(labels.iter().map(String::as_str), least);
         let count = |group: &&&str| labels.iter().filter(|label| *label == **group).count();
         let largest = of.iter().max_by_key(count).copied().filter(|_| of.len() > 1);
         let others = of.iter().copied().filter(|group| largest.is_some_and(|largest| largest != *group));
-        others.map(|group| column_of(level, group, context, rows, runs)).collect::<Vec<_>>()
+        others.map(|group| column_of(level, group, values, rows, runs)).collect::<Vec<_>>()
     };
-    Level::LASTING.into_iter().flat_map(of_level).collect()
+    levels.iter().copied().flat_map(of_level).collect()
 }
 
-/// The believed resistance in the rows of a group.
-fn column_of(level: Level, group: &str, context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<f64> {
-    let of_row = |row: &Row| if level.of(&runs[row.interval.run]) == group { believed(context, row) } else { 0.0 };
-    rows.iter().map(of_row).collect()
+/// What a group may have more of, in its rows alone.
+fn column_of(level: Level, group: &str, values: &[f64], rows: &[Row], runs: &[Run]) -> Vec<f64> {
+    let is_in = |row: &Row| level.of(&runs[row.interval.run]) == group;
+    rows.iter().zip(values).map(|(row, value)| if is_in(row) { *value } else { 0.0 }).collect()
 }
 
 /// Columns of the units and drivers that differ: beside them runs are compared with each other. A day that differs may be a windy one.
 pub fn columns(found: &[Standout], context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<Vec<f64>> {
     let lasting = found.iter().filter(|one| Level::LASTING.contains(&one.level));
-    lasting.map(|one| column_of(one.level, &one.of, context, rows, runs)).collect()
+    let values = |more: More| match more {
+        More::Resistance => all_believed(context, rows),
+        More::Effort => mass(context, rows),
+    };
+    lasting.map(|one| column_of(one.level, &one.of, &values(one.more), rows, runs)).collect()
 }
 
 /// Groups that differ from the others by more than chance, the surest first, and what could not be compared. `noise`: beside columns in which runs differ, so that
@@ -203,7 +248,7 @@ pub fn columns(found: &[Standout], context: &Context<'_>, rows: &[Row], runs: &[
 pub fn standouts(
     context: &Context<'_>,
     rows: &[Row],
-    noise: impl FnOnce(Vec<Vec<f64>>) -> Calibrated,
+    noise: impl Fn(Vec<Vec<f64>>) -> Calibrated,
     model: &[Fitted],
     runs: &[Run],
 ) -> (Vec<Standout>, Vec<NotCompared>) {
@@ -215,45 +260,53 @@ pub fn standouts(
     if !Level::ALL.iter().any(may_differ) {
         return Default::default();
     }
+    let loads = loads::standouts(context, rows, &noise, model, runs);
     // Only what coasts is compared: another constant of a run that its efforts have, too, would hide what its coasting has.
-    let (rows, calibrated) = coasting(rows, &noise(all_columns(context, rows, runs)), evidence);
+    let beside = all_columns(&Level::LASTING, &all_believed(context, rows), rows, runs, evidence.least_runs);
+    let (rows, calibrated) = coasting(rows, &noise(beside), evidence);
     let (rows, of_rows) = (rows.as_slice(), runs_of(&rows, runs));
     if rows.is_empty() {
-        return Default::default();
+        return (loads, Vec::new());
     }
     let ground = Ground::of_terms(context, rows, &calibrated);
     let of_terms = |terms: &mut dyn Iterator<Item = &Fitted>| {
         let columns: Vec<Vec<f64>> = terms.map(|fitted| column(context, rows, fitted)).collect();
         ground.beside(&columns)
     };
-    let believed: Vec<f64> = rows.iter().map(|row| believed(context, row)).collect();
+    let believed = all_believed(context, rows);
     // Of places the description is compared by others; what is the same all along the line stays in the comparison with it.
     let bases = (of_terms(&mut model.iter()), of_terms(&mut model.iter().filter(|fitted| fitted.term.by_place())));
     let (Some(base), Some(places)) = bases else {
-        return Default::default();
+        return (loads, Vec::new());
     };
     let [of_runs, described] = [base, places].map(|base| ground.of_runs(&base, &believed));
     let all = of_runs.iter().zip(&described).zip(of_rows);
     let all = all.map(|((of_run, described), run)| One { of_run: *of_run, described: *described, run });
     let mut all: Vec<One<'_>> = all.filter(|one| one.of_run.information > 0.0).collect();
     without_directions(&mut all);
-    let (mut found, mut not_compared) = (Vec::new(), Vec::new());
-    let mut tried = Vec::new();
-    let least = context.config.certainty.chance / Level::ALL.len() as f64;
-    for level in Level::ALL {
-        let all = labelled(level, &all);
-        if groups(all.iter().map(|one| one.label.as_str()), evidence.least_runs).len() > 1 {
+    let (mut found, not_compared) = compared(&Level::ALL, &all, More::Resistance, context.config);
+    found.extend(loads);
+    found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    (found, not_compared)
+}
+
+/// What of these levels differs, and what cannot be compared.
+fn compared(levels: &[Level], all: &[One<'_>], more: More, config: &GapConfig) -> (Vec<Standout>, Vec<NotCompared>) {
+    let (mut tried, mut not_compared) = (Vec::new(), Vec::new());
+    let least = config.certainty.chance / levels.len() as f64;
+    for &level in levels {
+        let all = labelled(level, all);
+        if groups(all.iter().map(|one| one.label.as_str()), config.evidence.least_runs).len() > 1 {
             match Exchange::of(level, &all, least) {
                 Ok(exchange) => tried.push((level, all, exchange)),
                 Err(why) => not_compared.push(NotCompared { level, why }),
             }
         }
     }
-    for (level, all, exchange) in &tried {
-        found.extend(of_level(*level, all, exchange, tried.len(), context.config));
-    }
-    found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
-    (found, not_compared)
+    let of_level = |(level, all, exchange): &(Level, Vec<Labelled<'_>>, Exchange)| {
+        of_level(*level, all, exchange, tried.len(), config).into_iter().map(|one| Standout { more, ..one })
+    };
+    (tried.iter().flat_map(of_level).collect(), not_compared)
 }
 
 /// A run with its label at a level.
@@ -332,6 +385,7 @@ fn of_level(
             those().map(|run| run.score).sum::<f64>() / those().map(|run| run.information).sum::<f64>()
         });
         Standout {
+            more: More::Resistance,
             level,
             of: (*group).to_owned(),
             runs: labels.iter().filter(|label| *label == group).count(),
@@ -434,7 +488,7 @@ mod tests {
                 standouts(
                     context,
                     &rows,
-                    |_| calibrated,
+                    |_| calibrated.clone(),
                     if wrong_r0 > 0.0 { std::slice::from_ref(&model) } else { &[] },
                     &runs,
                 )

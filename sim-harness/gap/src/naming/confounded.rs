@@ -5,7 +5,7 @@ use crate::candidates::separates;
 use crate::config::CertaintyConfig;
 use crate::data::believed::Context;
 use crate::data::rows::Row;
-use crate::levels::Standout;
+use crate::levels::{More, Standout};
 use crate::named::Named;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{DavisError, Effect, EffectKind, PowerLimitSection, TractionScale};
@@ -46,15 +46,23 @@ fn few_dragging(measured: bool) -> (&'static str, &'static str) {
     }
 }
 
-/// Wrong coefficients of all runs may be those of one unit or driver of two, where the other has the described resistance.
+/// What all runs seem to have may be one unit's or one driver's: wrong coefficients, where the other of two has the described resistance, and whatever another mass changes, where
+/// a unit needs another effort.
 pub fn of_one_alone(all: &mut [Named], standouts: &[Standout], certainty: &CertaintyConfig) {
     let is_alone = |standout: &Standout| {
-        let of_other = standout.other.as_ref().map(|(_, described)| described.abs());
+        let other = standout.other.as_ref().filter(|_| standout.more == More::Resistance);
+        let of_other = other.map(|(_, described)| described.abs());
         of_other.is_some_and(|of_other| of_other < certainty.as_described * standout.share.value.abs())
     };
     if standouts.iter().any(is_alone) {
         for one in all.iter_mut().filter(|one| one.effect.kind() == EffectKind::DavisError) {
             one.or_else("one unit or driver alone", certainty.alone, "the runs of each by themselves");
+        }
+    }
+    const OF_MASS: [EffectKind; 3] = [EffectKind::DavisError, EffectKind::MassError, EffectKind::TractionScale];
+    if standouts.iter().any(|standout| standout.more == More::Effort) {
+        for one in all.iter_mut().filter(|one| OF_MASS.contains(&one.effect.kind())) {
+            one.or_else("another mass of one unit", certainty.confounded, "the runs of each unit by themselves");
         }
     }
 }
@@ -218,6 +226,7 @@ mod tests {
                 level: Level::Unit,
                 of: "u02".to_owned(),
                 runs: 15,
+                more: More::Resistance,
                 share: Figure { value: 0.16, sd: 0.01 },
                 described: 0.16 + of_other,
                 other: Some(("u01".to_owned(), of_other)),
