@@ -21,8 +21,14 @@ impl Candidate for This {
         }
     }
 
-    fn families(&self, _: &Offer<'_>) -> Vec<Family> {
-        vec![Family::Section(Term { of: &This, shape: Shape::Section([0.0; 2]) })]
+    /// Of a line without described gradients all may be one slope, too, which no section is long enough for.
+    fn families(&self, offer: &Offer<'_>) -> Vec<Family> {
+        let of = |section: [f64; 2]| Term { of: &This, shape: Shape::Section(section) };
+        let Context { surroundings, config, .. } = offer.context;
+        let beyond_m = config.interval.beyond_m + offer.context.believed.train().length_m();
+        let whole = surroundings.is_level.then(|| of([-beyond_m, surroundings.length_m + beyond_m]));
+        let whole = whole.map(|term| Family::Shapes(vec![term]));
+        [Family::Section(of([0.0; 2]))].into_iter().chain(whole).collect()
     }
 
     /// g/γ times the share of the train in the section, sign of the direction; coefficient m/m.
@@ -62,5 +68,46 @@ impl Candidate for This {
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         let [from_m, to_m] = hide.section_m;
         Some(json!({ "from_m": from_m, "to_m": to_m, "delta_permille": hide.sign * hide.of([2.0, 1.0, 0.5]) }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::believed::{Surroundings, tests::on_a_level_line};
+    use crate::noise::{calibrate::Calibrated, whitening::Noise};
+    use crate::search::fits::Search;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+    use rundown::model::direction::Direction;
+
+    /// What is found of 30 runs up and down a line of 60 km that is described as level, where a force acts against the `up` direction by a law of the speed, N/kg.
+    fn found(level: &Context<'_>, law: impl Fn(f64) -> f64) -> Vec<Term> {
+        let context = &Context { surroundings: &Surroundings { is_level: true, length_m: 60e3, ..Surroundings::default() }, ..*level };
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let row = |i: usize| {
+            let direction = [Direction::Up, Direction::Down][i / 60 % 2];
+            let speed_mps = rng.random_range(15.0..40.0);
+            let mut row = Row::coasting(direction, 900.0 * (i % 60) as f64, speed_mps);
+            row.interval.run = i / 60;
+            row.residual_n_per_kg = direction.sign() * law(speed_mps) + 0.005 * rng.sample::<f64, _>(StandardNormal);
+            row
+        };
+        let rows: Vec<Row> = (0..30 * 60).map(row).collect();
+        let noise = Noise { acceleration_mps2: 0.005, ..Noise::default() };
+        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+        Search::new(context, &rows, &calibrated, false).select()
+    }
+
+    #[test]
+    fn a_slope_of_a_whole_line_that_is_described_as_level_is_a_gradient_and_no_wind() {
+        on_a_level_line(30, |level| {
+            let (gravity, r2) = (level.believed.train().gravity_n_per_kg(), level.believed.train().davis().r2);
+            let slope = found(level, |_| 3e-3 * gravity);
+            assert!(matches!(&slope[..], [one] if one.is(EffectKind::GradientError)), "{slope:?}");
+            let wind = found(level, |speed_mps| 2.0 * r2 * 4.0 * speed_mps);
+            assert!(matches!(&wind[..], [one] if one.is(EffectKind::SteadyWind)), "{wind:?}");
+        });
     }
 }

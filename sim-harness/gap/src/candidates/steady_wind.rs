@@ -31,7 +31,8 @@ impl Candidate for This {
     }
 
     fn is_plausible(&self, size: &Size<'_>) -> bool {
-        size.often() > size.context.config.search.least_n_per_kg
+        let config = size.context.config;
+        size.beta[0].abs() <= config.certainty.most_wind_mps && size.often() > config.search.least_n_per_kg
     }
 
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {

@@ -73,7 +73,10 @@ fn rivals(effect: &Effect, gain: Option<f64>, wrong: &[[f64; 2]], naming: &Namin
         // Beside another mass, or what else changes r(v), a wind is no single rival.
         let wind = !naming.have().both_directions && is_like_wind(davis, naming);
         let wind = wind.then_some(EffectKind::SteadyWind);
-        return wind.into_iter().chain(gain.map(|_| EffectKind::MassError)).collect();
+        // Nor is a slope of the whole line another than r0, where none is described.
+        let slope = !naming.have().both_directions && naming.context.surroundings.is_level && davis.dr0 != 0.0;
+        let slope = slope.then_some(EffectKind::GradientError);
+        return slope.into_iter().chain(wind).chain(gain.map(|_| EffectKind::MassError)).collect();
     }
     if let Effect::PowerLimitSection(limit) = effect {
         let climbs = !naming.measured && may_climb([limit.from_m, limit.to_m], wrong, naming);
@@ -154,7 +157,7 @@ fn is_like_wind(davis: &DavisError, naming: &Naming<'_>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::believed::tests::on_a_hilly_line;
+    use crate::data::believed::{Surroundings, tests::on_a_hilly_line};
     use crate::levels::Level;
     use crate::readings::kinematics::Kinematics;
     use rundown::model::effects::{DraggingBrake, GradientError};
@@ -223,10 +226,10 @@ mod tests {
             let davis = DavisError { dr0: 2e-3, dr1: 0.0, dr2: 0.0 };
             let mut all = vec![Named::plain(davis.into(), Vec::new(), 40.0, 30.0)];
             let standout = Standout {
+                more: More::Resistance,
                 level: Level::Unit,
                 of: "u02".to_owned(),
                 runs: 15,
-                more: More::Resistance,
                 share: Figure { value: 0.16, sd: 0.01 },
                 described: 0.16 + of_other,
                 other: Some(("u01".to_owned(), of_other)),
@@ -257,6 +260,47 @@ mod tests {
             // Rows that scatter too much to know.
             assert!(may_drag(0.0, 2.0 * lacks));
         });
+    }
+
+    #[test]
+    fn another_r0_in_one_direction_may_be_a_slope_of_a_line_without_described_ones() {
+        on_a_hilly_line(20, |context| {
+            let kinematics = Kinematics::default();
+            let rivals_of = |is_level: bool, dr0: f64| {
+                let surroundings = Surroundings { is_level, ..Surroundings::default() };
+                let context = Context { surroundings: &surroundings, ..*context };
+                let davis = DavisError { dr0, dr1: 0.0, dr2: 1e-6 };
+                let mut all = vec![Named::plain(davis.into(), Vec::new(), 40.0, 30.0)];
+                confounded(&mut all, None, &Naming::plain(&context, &kinematics));
+                all[0].ambiguous_with.clone()
+            };
+            assert!(rivals_of(true, 5e-3).contains(&EffectKind::GradientError));
+            assert!(!rivals_of(false, 5e-3).contains(&EffectKind::GradientError));
+            assert!(!rivals_of(true, 0.0).contains(&EffectKind::GradientError));
+        });
+    }
+
+    #[test]
+    fn what_another_mass_of_one_unit_changes_may_be_that_mass() {
+        let certainty = CertaintyConfig::default();
+        let standout = |more: More| Standout {
+            more,
+            level: Level::Unit,
+            of: "u02".to_owned(),
+            runs: 15,
+            share: Figure { value: 0.1, sd: 0.01 },
+            described: 0.1,
+            other: Some(("u01".to_owned(), 0.08)),
+            p_value: 0.001,
+        };
+        let or_else = |more: More| {
+            let weak = TractionScale { factor: 0.95 };
+            let mut all = vec![Named::plain(weak.into(), Vec::new(), 40.0, 30.0)];
+            of_one_alone(&mut all, &[standout(more)], &certainty);
+            (all[0].or_else, all[0].confidence < 0.7)
+        };
+        assert_eq!(or_else(More::Effort), (Some("another mass of one unit"), true));
+        assert_eq!(or_else(More::Resistance), (None, false));
     }
 
     #[test]

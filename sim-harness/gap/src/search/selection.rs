@@ -7,6 +7,7 @@ use crate::candidate::{Family, Shape, Size, Term};
 use crate::fit::{Base, Gain, choices};
 use crate::noise::{dragging::RunScore, dragging_units::choice};
 use crate::search::{fits::Search, shape};
+use std::collections::BTreeMap;
 
 /// A term with what was found of it.
 #[derive(Clone, Debug)]
@@ -181,7 +182,23 @@ impl Search<'_> {
                 best = Some((value, runs));
             }
         }
+        let best = best.filter(|(_, runs)| !self.are_of_a_direction(runs));
         best.map(|(_, runs)| term.with(Shape::Runs(runs)))
+    }
+
+    /// Most runs of one direction and none of the other: what acts in them is a slope, or a wind.
+    fn are_of_a_direction(&self, runs: &[usize]) -> bool {
+        let mut of_each = BTreeMap::new();
+        for row in self.rows {
+            of_each.insert(row.interval.run, row.direction);
+        }
+        let mut directions = runs.iter().filter_map(|run| of_each.get(run));
+        let Some(first) = directions.next().filter(|first| directions.all(|other| other == *first)) else {
+            return false;
+        };
+        let of_first = of_each.values().filter(|direction| *direction == first).count();
+        let most = self.context.config.between_runs.most_dragging;
+        of_first < of_each.len() && runs.len() as f64 > most * of_first as f64
     }
 
     pub fn select(&self) -> Vec<Term> {
