@@ -365,6 +365,8 @@ pub struct Fitted {
     pub shape: Option<ShapeLimits>,
     /// Others that would do nearly as well in its place, with how much worse they are.
     pub rivals: Vec<(Term, f64)>,
+    /// Without an effort column: drivers who brake lightly on descents would show it as well.
+    pub may_be_brakes: bool,
 }
 
 impl Fitted {
@@ -372,7 +374,17 @@ impl Fitted {
     #[cfg(test)]
     pub(crate) fn certain(term: Term, beta: Vec<f64>) -> Self {
         let sd = vec![0.0; beta.len()];
-        Self { term, beta, sd, gain: 0.0, dispersion: 1.0, section: None, shape: None, rivals: Vec::new() }
+        Self {
+            term,
+            beta,
+            sd,
+            gain: 0.0,
+            dispersion: 1.0,
+            section: None,
+            shape: None,
+            rivals: Vec::new(),
+            may_be_brakes: false,
+        }
     }
 
     /// The value of the first coefficient in a unit, and its 95 % interval; that of a coefficient whose section may be another is a share of it.

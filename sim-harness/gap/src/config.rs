@@ -256,6 +256,7 @@ settings! {
         longest_share: f64 = 0.4, /// Longest section, as a share of the line. Judgement: more is no matter of place.
         against: f64 = -3.0, /// A part of the rows in which a term makes the fit worse by more contradicts it, log-likelihood. Derived: with a true effect, about one part in a hundred.
         braking_n_per_kg: f64 = -0.02, /// A part contradicts, or supports, by rows with a measured effort above this: drivers brake at the same places in each run, N/kg. Judgement.
+        descends_n_per_kg: f64 = 2e-3, /// A line descends where its described slope, mean under the path of an interval, takes more than this off the load, N/kg. Derived: 0.2 permille, the least that is named in a section.
         acting: f64 = 0.1, /// A term acts where it adds more than this share of the most that it adds. Judgement.
         held_mps2: f64 = 0.02, /// A speed that changes by less is held, m/s². Judgement.
     }

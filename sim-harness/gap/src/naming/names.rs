@@ -86,6 +86,9 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
     named.would_separate = would_separate;
     named.term = Some(index);
     named.runs = fitted.term.shape.runs().iter().map(|i| naming.runs[*i].clone()).collect();
+    if fitted.may_be_brakes {
+        named.or_else("light brakes on descents", certainty.confounded, candidates::EFFORT);
+    }
     Some(named)
 }
 

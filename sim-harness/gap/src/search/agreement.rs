@@ -46,11 +46,7 @@ impl Search<'_> {
         if splits.is_empty() && !term.by_place() {
             return true;
         }
-        let mut explained = DVector::zeros(base.residual.len());
-        for (column, beta) in self.white(term).iter().zip(beta) {
-            explained += base.beside(column) * *beta;
-        }
-        let gains = base.residual.component_mul(&explained) - 0.5 * explained.component_mul(&explained);
+        let gains = self.gains(base, term, beta);
         let sum = |wanted: &dyn Fn(usize) -> bool| -> f64 {
             let gains = gains.iter().enumerate();
             gains.filter(|(i, _)| wanted(*i)).map(|(_, g)| g).sum()
@@ -74,6 +70,35 @@ impl Search<'_> {
     }
 }
 
+impl Search<'_> {
+    /// What each row gains by a term with these coefficients.
+    fn gains(&self, base: &Base, term: &Term, beta: &[f64]) -> DVector<f64> {
+        let mut explained = DVector::zeros(base.residual.len());
+        for (column, beta) in self.white(term).iter().zip(beta) {
+            explained += base.beside(column) * *beta;
+        }
+        base.residual.component_mul(&explained) - 0.5 * explained.component_mul(&explained)
+    }
+
+    /// Whether a term may be light brakes: without an effort column more resistance on a described descent is a driver who holds the speed there, unless the other rows
+    /// show the term as well.
+    pub fn may_be_brakes(&self, base: &Base, term: &Term, beta: &[f64]) -> bool {
+        let config = &self.context.config.search;
+        let extra = term.extra(beta, self.context, self.rows);
+        let is_braked = |(row, extra): (&Row, f64)| {
+            let line = self.context.believed.line(row.direction);
+            let slope = row.interval.mean(|p| line.gradient_n_per_kg(p.location_m));
+            row.interval.effort_n_per_kg.is_none() && extra > 0.0 && slope < -config.descends_n_per_kg
+        };
+        let most = extra.iter().fold(0.0, |most, e| f64::max(most, e.abs()));
+        let acts = |i: &usize| extra[*i].abs() > config.acting * most;
+        let (braked, others): (Vec<usize>, Vec<usize>) =
+            (0..extra.len()).filter(acts).partition(|i| is_braked((&self.rows[*i], extra[*i])));
+        let gains = self.gains(base, term, beta);
+        !braked.is_empty() && others.into_iter().map(|i| gains[i]).sum::<f64>() < config.enough
+    }
+}
+
 /// A driver could have forged what this row shows. `extra`: the resistance that the term adds in it, N/kg.
 fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>, config: &SearchConfig) -> bool {
     let Some(effort) = row.interval.effort_n_per_kg else {
@@ -88,6 +113,8 @@ fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>, config: &SearchC
 mod tests {
     use super::*;
     use crate::candidates;
+    use crate::data::believed::tests::on_a_hilly_line;
+    use crate::noise::{calibrate::Calibrated, whitening::Noise};
     use rundown::model::effects::EffectKind;
     use rundown::model::track::{Gradient, Track};
     use rundown::model::train::{Train, TrainDescription};
@@ -111,6 +138,38 @@ mod tests {
         assert!(weak(Direction::Up, 2_000.0, -0.02) && !weak(Direction::Up, 2_000.0, 0.02));
         assert!(weak(Direction::Up, 7_000.0, -0.02) && !weak(Direction::Up, 7_000.0, 0.02));
         assert!(weak(Direction::Down, 7_000.0, 0.02) && !weak(Direction::Down, 7_000.0, -0.02));
+    }
+
+    #[test]
+    fn a_gradient_that_only_descending_coasts_show_may_be_light_brakes() {
+        on_a_hilly_line(30, |context| {
+            let may_be_brakes = |climbing_n_per_kg: f64, effort_n_per_kg: Option<f64>| {
+                let row = |i: usize| {
+                    let direction = [Direction::Up, Direction::Down][i / 20 % 2];
+                    let mut row = Row::coasting(direction, 500.0 + 1_000.0 * (i % 20) as f64, 30.0);
+                    row.interval.run = i / 20;
+                    row.interval.begin_s = 20.0 * i as f64;
+                    row.interval.effort_n_per_kg = effort_n_per_kg;
+                    // Up the line km 5 falls by 3 permille.
+                    if i % 20 == 5 {
+                        row.residual_n_per_kg = if direction == Direction::Up { 0.02 } else { climbing_n_per_kg };
+                    }
+                    row
+                };
+                let rows: Vec<Row> = (0..30 * 20).map(row).collect();
+                let noise = Noise { acceleration_mps2: 0.004, ..Noise::default() };
+                let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+                let search = Search::new(context, &rows, &calibrated, effort_n_per_kg.is_some());
+                let shape = Shape::Section([5_000.0, 6_000.0]);
+                let term = Term { of: candidates::of(EffectKind::GradientError), shape };
+                let base = search.base(&[]).unwrap();
+                let beta = search.gain(&base, &term).unwrap().beta[0];
+                search.may_be_brakes(&base, &term, &[beta])
+            };
+            assert!(may_be_brakes(0.0, None));
+            // Trains that climb there show the same slope, or a column shows that nobody brakes.
+            assert!(!may_be_brakes(-0.02, None) && !may_be_brakes(0.0, Some(0.0)));
+        });
     }
 
     #[test]

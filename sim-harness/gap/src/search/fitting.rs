@@ -38,12 +38,15 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
         let sd: Vec<f64> = sd.collect();
         let half = HALF_95 * sd.first().copied().unwrap_or(0.0);
         let beta: Vec<f64> = range.map(|i| base.beta[i]).collect();
+        let beside = search.base(&others);
+        let adds = if term.is_whole() { &[1.0][..] } else { &beta };
         Fitted {
             term: term.clone(),
             sd,
             gain: same.first().map_or(0.0, |found| found.gain.gain),
             dispersion,
-            shape: search.base(&others).and_then(|beside| shape::limits(&beside, search, term, half)),
+            shape: beside.as_ref().and_then(|beside| shape::limits(beside, search, term, half)),
+            may_be_brakes: beside.is_some_and(|beside| search.may_be_brakes(&beside, term, adds)),
             section: search.section(&others, term, half, beta.first().copied().unwrap_or(1.0)),
             rivals: rivals.into_iter().filter_map(rival).collect(),
             beta,
