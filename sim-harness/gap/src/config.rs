@@ -267,7 +267,8 @@ settings! {
         halves_apart: f64 = 0.5, /// Halves that differ by no more than this share of the effect show the same, however sure they are. Judgement: a law that is not quite the true one, readings that differ by direction.
         telling_half: f64 = 0.5, /// A half whose standard deviation is a smaller share of the effect could show it. Judgement.
         law: f64 = 0.01, /// A law is as good as this share of its coefficient, whatever the noise. Measured: means over 10 s, the path between readings.
-        chosen: f64 = 0.05, /// How much further the limits of another length reach where only some runs have it, share of the difference. Measured: errors of a tenth of it where one direction is driven.
+        chosen: f64 = 0.05, /// How much further the limits of another length reach where only some runs have it, share of the difference. Measured.
+        chosen_one_way: f64 = 0.15, /// The same where all runs go in one direction, and locations that are off look like a part of it. Measured: an error of 0.14 of it beside locations that were 60 m off.
         described: f64 = 0.1, /// How well a Davis coefficient is described that is left as it is, as a share of it. Judgement.
         nothing_n_per_kg: f64 = 1e-4, /// A dependence up to this is none: what rounding and the reading of the sensors leave, N/kg. Measured.
         near: f64 = 3.0, /// A rival within this log-likelihood is not distinguishable. Derived: odds of 20.

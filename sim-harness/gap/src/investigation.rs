@@ -23,7 +23,8 @@ use crate::naming::{
 };
 use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
 use crate::readings::kinematics::{own_scales, scaled_recorders};
-use crate::readings::nuisances::{self, Nuisance, nuisances, righted};
+use crate::readings::nuisances::{self, Nuisance, Readings, nuisances, righted};
+use crate::readings::offset::of_the_others;
 use crate::readings::wheels::{Wheel, put_right, wheels};
 use crate::traction::halves::halves;
 use crate::trial::Trial;
@@ -103,11 +104,12 @@ pub fn investigate(
     };
     progress("readings of all runs: the age of the effort, the zero of the locations");
     let (righted, readings) = righted(&Context { conditions: Conditions::of(runs), ..*given }, runs);
-    let (runs, effort) = (righted.as_slice(), readings.effort.reading);
     progress("where and what: all runs");
-    let Some(Settled { findings, mut named, mut candidates }) = settled(given, runs, effort) else {
+    let Some((found, righted, readings)) = beside_lengths(given, righted, readings) else {
         return Ok(None);
     };
+    let Settled { findings, mut named, mut candidates } = found;
+    let (runs, effort) = (righted.as_slice(), readings.effort.reading);
     let context = &Context { conditions: findings.conditions, ..*given };
     let (units, others) = scaled_units(runs, config).into_iter().partition(|one| stands(&one.trial, config));
     for (all, wheels, units) in [(&mut named, wheels, units), (&mut candidates, doubted, others)] {
@@ -215,6 +217,19 @@ fn settled(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Option<S
         }
         selected.leave_out(&by_chance);
     }
+}
+
+/// Analyses runs that were put right, and once more where the offset of the locations turns out to be another beside runs of another length. With the runs and readings
+/// of which it is. `None`: see [`analyse`].
+fn beside_lengths(given: &Context<'_>, runs: Vec<Run>, readings: Readings) -> Option<(Settled, Vec<Run>, Readings)> {
+    let effort = readings.effort.reading;
+    let found = settled(given, &runs, effort)?;
+    let Findings { rows, terms, measured, conditions, .. } = &found.findings;
+    let context = &Context { conditions: *conditions, ..*given };
+    let left = of_the_others(context, rows, terms, *measured);
+    let moved = left.and_then(|left| nuisances::further(context, &runs, &readings, left));
+    let again = moved.and_then(|(runs, readings)| Some((settled(given, &runs, effort)?, runs, readings)));
+    again.or(Some((found, runs, readings)))
 }
 
 /// What was found, by name, what is but a candidate, and the terms that are no more than chance; nothing of it lies beyond the ends of the line.

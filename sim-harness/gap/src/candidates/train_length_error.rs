@@ -63,7 +63,12 @@ impl Candidate for This {
         let true_length_m = fitted.term.shape.number();
         // Where only some runs have it, which these are has been chosen by it, and the lag of the locations of all was, too.
         let apart_m = (true_length_m - naming.context.believed.train().length_m()).abs();
-        let chosen = if fitted.term.shape.runs().is_empty() { 0.0 } else { naming.context.config.certainty.chosen };
+        let certainty = &naming.context.config.certainty;
+        let chosen = match (fitted.term.shape.runs().is_empty(), naming.have().both_directions) {
+            (true, _) => 0.0,
+            (false, true) => certainty.chosen,
+            (false, false) => certainty.chosen_one_way,
+        };
         let more_m = chosen * apart_m;
         let interval = fitted.shape.map(|limits| ("true_length_m", limits.shape.0 - more_m, limits.shape.1 + more_m));
         Some((TrainLengthError { true_length_m }.into(), interval.into_iter().collect()))

@@ -86,6 +86,15 @@ fn in_place(context: &Context<'_>, runs: &[Run], offset: Option<Offset>) -> Vec<
     off_m.map_or_else(|| runs.to_vec(), |off_m| offset::put_right(runs, off_m.value))
 }
 
+/// The runs put right by what is left of an offset, and all that was put right; none where nothing is left. `left`: of runs that were put right.
+pub fn further(context: &Context<'_>, runs: &[Run], readings: &Readings, left: Offset) -> Option<(Vec<Run>, Readings)> {
+    let (nuisance, enough) = (&context.config.nuisance, context.config.search.enough);
+    let off_m = left.matters(nuisance, enough)?;
+    let before = readings.offset.filter(|before| before.matters(nuisance, enough).is_some());
+    let offset = Some(before.map_or(left, |before| before.and(left)));
+    Some((offset::put_right(runs, off_m.value), Readings { offset, ..*readings }))
+}
+
 /// A gain of the effort column that is neither small nor unsure.
 pub fn is_told(gain: Figure, config: &GapConfig) -> bool {
     gain.value.abs() > config.nuisance.least_gain && gain.away_from(0.0) > config.nuisance.sure
@@ -110,7 +119,7 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
         let told = offset.matters(nuisance, enough).is_some();
         let rival = told && offset.may_be_length(config.certainty.near);
         let ambiguous_with = rival.then_some(EffectKind::TrainLengthError).into_iter().collect();
-        Nuisance { ambiguous_with, ..one("location_offset", "m", offset.offset_m, told) }
+        Nuisance { ambiguous_with, ..one("location_offset", "m", offset.of_each(), told) }
     });
     [gain, brakes, delay, offset].into_iter().flatten().collect()
 }

@@ -6,9 +6,9 @@
 //! gradient may begin elsewhere than described, so parts of the line must agree: their scatter is in the standard deviation. Another length of the train moves the
 //! gradients against the direction of travel; in one direction alone it looks the same.
 
-use crate::candidate::{Family, Offer, Shape, Term};
+use crate::candidate::{Family, Fitted, Offer, Shape, Term};
 use crate::candidates::{self, sensors};
-use crate::columns::in_the_middle;
+use crate::columns::{both_directions, in_the_middle};
 use crate::config::{NuisanceConfig, SearchConfig};
 use crate::data::believed::{Context, load_at};
 use crate::data::interval::Point;
@@ -27,6 +27,8 @@ pub struct Offset {
     pub offset_m: Figure,
     /// Spread of the offsets of single runs, m: half of them with another length of the train have one, too, and the others none.
     between_m: f64,
+    /// Runs of both directions: another length moves the gradients in each its own way, and is no part of the offset.
+    both_directions: bool,
     /// Log-likelihood over none, less that of the prior.
     pub gain: f64,
     /// What another length of the train brings instead.
@@ -48,7 +50,13 @@ impl Offset {
     /// With what was left when that had been put right.
     pub fn and(self, rest: Self) -> Self {
         let value = self.offset_m.value + rest.offset_m.value;
-        Self { offset_m: Figure { value, ..rest.offset_m }, ..self }
+        Self { offset_m: Figure { value, ..rest.offset_m }, between_m: rest.between_m, ..self }
+    }
+
+    /// With a standard deviation that reaches to single runs where all go in one direction: of trains of two lengths it may be the offset of either.
+    pub fn of_each(&self) -> Figure {
+        let Figure { value, sd } = self.offset_m;
+        Figure { value, sd: if self.both_directions { sd } else { sd.hypot(self.between_m) } }
     }
 
     /// Another length would do nearly as well, if it were as common.
@@ -125,7 +133,25 @@ pub fn offset(context: &Context<'_>, rows: &[Row], measured: bool) -> Option<Off
     let sd = (scatter.sqrt().max(information.sqrt()) / information).max((square / weight).sqrt());
     let (length_gain, length_penalty) = length_gain(&Offer { context, rows, measured }, &left, none)?;
     let between_m = between.max(0.0).sqrt();
-    Some(Offset { offset_m: Figure { value, sd }, between_m, gain: none - loss(value), length_gain, length_penalty })
+    let both_directions = both_directions(rows);
+    Some(Offset {
+        offset_m: Figure { value, sd },
+        between_m,
+        both_directions,
+        gain: none - loss(value),
+        length_gain,
+        length_penalty,
+    })
+}
+
+/// Beside runs that are found to have another length the offset is that of the others, whose train is as described: that of all runs has a part of the length in it. None
+/// where no runs have one.
+pub fn of_the_others(context: &Context<'_>, rows: &[Row], terms: &[Fitted], measured: bool) -> Option<Offset> {
+    let length = terms.iter().find(|fitted| fitted.term.is(EffectKind::TrainLengthError))?;
+    let runs = length.term.shape.runs();
+    let is_other = |row: &&Row| !runs.is_empty() && !runs.contains(&row.interval.run);
+    let rows: Vec<Row> = rows.iter().filter(is_other).cloned().collect();
+    Some(Offset { length_gain: 0.0, length_penalty: 0.0, ..offset(context, &rows, measured)? })
 }
 
 /// In which part of the line each row lies, the parts equally filled.
@@ -176,41 +202,75 @@ mod tests {
 
     /// The same with an offset and a stretch for each run, and these directions by turns.
     fn found_of(of_run: &dyn Fn(usize) -> (f64, f64), directions: &[Direction], seed: u64) -> (Offset, bool) {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         on_a_hilly_line(40, |context| {
-            let train = context.believed.train();
-            let gravity = train.gravity_n_per_kg();
-            let mut rows = Vec::new();
-            for run in 0..40 {
-                let direction = directions[run % directions.len()];
-                let (offset_m, stretch_m) = of_run(run);
-                let speed_mps = rng.random_range(20.0..40.0);
-                let track = context.believed.line(direction).track;
-                for i in 0..60 {
-                    let mut row = Row::coasting(direction, 0.0, speed_mps);
-                    let begin_m = 500.0 * f64::from(i);
-                    for (k, point) in row.interval.path.iter_mut().enumerate() {
-                        point.location_m = begin_m + direction.sign() * speed_mps * k as f64;
-                    }
-                    // Nobody holds this speed.
-                    row.interval.speed_mps[1] += 0.5;
-                    row.interval.run = run;
-                    row.interval.begin_s = 20.0 * f64::from(i);
-                    row.effort_n_per_kg = rng.random_range(-0.1..0.2);
-                    row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
-                    let length_m = train.length_m() + stretch_m;
-                    let g = |p: &Point| gravity * track.mean_gradient(p.location_m - offset_m, length_m, direction);
-                    let here =
-                        gravity * row.interval.mean(|p| track.mean_gradient(p.location_m, train.length_m(), direction));
-                    let noise: f64 = StandardNormal.sample(&mut rng);
-                    row.residual_n_per_kg = row.interval.mean(g) - here + 0.01 * noise;
-                    rows.push(row);
-                }
-            }
-            let found = offset(context, &rows, true).unwrap();
+            let found = offset(context, &rows_of(context, of_run, directions, (seed, 0.01)), true).unwrap();
             let told = found.matters(&context.config.nuisance, context.config.search.enough).is_some();
             (found, told)
         })
+    }
+
+    /// The rows of these runs. `random`: seed and standard deviation of the noise, N/kg.
+    fn rows_of(
+        context: &Context<'_>,
+        of_run: &dyn Fn(usize) -> (f64, f64),
+        directions: &[Direction],
+        (seed, noise_n_per_kg): (u64, f64),
+    ) -> Vec<Row> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let train = context.believed.train();
+        let gravity = train.gravity_n_per_kg();
+        let mut rows = Vec::new();
+        for run in 0..40 {
+            let direction = directions[run % directions.len()];
+            let (offset_m, stretch_m) = of_run(run);
+            let speed_mps = rng.random_range(20.0..40.0);
+            let track = context.believed.line(direction).track;
+            for i in 0..60 {
+                let mut row = Row::coasting(direction, 0.0, speed_mps);
+                let begin_m = 500.0 * f64::from(i);
+                for (k, point) in row.interval.path.iter_mut().enumerate() {
+                    point.location_m = begin_m + direction.sign() * speed_mps * k as f64;
+                }
+                // Nobody holds this speed.
+                row.interval.speed_mps[1] += 0.5;
+                row.interval.run = run;
+                row.interval.begin_s = 20.0 * f64::from(i);
+                row.effort_n_per_kg = rng.random_range(-0.1..0.2);
+                row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
+                let length_m = train.length_m() + stretch_m;
+                let g = |p: &Point| gravity * track.mean_gradient(p.location_m - offset_m, length_m, direction);
+                let here =
+                    gravity * row.interval.mean(|p| track.mean_gradient(p.location_m, train.length_m(), direction));
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.residual_n_per_kg = row.interval.mean(g) - here + noise_n_per_kg * noise;
+                rows.push(row);
+            }
+        }
+        rows
+    }
+
+    #[test]
+    fn beside_runs_of_another_length_the_offset_is_that_of_the_others() {
+        on_a_hilly_line(40, |context| {
+            for seed in 40..43 {
+                let rows = rows_of(
+                    context,
+                    &|run| (60.0, if run % 2 == 0 { 150.0 } else { 0.0 }),
+                    &[Direction::Up],
+                    (seed, 0.003),
+                );
+                let of = candidates::of(EffectKind::TrainLengthError);
+                let length_m = context.believed.train().length_m() + 150.0;
+                let term = Term { of, shape: Shape::NumberInRuns(length_m, (0..40).step_by(2).collect()) };
+                let others = of_the_others(context, &rows, &[Fitted::certain(term, Vec::new())], true).unwrap();
+                let error_m = |offset: &Offset| (offset.offset_m.value - 60.0).abs();
+                assert!(error_m(&others) < 15.0, "{others:?}");
+                // That of all has a part of the length in it, and says so.
+                let all = offset(context, &rows, true).unwrap();
+                assert!(error_m(&all) > 20.0 && error_m(&all) < 2.0 * all.of_each().sd, "{all:?}");
+                assert!(of_the_others(context, &rows, &[], true).is_none());
+            }
+        });
     }
 
     #[test]
