@@ -97,6 +97,21 @@ fn beyond_places((model, beta): (&[Term], &[f64])) -> (Vec<Term>, Vec<f64>) {
     kept
 }
 
+/// Rows with others that coast on both sides: at the ends of coasts there is a rest of what was before or comes after, at the same places in all runs, and no single
+/// row shows it. All of them, where fewer than `few` would be left.
+fn within_coasts(rows: Vec<Row>, few: usize) -> Vec<Row> {
+    let goes_on = |pair: &[Row]| {
+        let [a, b] = [&pair[0].interval, &pair[1].interval];
+        a.run == b.run && (b.begin_s - a.begin_s - a.dt_s).abs() < 0.5 * a.dt_s
+    };
+    let inner: Vec<Row> = rows
+        .windows(3)
+        .filter(|three| goes_on(&three[..2]) && goes_on(&three[1..]))
+        .map(|three| three[1].clone())
+        .collect();
+    if inner.len() < few { rows } else { inner }
+}
+
 impl Looked<'_> {
     fn each(&self) -> impl Iterator<Item = (&Run, &Vec<Interval>)> {
         self.runs.iter().zip(self.cut)
@@ -117,7 +132,8 @@ impl Looked<'_> {
             let rows = intervals.iter().zip(efforts).filter_map(|(i, effort)| Row::new(line, i, effort, config));
             rows.collect::<Vec<_>>()
         };
-        self.each().zip(efforts).flat_map(of_run).collect()
+        let rows = self.each().zip(efforts).flat_map(of_run).collect();
+        if self.measured { rows } else { within_coasts(rows, context.config.search.few_rows) }
     }
 
     /// Which intervals coasted.
@@ -188,5 +204,27 @@ impl Looked<'_> {
             (powering.into_iter().map(rounded).collect(), traction(line.train, run, self.effort))
         };
         self.each().enumerate().map(of_run).unzip()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::model::direction::Direction;
+
+    #[test]
+    fn the_ends_of_coasts_do_not_count_where_enough_is_left() {
+        let row = |i: usize| {
+            let mut row = Row::coasting(Direction::Up, 0.0, 25.0);
+            // Coasts of four intervals, then two that are none.
+            row.interval.begin_s = (10 * (i + 2 * (i / 4))) as f64;
+            row.interval.run = i / 8;
+            row
+        };
+        let rows: Vec<Row> = (0..16).map(row).collect();
+        let inner = within_coasts(rows.clone(), 8);
+        let at = |row: &Row| rows.iter().position(|other| other.interval == row.interval);
+        assert_eq!(inner.iter().filter_map(at).collect::<Vec<_>>(), [1, 2, 5, 6, 9, 10, 13, 14]);
+        assert_eq!(within_coasts(rows, 9).len(), 16);
     }
 }

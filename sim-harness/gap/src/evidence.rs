@@ -91,17 +91,6 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
     if rows.is_empty() {
         return (Vec::new(), 1.0);
     }
-    let inner = within_coasts(rows);
-    if inner.len() < rows.len() && inner.len() >= context.config.search.few_rows {
-        let spread = inner.iter().filter_map(|i| calibrated.spread.get(*i).copied()).collect();
-        let rows: Vec<Row> = inner.into_iter().map(|i| rows[i].clone()).collect();
-        return along_all(context, &rows, &Calibrated { spread, ..calibrated.clone() });
-    }
-    along_all(context, rows, calibrated)
-}
-
-/// The same of these rows.
-fn along_all(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> (Vec<Evidence>, f64) {
     let config = &context.config.evidence;
     let ground = Ground::of_probes(context, rows, calibrated);
     let probes = probes(&ground, config);
@@ -130,20 +119,6 @@ fn along_all(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> (V
     }
     all.sort_by(|a, b| b.score.total_cmp(&a.score));
     (all, p(0..probes.len()))
-}
-
-/// Without efforts: rows with others that coast on both sides, for at the ends of coasts there is a rest of what was before or comes after, at the same
-/// places in all runs. With efforts all rows.
-fn within_coasts(rows: &[Row]) -> Vec<usize> {
-    if rows.iter().any(|row| row.effort_n_per_kg != 0.0) {
-        return (0..rows.len()).collect();
-    }
-    let goes_on = |[before, after]: [&Row; 2]| {
-        let [a, b] = [&before.interval, &after.interval];
-        a.run == b.run && (b.begin_s - a.begin_s - a.dt_s).abs() < 0.5 * a.dt_s
-    };
-    let is_inner = |i: &usize| goes_on([&rows[i - 1], &rows[*i]]) && goes_on([&rows[*i], &rows[i + 1]]);
-    (1..rows.len().saturating_sub(1)).filter(is_inner).collect()
 }
 
 /// A probe, along what, and where it stands.
@@ -215,20 +190,6 @@ mod tests {
     fn a_brake_that_works_between_two_readings_in_all_runs_alike_is_no_gap() {
         let low = (0..20).filter(|seed| p_value(*seed, |_, brakes| if brakes { 0.05 } else { 0.0 }) < 0.05).count();
         assert!(low <= 4, "{low} of 20");
-    }
-
-    #[test]
-    fn of_coasts_without_efforts_the_ends_do_not_count() {
-        let row = |i: usize, effort_n_per_kg: f64| {
-            let mut row = Row::coasting(Direction::Up, 0.0, 25.0);
-            // Coasts of four intervals, then two that are none.
-            row.interval.begin_s = (10 * (i + 2 * (i / 4))) as f64;
-            row.interval.run = i / 8;
-            Row { effort_n_per_kg, ..row }
-        };
-        let rows = |effort: f64| -> Vec<Row> { (0..16).map(|i| row(i, effort)).collect() };
-        assert_eq!(within_coasts(&rows(0.0)), [1, 2, 5, 6, 9, 10, 13, 14]);
-        assert_eq!(within_coasts(&rows(0.1)).len(), 16);
     }
 
     #[test]
