@@ -133,7 +133,7 @@ fn examined(
         let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.is_usable());
         let mut coasts = Coasts::default();
         usable.for_each(|(recording, _)| coasts.add(std::slice::from_ref(recording), &train));
-        found.gradients = coasts.doubt(&train, &core, track.gradient_sd_permille());
+        (found.gradients, found.resistance) = coasts.doubts(&train, &core, track.gradient_sd_permille());
     }
     Ok((Checked { found, failed, notes, warnings }, Logs { recorded, right: recordings, inputs }))
 }
@@ -257,9 +257,22 @@ pub const FIELDS: &[[&str; 4]] = &[
         "as `gradient_doubt` of `replay.json`, without `shift_m`",
         "they do not look wrong, or train and track were not given: `gradients` is null",
     ],
+    [
+        "resistance.conversion",
+        "",
+        "what the described Davis coefficients look like, and what makes them right",
+        NO_UNITS,
+    ],
+    ["resistance.ratio", "", "mean resistance of the coasted stretches over the described one", NO_UNITS],
+    ["resistance.sd_n_per_kg", "N/kg", "scatter of coasted stretches of 20 s if it is so", NO_UNITS],
+    ["resistance.log_likelihood", "", "its log-likelihood less that of the description", NO_UNITS],
+    ["resistance.z", "", "standard errors over the places of the line by which it is better", NO_UNITS],
+    ["resistance.stretches", "", "coasted stretches", NO_UNITS],
     ["failed[].file", "", "a log that cannot be read", ""],
     ["failed[].errors[]", "", "why", ""],
 ];
+
+const NO_UNITS: &str = "they do not look as if in other units, or train and track were not given: `resistance` is null";
 
 /// The word of JSON.
 fn word(value: &impl Serialize) -> String {
@@ -316,7 +329,8 @@ fn of_all(found: &Check) -> impl Iterator<Item = String> {
     let (count, all) = (found.not_compared, found.runs.len());
     let not_compared =
         || format!("{count} of {all} runs: perturbed ones not recognised, as fewer than 5 others pass or most differ");
-    (count > 0).then(not_compared).into_iter().chain(found.gradients.map(|doubt| doubt.to_string()))
+    let doubts = [found.gradients.map(|doubt| doubt.to_string()), found.resistance.map(|doubt| doubt.to_string())];
+    (count > 0).then(not_compared).into_iter().chain(doubts.into_iter().flatten())
 }
 
 /// How many of all logs cannot be read, and the first of them.

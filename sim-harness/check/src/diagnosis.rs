@@ -113,6 +113,8 @@ pub struct Check {
     pub not_compared: usize,
     /// The described gradients look wrong. None where they do not, or where train and track were not given.
     pub gradients: Option<gradients::Doubt>,
+    /// The described resistance looks as if it were in other units. None as above.
+    pub resistance: Option<gradients::OtherUnits>,
 }
 
 /// Findings of single runs that [`Check::notes`] has.

@@ -71,8 +71,9 @@ impl Described {
         let Loaded { runs, recordings, check, notes, first_left_out } = loaded;
         let mut coasts = Coasts::default();
         coasts.add(&recordings, &train);
-        let gradient_doubt = coasts.doubt(&train, &track, track_file.gradient_sd_permille());
+        let (gradient_doubt, units) = coasts.doubts(&train, &track, track_file.gradient_sd_permille());
         let doubt = gradient_doubt.map(|doubt| format!("{doubt}; the gap is then theirs"));
+        let units = units.map(|units| format!("{units}; the gap is then its"));
         let is_read = |name: &str| names.iter().any(|one| one == name);
         let of_no_run = effect_file::of_no_run(&train_file.effect, &track_file.effect, is_read);
         Input {
@@ -89,7 +90,7 @@ impl Described {
             dataset,
             gradient_doubt,
             provenance,
-            notes: notes.into_iter().chain(of_no_run).chain(doubt).collect(),
+            notes: notes.into_iter().chain(of_no_run).chain(doubt).chain(units).collect(),
         }
     }
 }

@@ -10,6 +10,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::tick::foresight::Trust;
 use rundown::tick::memory::SHORT_HOPS_SD;
+use rundown_check::gradients::{CONVERSIONS, converted};
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::Learned;
 use std::collections::BTreeMap;
@@ -30,19 +31,6 @@ const FEW_COASTS: f64 = 8.0;
 
 /// From this share on, what short hops taught is worth a word.
 const MANY_HOPS: f64 = 0.5;
-
-/// By what described coefficients have to be multiplied if they were written in other units.
-const CONVERSIONS: [(&str, [f64; 3]); 6] = [
-    ("r1 and r2 per km/h and (km/h)²: r1 x 3.6, r2 x 12.96", [1.0, 3.6, 12.96]),
-    (
-        "r1 and r2 multiplied by 3.6 and 12.96 although they were per m/s: r1 / 3.6, r2 / 12.96",
-        [1.0, 1.0 / 3.6, 1.0 / 12.96],
-    ),
-    ("r2 a hundred times too large: r2 / 100", [1.0, 1.0, 0.01]),
-    ("r2 a hundred times too small: r2 x 100", [1.0, 1.0, 100.0]),
-    ("N/t in place of N/kg: all / 1000", [1e-3; 3]),
-    ("kN/kg in place of N/kg: all x 1000", [1e3; 3]),
-];
 
 /// A vehicle after a run.
 #[derive(Debug)]
@@ -113,7 +101,7 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
         ));
     }
     let away = deviations(estimator, &after.davis);
-    let described = Off::of(&estimator.train().davis(), after, [1.0; 3]);
+    let described = Off::of(&estimator.train().davis(), after);
     let nearest = Off::nearest(&estimator.train().davis(), after);
     if away > FAR {
         let hint = nearest.filter(|(_, off)| off.rms < NEARER * described.rms);
@@ -149,12 +137,12 @@ struct Off {
 }
 
 impl Off {
-    /// From the description with these factors on its coefficients.
-    fn of(described: &Davis, after: &After, factors: [f64; 3]) -> Self {
+    /// From this description.
+    fn of(described: &Davis, after: &After) -> Self {
         let Range { start, end } = after.taught_mps;
         let ratio = |v: f64| {
-            let converted = described.r0 * factors[0] + v * (described.r1 * factors[1] + v * described.r2 * factors[2]);
-            (Vector3::new(1.0, v, v * v).dot(&after.davis.mean) / converted).max(f64::MIN_POSITIVE)
+            let learned = Vector3::new(1.0, v, v * v).dot(&after.davis.mean);
+            (learned / described.resistance_n_per_kg(v)).max(f64::MIN_POSITIVE)
         };
         let squares = [start, 0.5 * (start + end), end].map(|v| ratio(v).ln().powi(2));
         Self { rms: (squares.iter().sum::<f64>() / 3.0).sqrt(), fastest: ratio(end) }
@@ -162,7 +150,8 @@ impl Off {
 
     /// From the conversion of the description that is nearest to what was learned.
     fn nearest(described: &Davis, after: &After) -> Option<(&'static str, Self)> {
-        let tried = CONVERSIONS.into_iter().map(|(words, factors)| (words, Self::of(described, after, factors)));
+        let tried =
+            CONVERSIONS.into_iter().map(|(words, factors)| (words, Self::of(&converted(described, factors), after)));
         tried.min_by(|a, b| a.1.rms.total_cmp(&b.1.rms))
     }
 
@@ -189,7 +178,7 @@ mod tests {
             taught_mps: 10.0 / 3.6..50.0 / 3.6,
         };
         let (words, off) = Off::nearest(&described, &after)?;
-        off.may_be_units(&Off::of(&described, &after, [1.0; 3])).then_some(words)
+        off.may_be_units(&Off::of(&described, &after)).then_some(words)
     }
 
     #[test]

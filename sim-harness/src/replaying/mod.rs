@@ -247,7 +247,7 @@ impl Opened {
         let mut off = self.off_track();
         recordings.iter().for_each(|recording| off.add(&recording.rows));
         summary.first(&off);
-        self.doubt_gradients(&recordings, &mut summary)?;
+        self.doubt_descriptions(&recordings, &mut summary)?;
         let own = self.own_estimators(&recordings)?;
         let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
         let (carried, tick) = (self.request.carried, self.request.tick);
@@ -370,13 +370,16 @@ impl Opened {
         }))
     }
 
-    /// Where the described gradients look wrong, the estimator doubts them by as much as they are off: what is learned in spite of them has an interval that says so.
-    fn doubt_gradients(&mut self, recordings: &[Recording], summary: &mut Summary) -> Result<(), ReplayError> {
+    /// Says where the described resistance looks as if in other units. Where the described gradients look wrong, the estimator doubts them by as much as they are off:
+    /// what is learned in spite of them has an interval that says so.
+    fn doubt_descriptions(&mut self, recordings: &[Recording], summary: &mut Summary) -> Result<(), ReplayError> {
         let mut coasts = Coasts::default();
         coasts.add(recordings, &self.core_train);
         let track_doubt = &mut self.config.track_doubt;
         let said_permille = track_doubt.gradient_sd_permille;
-        let Some(doubt) = coasts.doubt(&self.core_train, self.estimator.track(), said_permille) else {
+        let (doubt, units) = coasts.doubts(&self.core_train, self.estimator.track(), said_permille);
+        summary.notes.extend(units.map(|units| units.to_string()));
+        let Some(doubt) = doubt else {
             return Ok(());
         };
         doubt.raise(track_doubt);

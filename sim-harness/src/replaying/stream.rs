@@ -66,8 +66,8 @@ impl Opened {
                 let recordings = self.diagnosed(chunk, &mut summary).map_err(StreamError::from)?;
                 recordings.iter().for_each(|recording| off.add(&recording.rows));
                 if summary.runs == 0 {
-                    // The gradients are judged by the first runs: what these teach must rest on the same doubt as all.
-                    self.doubt_gradients(&recordings, &mut summary)?;
+                    // The descriptions are judged by the first runs: what these teach must rest on the same doubt as all.
+                    self.doubt_descriptions(&recordings, &mut summary)?;
                 }
                 let own = self.own_estimators(&recordings).map_err(ReplayError::from)?;
                 if summary.runs == 0 {

@@ -40,7 +40,7 @@ pub struct Recorded {
     /// The first chunk, where it was read to judge the track.
     ahead: Option<Vec<Result<Case, Failed>>>,
     /// What is to be said of the track.
-    of_track: Option<String>,
+    of_descriptions: Option<String>,
 }
 
 #[derive(Debug)]
@@ -90,12 +90,12 @@ impl RunSource {
         let (of, files) = Files::open(arguments, line, note)?;
         let (as_recorded, known) = (known.is_none(), known.unwrap_or_default());
         let (found, seen) = (Vec::new(), Seen::default());
-        let (ahead, of_track) = (None, None);
-        let recorded = Recorded { of, files, as_recorded, known, keep_perturbed, found, seen, ahead, of_track };
+        let (ahead, of_descriptions) = (None, None);
+        let recorded = Recorded { of, files, as_recorded, known, keep_perturbed, found, seen, ahead, of_descriptions };
         Ok(Self::Recorded(Box::new(recorded)))
     }
 
-    /// Whether the described gradients explain how the trains of the first chunk coast; if not, the notes say so. Of simulated runs it is not asked.
+    /// Whether the described gradients and resistance explain how the trains of the first chunk coast; if not, the notes say so. Of simulated runs it is not asked.
     /// `said_permille`: how far they may be off by their own description, standard deviation.
     ///
     /// # Errors
@@ -111,8 +111,8 @@ impl RunSource {
         let mut coasts = Coasts::default();
         first.iter().flatten().for_each(|case| coasts.add(std::slice::from_ref(&case.recording), train));
         recorded.ahead = Some(first);
-        let doubt = coasts.doubt(train, track, said_permille);
-        recorded.of_track = doubt.map(|doubt| doubt.to_string());
+        let (doubt, units) = coasts.doubts(train, track, said_permille);
+        recorded.of_descriptions = doubt.map(|doubt| doubt.to_string()).or(units.map(|units| units.to_string()));
         Ok(doubt)
     }
 
@@ -131,7 +131,7 @@ impl RunSource {
             let perturbed = check.perturbed_note().map(|note| format!("{note}; {done}"));
             check.notes().into_iter().chain(perturbed).collect::<Vec<String>>()
         };
-        recorded.found.iter().flat_map(of_chunk).chain(recorded.of_track.clone()).collect()
+        recorded.found.iter().flat_map(of_chunk).chain(recorded.of_descriptions.clone()).collect()
     }
 
     pub fn total(&self) -> usize {

@@ -191,6 +191,7 @@ mod tests {
             stretches.push(Stretch {
                 gain_n_per_kg: noise_n_per_kg - force_n_per_kg,
                 resistance_n_per_kg: 0.025,
+                mean_powers: [25.0, 625.0],
                 fronts_m: [f64::from(number) * 30.0, f64::from(number) * 30.0 + 500.0],
                 way_m: 500.0,
                 direction: Direction::Up,

@@ -16,9 +16,11 @@ mod doubt;
 mod mixture;
 mod places;
 mod stretch;
+mod units;
 mod version;
 
 pub use doubt::Doubt;
+pub use units::{CONVERSIONS, OtherUnits, converted};
 pub use version::Version;
 
 use doubt::explains;
@@ -93,6 +95,16 @@ impl Coasts {
         let other = (!is_level).then(|| self.other_version(train, track, &described_n_per_kg)).flatten();
         let by_place = || self.by_place(train, &described_n_per_kg, is_level);
         other.or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille))
+    }
+
+    /// What is wrong with the described gradients, or with the units of the described resistance: one of the two, which explains the coasts better.
+    pub fn doubts(&self, train: &Train, track: &Track, said_permille: f64) -> (Option<Doubt>, Option<OtherUnits>) {
+        let gradients = self.doubt(train, track, said_permille);
+        let by_gradients = gradients.and_then(|doubt| doubt.log_likelihood).unwrap_or(0.0);
+        match self.other_units(train, track).filter(|units| units.log_likelihood > by_gradients) {
+            Some(units) => (None, Some(units)),
+            None => (gradients, None),
+        }
     }
 
     /// Another version explains the coasts better.

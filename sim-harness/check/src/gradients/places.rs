@@ -119,6 +119,7 @@ mod tests {
                 stretches.push(Stretch {
                     gain_n_per_kg: noise_n_per_kg - 0.03 - wind_n_per_kg - direction.sign() * slope,
                     resistance_n_per_kg: 0.03,
+                    mean_powers: [25.0, 625.0],
                     fronts_m: [from_m, from_m + 490.0],
                     way_m: 490.0,
                     direction,

@@ -1,6 +1,7 @@
 //! Stretches of 20 s, one each 10 s: how the kinetic energy changed, and what the described resistance took.
 
 use rundown::model::direction::Direction;
+use rundown::model::resistance::Davis;
 use rundown::model::train::Train;
 use rundown_files::sample::Sample;
 
@@ -26,6 +27,8 @@ pub struct Stretch {
     pub gain_n_per_kg: f64,
     /// Described resistance, mean over the way, N/kg.
     pub resistance_n_per_kg: f64,
+    /// Mean over the way of the speed, m/s, and of its square, m²/s².
+    pub mean_powers: [f64; 2],
     /// Front of the train where it begins and where it ends, m.
     pub fronts_m: [f64; 2],
     /// The way between, m.
@@ -40,6 +43,12 @@ impl Stretch {
     /// Which half of the runs: 0 or 1.
     pub fn half(&self) -> usize {
         self.run % 2
+    }
+
+    /// The same of a train with another resistance.
+    pub fn with(self, davis: &Davis) -> Self {
+        let [mps, squared] = self.mean_powers;
+        Self { resistance_n_per_kg: davis.r0 + davis.r1 * mps + davis.r2 * squared, ..self }
     }
 
     /// Which cell of so many metres along the line its middle lies in.
@@ -70,24 +79,26 @@ fn stretch(rows: &[&Sample], direction: Direction, run: usize, train: &Train) ->
     let speeds = || rows.iter().filter_map(|row| row.speed_mps);
     let fronts_m = [rows.first()?.location_m?, rows.last()?.location_m?];
     let (first, last) = (speeds().next()?, speeds().next_back()?);
-    let (mut way_m, mut lost) = (0.0, 0.0);
+    let (mut way_m, mut sums) = (0.0, [0.0; 2]);
     for pair in rows.windows(2) {
         let mps = 0.5 * (pair[0].speed_mps? + pair[1].speed_mps?);
         let step_m = mps * (pair[1].time_s - pair[0].time_s);
         way_m += step_m;
-        lost += train.davis().resistance_n_per_kg(mps) * step_m;
+        sums = [sums[0] + mps * step_m, sums[1] + mps * mps * step_m];
     }
     let time_s = rows.last()?.time_s - rows.first()?.time_s;
     let rate_mps2 = (last - first) / time_s;
     let moved_m = direction.sign() * (fronts_m[1] - fronts_m[0]);
     let agrees = (moved_m - way_m).abs() < AGREES.0 * way_m + AGREES.1;
     let is_one = speeds().all(|mps| mps > SLOWEST_MPS) && rate_mps2.abs() < MOST_RATE_MPS2 && agrees;
-    is_one.then(|| Stretch {
+    let stretch = || Stretch {
         gain_n_per_kg: (last * last - first * first) / (2.0 * way_m),
-        resistance_n_per_kg: lost / way_m,
+        resistance_n_per_kg: 0.0,
+        mean_powers: sums.map(|sum| sum / way_m),
         fronts_m,
         way_m,
         direction,
         run,
-    })
+    };
+    is_one.then(|| stretch().with(&train.davis()))
 }
