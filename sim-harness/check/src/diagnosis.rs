@@ -3,6 +3,7 @@
 use crate::agreement::Figure;
 use crate::correction::Correction;
 use crate::finding::{Done, Finding, Kind, with_evidence};
+use crate::own::OfMost;
 use crate::run::RunCheck;
 use crate::{LEAST_SCALE, gradients, lost_seconds};
 use serde::Serialize;
@@ -31,6 +32,9 @@ pub struct RecorderCheck {
     /// That scale is a wheel's: it matters, and nothing else explains it.
     #[serde(skip)]
     pub is_wheel: bool,
+    /// The scale of most of its runs.
+    #[serde(skip)]
+    pub(crate) of_most: Option<OfMost>,
     /// True less read speed, km/h.
     pub offset_kmh: Option<Figure>,
     /// By how much the speed is older than the location, s: median over the runs.

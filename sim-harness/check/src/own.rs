@@ -6,7 +6,7 @@
 //!
 //! The location is moved to the age of the speed, not the speed to that of the location: the steps of a rounded speed stay what they are.
 
-use crate::agreement::{Agreement, Figure, pooled};
+use crate::agreement::{Agreement, Figure, Pooled, pooled};
 use crate::correction::Correction;
 use crate::diagnosis::RecorderCheck;
 use crate::finding::{Done, Kind};
@@ -14,6 +14,7 @@ use crate::run::RunCheck;
 use crate::{Known, LEAST_SCALE, SURE, places, put_right};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::sample::Sample;
+use rundown_files::statistics::{median, spread};
 use std::slice;
 
 /// A run is accused of a skew that its recorder does not have only beyond this, s ...
@@ -22,6 +23,34 @@ const LEAST_OWN_SKEW_S: f64 = 1.0;
 const OWN_SURE: f64 = 6.0;
 /// A smaller offset of one run is a matter of its driver's style, km/h.
 const LEAST_OWN_OFFSET_KMH: f64 = 0.3;
+
+/// So many runs say what is usual.
+const LEAST_USUAL: usize = 6;
+
+/// The scale of most runs of a recorder beside its offset; one run with another wheel does not move it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct OfMost {
+    offset_mps: f64,
+    /// With what the runs differ by.
+    scale: Figure,
+}
+
+impl OfMost {
+    /// None of too few runs.
+    pub(crate) fn of(agreements: &[Option<Agreement>], offset_mps: f64) -> Option<Self> {
+        let alone = |agreement: &Agreement| Some(pooled(slice::from_ref(agreement))?.scale_at(offset_mps).value);
+        let scales: Vec<f64> = agreements.iter().flatten().filter_map(alone).collect();
+        let value = median(scales.iter().copied()).filter(|_| scales.len() >= LEAST_USUAL)?;
+        let sd = spread(scales.iter().map(|scale| scale - value));
+        Some(Self { offset_mps, scale: Figure { value, sd } })
+    }
+
+    /// A run's scale over theirs, all with one offset: on short hops its own hides what a wheel does.
+    fn ratio(&self, alone: &Pooled) -> Figure {
+        let own = alone.scale_at(self.offset_mps);
+        Figure { value: own.value / self.scale.value, sd: own.sd.hypot(self.scale.sd) }
+    }
+}
 
 /// What is put right in one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,14 +160,20 @@ fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
     }
     let is_decided = has(Kind::RoundedSpeed) || has(Kind::TruncatedSpeed);
     let decided_kmh = recorder.decided_offset_kmh().filter(|_| is_decided);
-    let scale = decided_kmh.map_or_else(|| alone.scale(), |kmh| alone.scale_at(kmh / 3.6));
     // Nor is a run's scale a wheel's where that of its recorder is none.
     if has(Kind::SpeedScale) && !recorder.is_wheel {
         return None;
     }
     let usual = recorder.scale.map_or(1.0, |all| if has(Kind::SpeedScale) { all.value } else { 1.0 });
-    let is_own = (scale.value - usual).abs() > LEAST_SCALE && scale.away_from(usual) > SURE;
-    is_own.then_some(Wheel::Scale(scale))
+    let is_own = |scale: &Figure| (scale.value - usual).abs() > LEAST_SCALE && scale.away_from(usual) > SURE;
+    let scale = match decided_kmh {
+        Some(kmh) => Some(alone.scale_at(kmh / 3.6)).filter(is_own),
+        None => Some(alone.scale()).filter(is_own).or_else(|| {
+            let beside_most = times(recorder.of_most?.ratio(&alone), usual);
+            is_own(&beside_most).then_some(beside_most)
+        }),
+    };
+    scale.map(Wheel::Scale)
 }
 
 /// The skew of a run, drawn to the usual one by what is known of both, s.

@@ -6,7 +6,7 @@ use crate::agreement::{Agreement, Figure, Pooled, pooled};
 use crate::correction::Correction;
 use crate::diagnosis::RecorderCheck;
 use crate::finding::{Done, Kind};
-use crate::own::Grown;
+use crate::own::{Grown, OfMost};
 use crate::run::{OfSpeed, RunCheck};
 use crate::wheel_change::OfRun;
 use crate::{Known, LEAST_SCALE, SURE, dead_zone, held, lost_seconds, own, put_right, steps, wheel_change};
@@ -101,6 +101,7 @@ pub(crate) fn of(
         all = pooled(&agreements.iter().flatten().cloned().collect::<Vec<_>>()).unwrap_or(all);
     }
     let values = recorder.decide(&all, known);
+    recorder.of_most = OfMost::of(&agreements, values.0[1]);
     let of_runs = || of_unit.iter().copied().zip(agreements.iter().zip(&grown));
     for (i, (agreement, grown)) in of_runs() {
         if let Some(agreement) = agreement {

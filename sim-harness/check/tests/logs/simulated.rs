@@ -68,6 +68,21 @@ impl Trace {
         trace
     }
 
+    /// A tram: stops every few hundred metres, most of the way powering, coasting or braking.
+    fn tram(random: &mut ChaCha8Rng, hops: usize) -> Self {
+        let mut trace = Self { location_m: vec![0.0], speed_mps: vec![0.0] };
+        for _ in 0..hops {
+            let top_mps = random.random_range(11.0..15.0);
+            let coast_s = random.random_range(8.0..30.0);
+            let brake = random.random_range(0.7..1.1);
+            trace.until(|v, _| v >= top_mps, |v, _| 1.0_f64.min(8.0 / v.max(1.0)) - 0.03);
+            trace.until(|v, s| s >= coast_s || v < 6.0, |v, _| -0.03 - 1e-4 * v * v);
+            trace.until(|v, _| v <= 0.0, |_, _| -brake);
+            trace.until(|_, s| s >= 25.0, |_, _| 0.0);
+        }
+        trace
+    }
+
     fn until(&mut self, over: impl Fn(f64, f64) -> bool, acceleration: impl Fn(f64, f64) -> f64) {
         let mut s = 0.0;
         while !over(self.speed(), s) && s < 3000.0 {
@@ -197,6 +212,11 @@ impl Recorder {
     /// Runs of short hops.
     pub fn hopping(&self, seed: u64, runs: usize, hops: usize) -> Vec<Recording> {
         self.of(seed, runs, |random| Trace::hop(random, hops))
+    }
+
+    /// Runs of a tram.
+    pub fn trams(&self, seed: u64, runs: usize, hops: usize) -> Vec<Recording> {
+        self.of(seed, runs, |random| Trace::tram(random, hops))
     }
 
     /// Runs that stop at the same places, of a wheel that gives both location and speed; and those places.
