@@ -160,6 +160,7 @@ impl Finding {
                     | Kind::Reset
                     | Kind::SharedRows
                     | Kind::Skew
+                    | Kind::SmoothedSpeed
                     | Kind::SpeedOffset
                     | Kind::TurnedChainage
                     | Kind::WheelChange

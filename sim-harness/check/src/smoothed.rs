@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A mean over L s is the true speed plus L²/24 of its second derivative, whatever its shape: L²/12 is the variance of its weights. A speed that is read momentarily has
-//! none of it. Means of speed, resistance and effort over the same time belong together; a momentary effort beside a mean speed makes a start look like a resistance.
+//! none of it, but for the trapezia of the integral, which add Δt²/12 between rows Δt apart, and this is taken off. Means of speed, resistance and effort over the same time belong together; a momentary effort beside a mean speed makes a start look like a resistance.
 
 use crate::agreement::Figure;
 use crate::clock::usual_step_s;
@@ -18,15 +18,16 @@ use std::ops::Range;
 
 /// Speeds in larger steps show what is none: eight metros in whole km/h had means over 15 s, by seven standard deviations. km/h.
 pub(crate) const MOST_STEP_KMH: f64 = 0.5;
-/// Rows farther apart do not show it, s.
-const MOST_STEP_S: f64 = 2.5;
-/// Windows, and the time on both sides of a row over which its acceleration is taken, s.
+/// Rows farther apart do not show it, s: a window has too few of them.
+const MOST_STEP_S: f64 = 6.0;
+/// Windows, and the time on both sides of a row over which its acceleration is taken, or a row, s.
 const WINDOW_S: f64 = 40.0;
 const BESIDE_S: f64 = 4.0;
 /// A slower train reads what its recorder makes of a stop, m/s.
 const LEAST_MPS: f64 = 3.0;
-/// So many rows in a run, and so many runs, whose scatter says how sure the figure is.
-const LEAST_ROWS: usize = 200;
+/// So many rows in a run, so much of its time, s, and so many runs, whose scatter says how sure the figure is.
+const LEAST_ROWS: usize = 60;
+const LEAST_S: f64 = 200.0;
 const LEAST_RUNS: usize = 4;
 /// Shorter means do not matter, s.
 const SHORTEST_S: f64 = 5.0;
@@ -45,7 +46,11 @@ type WayDifference = (SVector<f64, 4>, f64);
 /// Over how long speeds are means, s; none where they are momentary, or too little shows it. A receiver whose locations trail in a filter shows the same: only the efforts
 /// decide, see [`averaged_efforts`].
 pub(crate) fn of(runs: &[&[Sample]]) -> Option<Figure> {
-    let found: Vec<Figure> = runs.iter().filter_map(|rows| second_order(&compared(rows))).collect();
+    let of_run = |rows: &&[Sample]| {
+        let step_s = usual_step_s(rows);
+        second_order(&compared(rows, step_s), step_s)
+    };
+    let found: Vec<Figure> = runs.iter().filter_map(of_run).collect();
     if found.len() < LEAST_RUNS {
         return None;
     }
@@ -100,17 +105,17 @@ fn unexplained(rows: &[Sample]) -> Option<f64> {
 }
 
 /// The rows of the windows in which the train runs and each row has both readings.
-fn compared(rows: &[Sample]) -> Vec<WayDifference> {
+fn compared(rows: &[Sample], step_s: f64) -> Vec<WayDifference> {
     let (mut found, mut begin) = (Vec::new(), 0);
-    while begin < rows.len() && usual_step_s(rows) <= MOST_STEP_S {
+    while begin < rows.len() && step_s <= MOST_STEP_S {
         let end = begin + rows[begin..].iter().take_while(|row| row.time_s < rows[begin].time_s + WINDOW_S).count();
-        found.extend(window(rows, begin..end).into_iter().flatten());
+        found.extend(window(rows, begin..end, BESIDE_S.max(step_s)).into_iter().flatten());
         begin = end;
     }
     found
 }
 
-fn window(rows: &[Sample], range: Range<usize>) -> Option<Vec<WayDifference>> {
+fn window(rows: &[Sample], range: Range<usize>, beside_s: f64) -> Option<Vec<WayDifference>> {
     let (first, last) = (&rows[range.start], &rows[range.end - 1]);
     let begin_m = first.location_m?;
     let grows = last.location_m? >= begin_m;
@@ -124,7 +129,7 @@ fn window(rows: &[Sample], range: Range<usize>) -> Option<Vec<WayDifference>> {
         integral_m += 0.5 * (before.speed_mps? + mps) * (row.time_s - before.time_s);
         before = row;
         let way_m = if grows { row.location_m? - begin_m } else { begin_m - row.location_m? };
-        let x = SVector::from([acceleration(rows, at)?, mps, row.time_s - first.time_s, way_m]);
+        let x = SVector::from([acceleration(rows, at, beside_s)?, mps, row.time_s - first.time_s, way_m]);
         found.push((x, integral_m - way_m));
     }
     let n = found.len() as f64;
@@ -134,24 +139,24 @@ fn window(rows: &[Sample], range: Range<usize>) -> Option<Vec<WayDifference>> {
 }
 
 /// Slope of the speed around a row, m/s².
-fn acceleration(rows: &[Sample], at: usize) -> Option<f64> {
+fn acceleration(rows: &[Sample], at: usize, beside_s: f64) -> Option<f64> {
     let time_s = rows[at].time_s;
-    let before = rows[..at].iter().rev().take_while(|row| row.time_s >= time_s - BESIDE_S).last()?;
-    let after = rows[at + 1..].iter().take_while(|row| row.time_s <= time_s + BESIDE_S).last()?;
+    let before = rows[..at].iter().rev().take_while(|row| row.time_s >= time_s - beside_s).last()?;
+    let after = rows[at + 1..].iter().take_while(|row| row.time_s <= time_s + beside_s).last()?;
     let long_s = after.time_s - before.time_s;
-    (long_s >= 1.5 * BESIDE_S).then_some((after.speed_mps? - before.speed_mps?) / long_s)
+    (long_s >= 1.5 * beside_s).then_some((after.speed_mps? - before.speed_mps?) / long_s)
 }
 
 /// L²/24 of a run, s², by least squares.
-fn second_order(rows: &[WayDifference]) -> Option<Figure> {
-    if rows.len() < LEAST_ROWS {
+fn second_order(rows: &[WayDifference], step_s: f64) -> Option<Figure> {
+    if rows.len() < LEAST_ROWS || rows.len() as f64 * step_s < LEAST_S {
         return None;
     }
     let (beta, inverse) = effort::least_squares(rows)?;
     let left: f64 = rows.iter().map(|(x, apart_m)| (apart_m - x.dot(&beta)).powi(2)).sum();
     let sd = (left / (rows.len() as f64 - 4.0) * inverse[(0, 0)]).sqrt();
     // Even without any noise no surer than the integral of rows a second apart.
-    Some(Figure { value: beta[0] + 0.5 * beta[1] * beta[1], sd: sd.max(0.05) })
+    Some(Figure { value: beta[0] + 0.5 * beta[1] * beta[1] - step_s * step_s / 12.0, sd: sd.max(0.05) })
 }
 
 #[cfg(test)]
@@ -192,6 +197,11 @@ mod tests {
         (0..6).map(run).collect()
     }
 
+    /// Every fifth row.
+    fn coarse(runs: Vec<Vec<Sample>>) -> Vec<Vec<Sample>> {
+        runs.into_iter().map(|rows| rows.into_iter().step_by(5).collect()).collect()
+    }
+
     fn found(runs: &[Vec<Sample>]) -> Option<Figure> {
         of(&runs.iter().map(Vec::as_slice).collect::<Vec<_>>())
     }
@@ -215,6 +225,17 @@ mod tests {
             for (lag_s, noise_m) in [(0, 1.0), (4, 5.0)] {
                 assert_eq!(found(&runs(seed, 1, lag_s, noise_m)), None, "{seed}");
             }
+        }
+    }
+
+    #[test]
+    fn rows_five_seconds_apart_show_the_time_of_means_and_are_none_themselves() {
+        for seed in 0..10 {
+            for (long_s, lag_s) in [(9, 0), (15, 3), (25, 0)] {
+                let found = found(&coarse(runs(seed, long_s, lag_s, 3.0))).unwrap();
+                assert!((found.value - long_s as f64).abs() < 0.2 * long_s as f64, "{seed} {long_s} {found:?}");
+            }
+            assert_eq!(found(&coarse(runs(seed, 1, 4, 3.0))), None, "{seed}");
         }
     }
 

@@ -27,7 +27,7 @@ impl RecorderCheck {
         self.exceeds(recordings, runs, known);
         self.unfit_efforts(recordings, runs);
         self.effort_zero(recordings, runs);
-        self.smoothed_speeds(recordings, runs);
+        self.smoothed_speeds(recordings, runs, known);
         self.effort_age(recordings, runs, known);
     }
 
@@ -103,27 +103,39 @@ impl RecorderCheck {
         }
     }
 
-    /// Makes momentary efforts means over as long as the speeds are.
-    fn smoothed_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
+    /// Makes momentary efforts means over as long as the speeds are, or leaves them out where that is too long.
+    fn smoothed_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) {
             return;
         }
         let own = self.usable(runs);
         let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
-        let found = smoothed::of(&rows).and_then(|s| Some((s, smoothed::averaged_efforts(&rows, s.value)?)));
-        let Some((long_s, efforts)) = found else {
+        let Some(long_s) = smoothed::of(&rows) else {
             return;
         };
         let is_short = long_s.value <= smoothed::MOST_S;
-        let (done, text) = if is_short {
-            (Done::PutRight, "the efforts are averaged over as long, and explain the accelerations better so")
-        } else {
-            (Done::LeftOut, "the efforts are, for averaged ones explain the accelerations better, and are not enough")
+        let averaged = smoothed::averaged_efforts(&rows, long_s.value);
+        let has_efforts = rows.iter().copied().flatten().any(|row| row.effort_n_per_kg.is_some());
+        let (done, text) = match (&averaged, is_short) {
+            (Some(_), true) => {
+                (Done::PutRight, "the efforts are averaged over as long, and explain the accelerations better so")
+            }
+            // Efforts that are means over as long go with the speeds, and so short ones do little harm.
+            (None, true) => return,
+            (None, false) if !has_efforts || !known.moves_locations => {
+                (Done::Said, "or the receiver's filter is as slow")
+            }
+            (_, false) => (Done::LeftOut, "the efforts are: gradients are no means over so long"),
         };
         self.found_by(Kind::SmoothedSpeed, long_s, "s", done, text.to_owned());
-        for (i, efforts) in own.iter().zip(efforts) {
-            let rows = recordings[*i].rows.iter_mut().zip(efforts);
-            rows.for_each(|(row, effort)| row.effort_n_per_kg = effort.filter(|_| is_short));
+        if done == Done::Said {
+            return;
+        }
+        for (place, i) in own.iter().enumerate() {
+            let means = averaged.as_ref().filter(|_| is_short).map(|efforts| &efforts[place]);
+            for (at, row) in recordings[*i].rows.iter_mut().enumerate() {
+                row.effort_n_per_kg = means.and_then(|means| means[at]);
+            }
         }
     }
 

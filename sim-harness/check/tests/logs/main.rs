@@ -12,4 +12,5 @@ mod same_rows;
 mod sensors;
 mod simulated;
 mod single_runs;
+mod smoothed;
 mod wheel_changes;
