@@ -30,6 +30,8 @@ use crate::tick::short_hops::{self, ShortHopConfig};
 const LOST_S: Real = 60.0;
 /// Where coasting is less likely than this no segment is tried.
 const LEAST_COASTS: Real = 0.02;
+/// An effort beyond this share of the described resistance is none of a coasting train, whatever the zero and the noise of its sensor.
+const POWERED_SHARE: Real = 0.5;
 /// Below, wheels slip and couplers stretch, m/s.
 const SLOWEST_MEASURED_MPS: Real = 3.0;
 
@@ -328,6 +330,12 @@ fn learn_measured(
     Ok(None)
 }
 
+/// By its effort column the train powers or brakes, which the speed alone may not show: a speed that is held on a gentle slope falls and rises like a coast.
+fn is_powered(config: &Config, judged: &Judged, described_n_per_kg: Real) -> bool {
+    let is_power = |effort: Real| effort.abs() > POWERED_SHARE * described_n_per_kg;
+    config.mode == Mode::Measured && judged.effort_n_per_kg.is_some_and(is_power)
+}
+
 /// What of a segment counts, but on short hops: it was believed when it began.
 fn usual(config: &Config, min_change_share: Real) -> Counts {
     let LearningConfig { end_cut_s, min_segment_s, .. } = config.learning;
@@ -349,7 +357,10 @@ fn learn_coasting(
     let coasted = recognition.coasted;
     let speed_mps = run.kinematics.belief().mean[SPEED];
     let visible = if are_short {
-        line.train.davis().resistance_n_per_kg(speed_mps) > short.min_resistance_n_per_kg
+        let gradient_n_per_kg = line.gradient_n_per_kg(run.kinematics.belief().mean[LOCATION]);
+        let described_n_per_kg = line.train.davis().resistance_n_per_kg(speed_mps);
+        let foreseen_n_per_kg = described_n_per_kg + gradient_n_per_kg;
+        foreseen_n_per_kg.abs() > short.min_resistance_n_per_kg && !is_powered(config, judged, described_n_per_kg)
     } else {
         speed_mps > learning.min_speed_kmh / 3.6
     };

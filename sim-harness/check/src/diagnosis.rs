@@ -3,7 +3,7 @@
 use crate::agreement::Figure;
 use crate::correction::Correction;
 use crate::finding::{Done, Finding, Kind, with_evidence};
-use crate::own::OfMost;
+use crate::of_most::OfMost;
 use crate::run::RunCheck;
 use crate::{LEAST_SCALE, gradients, lost_seconds};
 use serde::Serialize;

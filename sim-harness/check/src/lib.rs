@@ -72,6 +72,7 @@ mod interpolated;
 pub mod limits;
 pub mod line_scale;
 pub mod lost_seconds;
+mod of_most;
 pub mod own;
 pub mod perturbed;
 pub mod places;

@@ -6,7 +6,7 @@
 //!
 //! The location is moved to the age of the speed, not the speed to that of the location: the steps of a rounded speed stay what they are.
 
-use crate::agreement::{Agreement, Figure, Pooled, pooled};
+use crate::agreement::{Agreement, Figure, pooled};
 use crate::correction::Correction;
 use crate::diagnosis::RecorderCheck;
 use crate::finding::{Done, Kind};
@@ -14,7 +14,6 @@ use crate::run::RunCheck;
 use crate::{Known, LEAST_SCALE, SURE, places, put_right};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::sample::Sample;
-use rundown_files::statistics::{median, spread};
 use std::slice;
 
 /// A run is accused of a skew that its recorder does not have only beyond this, s ...
@@ -23,34 +22,6 @@ const LEAST_OWN_SKEW_S: f64 = 1.0;
 const OWN_SURE: f64 = 6.0;
 /// A smaller offset of one run is a matter of its driver's style, km/h.
 const LEAST_OWN_OFFSET_KMH: f64 = 0.3;
-
-/// So many runs say what is usual.
-const LEAST_USUAL: usize = 6;
-
-/// The scale of most runs of a recorder beside its offset; one run with another wheel does not move it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct OfMost {
-    offset_mps: f64,
-    /// With what the runs differ by.
-    scale: Figure,
-}
-
-impl OfMost {
-    /// None of too few runs.
-    pub(crate) fn of(agreements: &[Option<Agreement>], offset_mps: f64) -> Option<Self> {
-        let alone = |agreement: &Agreement| Some(pooled(slice::from_ref(agreement))?.scale_at(offset_mps).value);
-        let scales: Vec<f64> = agreements.iter().flatten().filter_map(alone).collect();
-        let value = median(scales.iter().copied()).filter(|_| scales.len() >= LEAST_USUAL)?;
-        let sd = spread(scales.iter().map(|scale| scale - value));
-        Some(Self { offset_mps, scale: Figure { value, sd } })
-    }
-
-    /// A run's scale over theirs, all with one offset: on short hops its own hides what a wheel does.
-    fn ratio(&self, alone: &Pooled) -> Figure {
-        let own = alone.scale_at(self.offset_mps);
-        Figure { value: own.value / self.scale.value, sd: own.sd.hypot(self.scale.sd) }
-    }
-}
 
 /// What is put right in one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
