@@ -84,7 +84,10 @@ mod tests {
 
     /// What is found of 30 runs up and down a line of 60 km that is described as level, where a force acts against the `up` direction by a law of the speed, N/kg.
     fn found(level: &Context<'_>, law: impl Fn(f64) -> f64) -> Vec<Term> {
-        let context = &Context { surroundings: &Surroundings { is_level: true, length_m: 60e3, ..Surroundings::default() }, ..*level };
+        let context = &Context {
+            surroundings: &Surroundings { is_level: true, length_m: 60e3, ..Surroundings::default() },
+            ..*level
+        };
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         let row = |i: usize| {
             let direction = [Direction::Up, Direction::Down][i / 60 % 2];
