@@ -357,10 +357,8 @@ fn learn_coasting(
     let coasted = recognition.coasted;
     let speed_mps = run.kinematics.belief().mean[SPEED];
     let visible = if are_short {
-        let gradient_n_per_kg = line.gradient_n_per_kg(run.kinematics.belief().mean[LOCATION]);
         let described_n_per_kg = line.train.davis().resistance_n_per_kg(speed_mps);
-        let foreseen_n_per_kg = described_n_per_kg + gradient_n_per_kg;
-        foreseen_n_per_kg.abs() > short.min_resistance_n_per_kg && !is_powered(config, judged, described_n_per_kg)
+        described_n_per_kg > short.min_resistance_n_per_kg && !is_powered(config, judged, described_n_per_kg)
     } else {
         speed_mps > learning.min_speed_kmh / 3.6
     };

@@ -26,9 +26,8 @@ settings! {
         end_cut_s: Real = 6.0, 0.0 to 600.0;
         /// Shortest segment that counts, s.
         min_segment_s: Real = 10.0, 0.0 to 3600.0;
-        /// Least force of described resistance and gradient, either way, at which coasting is distinguished from holding a speed, N/kg: a coast of 10 s beyond
-        /// it changes the speed by as much as a driver does who holds one.
-        min_resistance_n_per_kg: Real = 0.02, 0.0 to 1.0;
+        /// Least described resistance at which coasting is distinguished from holding a speed, N/kg.
+        min_resistance_n_per_kg: Real = 0.015, 0.0 to 1.0;
     }
 }
 

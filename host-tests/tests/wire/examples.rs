@@ -295,7 +295,6 @@ fn uplink() -> Vec<(String, Frame)> {
     config.learning.acceleration_noise_mps2 = 0.001;
     config.learning.effort_change_share = 0.6;
     config.memory.vehicle_shape_sd = 0.1;
-    config.short_hops.min_resistance_n_per_kg = 0.015;
     config.coast = CoastConfig { horizon_m: 25e3, wind_change_mps: 0.3, coasting_point_m: 150.0, arrival_s: 3.0 };
     for setting in Setting::all(&config) {
         let request = Request::Setting(setting);
