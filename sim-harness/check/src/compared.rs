@@ -126,7 +126,7 @@ impl Differences {
 const STRAIGHT_S: f64 = 2.0;
 
 /// Distance by speed from row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say; straight ones of a second are too long by two parts
-/// in ten thousand of a tram's hop. None beside a start or a stop: the train moved for a part of the time only, and the change of speed there is no acceleration.
+/// in ten thousand of a tram's hop. Beside a start or a stop straight, or none: the train moved for a part of the time only, and the change of speed there is no acceleration.
 fn distance(rows: &[Row], i: usize) -> Option<f64> {
     let (a, b) = (rows[i - 1], rows[i]);
     let dt = b.time_s - a.time_s;

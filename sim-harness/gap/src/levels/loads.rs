@@ -4,15 +4,13 @@
 //! In: all rows of an effort column beside the model that was found. Each run says by which share of its effort it needs more; units are compared as in
 //! the level above.
 
-use super::{Level, More, One, Standout, all_columns, comparative, compared, runs_of, without_directions};
+use super::{Level, More, One, Standout, all_columns, compared, runs_of, without_directions};
 use crate::candidate::Fitted;
 use crate::chance::Ground;
 use crate::columns::mass;
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::noise::calibrate::{Calibrated, effort};
 use crate::trials::column;
-use rundown_check::agreement::Figure;
-use rundown_pages::numbers::counted;
 
 const LEVELS: [Level; 1] = [Level::Unit];
 
@@ -44,19 +42,10 @@ pub(super) fn standouts(
     found
 }
 
-/// For a person.
-pub(super) fn sentence(standout: &Standout) -> String {
-    let Standout { of, share: Figure { value, sd }, other, .. } = standout;
-    let than = other.as_ref().map_or("the others".to_owned(), |(other, _)| format!("those of unit {other}"));
-    let (heavier, high) = if *value > 0.0 { ("heavier", "high") } else { ("lighter", "low") };
-    format!(
-        "The {} of unit {of} need {:.1} \u{b1} {:.1} % {} effort for the same motion than {than} (p-value {:.3}): it is {heavier} by about as much, or its effort column reads too {high}; these data cannot tell which.",
-        counted(standout.runs, "run", "runs"),
-        100.0 * value.abs(),
-        196.0 * sd,
-        comparative(*value),
-        standout.p_value
-    )
+/// What another effort of a unit means.
+pub(super) fn meaning(share: f64) -> String {
+    let (heavier, high) = if share > 0.0 { ("heavier", "high") } else { ("lighter", "low") };
+    format!("it is {heavier} by about as much, or its effort column reads too {high}; these data cannot tell which")
 }
 
 #[cfg(test)]

@@ -102,12 +102,25 @@ impl Level {
 impl Standout {
     /// For a person.
     pub fn sentence(&self) -> String {
-        let Self { level, of, share: Figure { value, sd }, described, other, .. } = self;
+        let Self { level, of, share: Figure { value, sd }, other, p_value, .. } = self;
         let name = level.name();
-        if self.more == More::Effort {
-            return loads::sentence(self);
-        }
+        let runs = counted(self.runs, "run", "runs");
+        let share = format!("{:.1} \u{b1} {:.1} % {}", 100.0 * value.abs(), 196.0 * sd, comparative(*value));
         let than = other.as_ref().map_or("the others".to_owned(), |(other, _)| format!("those of {name} {other}"));
+        match self.more {
+            More::Effort => format!(
+                "The {runs} of {name} {of} need {share} effort for the same motion than {than} (p-value {p_value:.3}): {}.",
+                loads::meaning(*value)
+            ),
+            More::Resistance => format!(
+                "The {runs} of {name} {of} have {share} resistance in coasting than {than}, beside the effects above (p-value {p_value:.3}). {}.",
+                self.against_description()
+            ),
+        }
+    }
+
+    fn against_description(&self) -> String {
+        let Self { level, of, share: Figure { value, .. }, described, other, .. } = self;
         let against = match other {
             Some((other, others)) => {
                 format!("{of} has {}, {other} {}", amount(*described), amount(*others))
@@ -123,14 +136,7 @@ impl Standout {
         } else {
             String::new()
         };
-        format!(
-            "The {} of {name} {of} have {:.1} \u{b1} {:.1} % {} resistance in coasting than {than}, beside the effects above (p-value {:.3}). Against the description {against}: no law of its own is known for that{mass}.",
-            counted(self.runs, "run", "runs"),
-            100.0 * value.abs(),
-            196.0 * sd,
-            comparative(*value),
-            self.p_value
-        )
+        format!("Against the description {against}: no law of its own is known for that{mass}")
     }
 
     /// As in `gap.json`.
@@ -195,11 +201,6 @@ fn labels(level: Level, runs: &[&Run]) -> Vec<String> {
     runs.iter().map(|run| level.of(run)).filter(|label| !label.is_empty()).collect()
 }
 
-/// The same of all rows.
-fn all_believed(context: &Context<'_>, rows: &[Row]) -> Vec<f64> {
-    rows.iter().map(|row| believed(context, row)).collect()
-}
-
 /// The coasting rows, with their noise.
 fn coasting(rows: &[Row], calibrated: &Calibrated, config: &EvidenceConfig) -> (Vec<Row>, Calibrated) {
     let coasts = |(row, _): &(&Row, &f64)| regime(row, config) == 0;
@@ -211,6 +212,11 @@ fn coasting(rows: &[Row], calibrated: &Calibrated, config: &EvidenceConfig) -> (
 fn believed(context: &Context<'_>, row: &Row) -> f64 {
     let davis = context.believed.train().davis();
     row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps))
+}
+
+/// The same of all rows.
+fn all_believed(context: &Context<'_>, rows: &[Row]) -> Vec<f64> {
+    rows.iter().map(|row| believed(context, row)).collect()
 }
 
 /// What groups may have more of in their rows, for each group of these levels but the largest of each. `values`: of the rows.

@@ -148,8 +148,8 @@ pub fn offset(context: &Context<'_>, rows: &[Row], measured: bool) -> Option<Off
 /// where no runs have one.
 pub fn of_the_others(context: &Context<'_>, rows: &[Row], terms: &[Fitted], measured: bool) -> Option<Offset> {
     let length = terms.iter().find(|fitted| fitted.term.is(EffectKind::TrainLengthError))?;
-    let runs = length.term.shape.runs();
-    let is_other = |row: &&Row| !runs.is_empty() && !runs.contains(&row.interval.run);
+    let runs = Some(length.term.shape.runs()).filter(|runs| !runs.is_empty())?;
+    let is_other = |row: &&Row| !runs.contains(&row.interval.run);
     let rows: Vec<Row> = rows.iter().filter(is_other).cloned().collect();
     Some(Offset { length_gain: 0.0, length_penalty: 0.0, ..offset(context, &rows, measured)? })
 }
