@@ -19,10 +19,9 @@ use crate::model::effort;
 use crate::model::line::Line;
 use crate::model::point::Point;
 use crate::model::resistance::Davis;
-use crate::model::state::{LOCATION, SPEED, resistance_sd};
+use crate::model::state::{LOCATION, SPEED};
 use crate::model::track::Track;
 use crate::model::train::Train;
-use crate::model::units::KmPerHour;
 use crate::plain::{Bytes, Plain};
 use crate::tick::bounds::ConfigError;
 use crate::tick::effort_reading::Column;
@@ -31,7 +30,7 @@ use crate::tick::foresight::Foresight;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::{MemoryConfig, Vehicle, beside_gain};
 use crate::tick::plausibility::{Judged, is_out_of_range};
-use crate::tick::published::{JUDGED_KMH, Published};
+use crate::tick::published::{self, Published};
 use crate::tick::regime::Regime;
 use crate::tick::sensor::Rounding;
 use crate::tick::truncation;
@@ -221,12 +220,12 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     /// What of a vehicle is published between runs, and how far it may be trusted.
     pub fn published(&self, vehicle: &Vehicle) -> (Davis, Learned) {
         let nominal = self.train.davis();
-        Published::default().judge(&nominal, self.initial_sd(), &vehicle.davis(), vehicle.trust().worse_by())
+        Published::default().judge(&nominal, self.initial_sds(), &vehicle.davis(), vehicle.trust().worse_by())
     }
 
-    /// Standard deviation of r at [`JUDGED_KMH`] by the description alone, N/kg, by which it is judged what was learned.
-    pub(crate) fn initial_sd(&self) -> Real {
-        resistance_sd(&self.new_vehicle().davis(), KmPerHour(JUDGED_KMH).to_mps())
+    /// Standard deviations of r by the description alone, N/kg, by which it is judged what was learned.
+    pub(crate) fn initial_sds(&self) -> [Real; 2] {
+        published::sds(&self.new_vehicle().davis())
     }
 
     /// Begins a run with what is known of the vehicle.

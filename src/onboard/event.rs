@@ -10,7 +10,6 @@ use crate::model::state::resistance_sd;
 use crate::model::units::KmPerHour;
 use crate::onboard::crash_loop::Operation;
 use crate::onboard::kept::Boot;
-use crate::tick::published::JUDGED_KMH;
 use core::fmt;
 use rundown_wire::{Failure, Memory, Refusal, ResetCause};
 
@@ -52,6 +51,9 @@ pub enum Event {
     NotKept,
 }
 
+/// Speed of the resistance that an event says, km/h.
+const SAID_KMH: Real = 100.0;
+
 /// Events of one call that wait to be written; more are dropped, for the frames have them too.
 pub const WAITING: usize = 4;
 
@@ -65,7 +67,7 @@ impl Event {
 
     /// What a run has taught, `learned_s` long, to a vehicle.
     pub fn learned(learned_s: Real, vehicle: &Gaussian<3>) -> Self {
-        let speed_mps = KmPerHour(JUDGED_KMH).to_mps();
+        let speed_mps = KmPerHour(SAID_KMH).to_mps();
         let [r0, r1, r2] = vehicle.mean.into();
         Self::Learned {
             learned_s: learned_s as f32,
@@ -100,7 +102,7 @@ impl fmt::Display for Event {
             Self::RunBegins => f.write_str("a run begins"),
             Self::Learned { learned_s, r_n_per_kg, sd_n_per_kg } => write!(
                 f,
-                "a run ended, {learned_s:.0} s taught; r({JUDGED_KMH} km/h) {r_n_per_kg:.5} N/kg, s.d. {sd_n_per_kg:.5}"
+                "a run ended, {learned_s:.0} s taught; r({SAID_KMH} km/h) {r_n_per_kg:.5} N/kg, s.d. {sd_n_per_kg:.5}"
             ),
             Self::Kept(records) => write!(f, "record {records} since the start written to the flash"),
             Self::NotKept => f.write_str("the flash took no record: what is learned ends with the power"),

@@ -187,7 +187,9 @@ impl EffortReading {
         // What is not seen of a late column's tick is taken from the rows on both sides of its end, so it is as much too little before a change as it is
         // too much after it, and gone with the next row. It is a doubt of the reading of the speed.
         let (behind, ahead) = (before? - last, last - now);
-        let seen = if late > 0.0 { 0.5 + 0.5 * late.min(1.0) } else { 0.0 };
+        // Of a column in time the change is taken around the row, by which it is doubted: with that up to the row a mean whose noise hides the change of a
+        // falling effort would be believed more than one whose noise adds to it, and r become too large.
+        let seen = if late > 0.0 { 0.5 + 0.5 * late.min(1.0) } else { (0.5 - momentary).max(0.0) };
         let change = behind + seen * (ahead - behind);
         // A momentary value misses what happened within the tick. Power is turned off at the same places in each run, so what is missed of a large change
         // is no noise: such a row hardly teaches.

@@ -1,6 +1,6 @@
 //! The running resistance as it is published: with hysteresis in its validity, and never a value that no train has.
 //!
-//! - *Not yet*, until the standard deviation of r(v) at [`JUDGED_KMH`] has fallen below [`LEARNED_SHARE`] of the description's; and again only above [`FORGOTTEN_SHARE`].
+//! - *Not yet*, until the standard deviation of r(v) at one of [`JUDGED_KMH`] has fallen below [`LEARNED_SHARE`] of the description's; and again only where both are above [`FORGOTTEN_SHARE`].
 //! - *Predicts worse*: the description foresaw the coasts better than what was learned ([`Trust::worse_by`](crate::tick::foresight::Trust::worse_by) [`WORSE_BY`] standard deviations, until it is less than [`NO_LONGER_WORSE_BY`]); it is published.
 //! - *Out of bounds*, when r(v) at one of [`BOUND_KMH`] leaves 0.5 to 2 times the manufacturer's; until all are back within 0.55 to 1.9 times; or when it falls from one of them to the next. The curve is judged
 //!   and not each coefficient: a headwind alone may double r1 or make it negative. Out of bounds the published coefficients are cut off at 0.5 and 2 times; the filter goes on with its own.
@@ -13,8 +13,8 @@ use crate::model::units::KmPerHour;
 use crate::plain::plain;
 use rundown_wire::Learned;
 
-/// Speed at which learning is judged, km/h: the middle of the speeds at which trains coast.
-pub const JUDGED_KMH: Real = 100.0;
+/// Speeds at which learning is judged, km/h: the middle of those at which trains coast, on a tram line and on others. A tram says little of the second.
+pub const JUDGED_KMH: [Real; 2] = [50.0, 100.0];
 /// Share of the initial standard deviation below which the resistance counts as learned.
 pub const LEARNED_SHARE: Real = 0.5;
 /// Share above which it counts as forgotten.
@@ -45,18 +45,17 @@ impl Published {
         self.out_of_bounds || self.worse
     }
 
-    /// The coefficients to publish and how far they may be trusted. `initial_sd` is that of r at [`JUDGED_KMH`] by the description alone;
+    /// The coefficients to publish and how far they may be trusted. `initial_sds` are those of r at [`JUDGED_KMH`] by the description alone;
     /// `worse_by`: the description foresaw the coasts better by so many standard deviations.
     pub fn judge(
         &mut self,
         nominal: &Davis,
-        initial_sd: Real,
+        initial_sds: [Real; 2],
         found: &Gaussian<3>,
         worse_by: Real,
     ) -> (Davis, Learned) {
-        let sd = resistance_sd(found, KmPerHour(JUDGED_KMH).to_mps());
         let least = if self.learned { FORGOTTEN_SHARE } else { LEARNED_SHARE };
-        self.learned = sd < least * initial_sd;
+        self.learned = sds(found).iter().zip(initial_sds).any(|(sd, initial)| *sd < least * initial);
 
         self.worse = worse_by > if self.worse { NO_LONGER_WORSE_BY } else { WORSE_BY };
         let [r0, r1, r2] = found.mean.into();
@@ -83,6 +82,11 @@ impl Published {
     }
 }
 
+/// Standard deviations of r at [`JUDGED_KMH`], N/kg.
+pub(crate) fn sds(davis: &Gaussian<3>) -> [Real; 2] {
+    JUDGED_KMH.map(|kmh| resistance_sd(davis, KmPerHour(kmh).to_mps()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,7 +102,7 @@ mod tests {
     #[test]
     fn validity_has_hysteresis() {
         let mut published = Published::default();
-        let mut say = |scale, sd| published.judge(&NOMINAL, 1e-3, &belief(scale, sd), 0.0).1;
+        let mut say = |scale, sd| published.judge(&NOMINAL, [1e-3; 2], &belief(scale, sd), 0.0).1;
         assert_eq!(say(1.0, 5.5e-4), Learned::NotYet);
         assert_eq!(say(1.0, 4.9e-4), Learned::Learned);
         assert_eq!(say(1.0, 5.5e-4), Learned::Learned);
@@ -111,15 +115,23 @@ mod tests {
     }
 
     #[test]
+    fn a_tram_need_not_say_what_it_has_at_100_kmh() {
+        let say = |sds| Published::default().judge(&NOMINAL, sds, &belief(1.0, 1e-3), 0.0).1;
+        assert_eq!(say([2.1e-3, 1.9e-3]), Learned::Learned);
+        assert_eq!(say([1.9e-3, 2.1e-3]), Learned::Learned);
+        assert_eq!(say([1.9e-3, 1.9e-3]), Learned::NotYet);
+    }
+
+    #[test]
     fn values_that_no_train_has_are_cut_off() {
         let mut published = Published::default();
         let mut wild = belief(1.0, 1e-4);
         wild.mean = Vector3::new(-1.0, 1.0, NOMINAL.r2);
-        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &wild, 0.0);
+        let (davis, learned) = published.judge(&NOMINAL, [1e-3; 2], &wild, 0.0);
         assert_eq!(learned, Learned::OutOfBounds);
         assert_eq!((davis.r0, davis.r1, davis.r2), (0.5 * NOMINAL.r0, 2.0 * NOMINAL.r1, NOMINAL.r2));
         let none = Gaussian::independent([Real::NAN; 3], [1.0; 3]);
-        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &none, 0.0);
+        let (davis, learned) = published.judge(&NOMINAL, [1e-3; 2], &none, 0.0);
         assert_eq!(learned, Learned::OutOfBounds);
         assert!(davis.r0.is_finite() && davis.r1.is_finite() && davis.r2.is_finite());
     }
@@ -127,7 +139,7 @@ mod tests {
     #[test]
     fn where_the_description_foresees_better_it_is_published() {
         let mut published = Published::default();
-        let mut say = |scale, worse_by| published.judge(&NOMINAL, 1e-3, &belief(scale, 1e-4), worse_by);
+        let mut say = |scale, worse_by| published.judge(&NOMINAL, [1e-3; 2], &belief(scale, 1e-4), worse_by);
         assert_eq!(say(1.2, 1.9).1, Learned::Learned);
         assert_eq!(say(1.2, 2.1), (NOMINAL, Learned::PredictsWorse));
         assert_eq!(say(1.2, 1.1), (NOMINAL, Learned::PredictsWorse));
@@ -146,7 +158,7 @@ mod tests {
                 (r0 + v * (r1 + v * r2)) / NOMINAL.resistance_n_per_kg(v)
             });
             assert!(shares.iter().all(|share| (0.5..2.0).contains(share)), "{shares:?}");
-            Published::default().judge(&NOMINAL, 1e-3, &belief, 0.0).1
+            Published::default().judge(&NOMINAL, [1e-3; 2], &belief, 0.0).1
         };
         assert_eq!(of(0.02106, -6.8e-4, 2.34e-5), Learned::OutOfBounds);
         assert_eq!(of(0.02059, -5.84e-4, 2.124e-5), Learned::Learned);
@@ -159,7 +171,7 @@ mod tests {
         wind.mean[0] += NOMINAL.r2 * 9.0;
         wind.mean[1] += 2.0 * NOMINAL.r2 * 3.0;
         assert!(wind.mean[1] > 2.0 * NOMINAL.r1);
-        let (davis, learned) = Published::default().judge(&NOMINAL, 1e-3, &wind, 0.0);
+        let (davis, learned) = Published::default().judge(&NOMINAL, [1e-3; 2], &wind, 0.0);
         assert_eq!((davis.r1, learned), (wind.mean[1], Learned::Learned));
     }
 }

@@ -84,6 +84,7 @@ settings! {
         held_least_n_per_kg: f64 = 0.004, /// A gradient that changes by less is followed in any case, N/kg. Judgement: 0.4 permille.
         slowest_mps: f64 = 2.0, /// Slower intervals count for nothing: readings of zero, creeping, the last metres, m/s. Judgement.
         beyond_m: f64 = 300.0, /// A location may be this far beyond an end of the line, m. Judgement: half a train, and the noise of a receiver.
+        coasting_n_per_kg: f64 = 0.01, /// A smaller effort is that of a coasting train, N/kg. Judgement: the noise of a sensor.
         most_change_n_per_kg: f64 = 0.03, /// An effort that changes by more within an interval has no mean that is known well enough, N/kg. Measured: a switch of the regime, a brake being applied.
     }
     /// The track, as far as it can be doubted.

@@ -59,7 +59,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             standing_since_s: None,
             published: Published::default(),
             coast: Steady::NONE,
-            initial_sd: 0.0,
+            initial_sds: [0.0; 2],
             pace: Pace::Clock,
             newest: None,
             last_time_s: None,

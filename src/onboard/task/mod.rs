@@ -135,7 +135,7 @@ pub struct Task<'a, F> {
     /// The coast-ahead prediction that was published last.
     coast: Steady,
     /// Standard deviation of r by the description alone, which `published` is judged by.
-    initial_sd: Real,
+    initial_sds: [Real; 2],
 
     pace: Pace,
     newest: Option<Measurement>,

@@ -58,7 +58,7 @@ impl<F: NorFlash> Task<'_, F> {
         let nominal = self.estimator.train().davis();
         self.vehicle.widen(&mut davis, self.run.hops_share());
         let worse_by = self.vehicle.trust().worse_by();
-        let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis, worse_by);
+        let (published, learned) = self.published.judge(&nominal, self.initial_sds, &davis, worse_by);
         let gain = match self.estimator.config().mode {
             Mode::Measured => Some(self.run.gain()),
             Mode::Gated | Mode::Paper => None,

@@ -108,7 +108,7 @@ impl<F: NorFlash> Task<'_, F> {
     /// How well r is known by the description alone; the same all through a run.
     #[inline(never)]
     pub(super) fn judge_by_description(&mut self) {
-        self.initial_sd = self.estimator.initial_sd();
+        self.initial_sds = self.estimator.initial_sds();
     }
 
     /// A long stop ends the run.

@@ -96,7 +96,7 @@ impl Cut<'_> {
             speed_mps: [from.speed_mps, to.speed_mps],
             effort_n_per_kg: effort.map(|(mean, _)| mean),
             effort_change_n_per_kg: effort.map_or(0.0, |(_, change)| change),
-            effort_step_n_per_kg: self.effort_at(to.sample) - self.effort_at(from.sample),
+            effort_step_n_per_kg: self.step(from.sample, to.sample),
             temperature_c: self.run.samples[to.sample].temperature_c,
             wind_mps: self.wind_mps(from.sample, to.sample),
             day: self.run.day,
@@ -329,14 +329,63 @@ impl Cut<'_> {
         }
     }
 
-    /// Change of the effort beyond what constant power explains.
-    fn change_between(&self, a: f64, b: f64, pair: &[Sample]) -> f64 {
-        match (pair[0].speed_mps, pair[1].speed_mps) {
+    /// Change of the effort from one sample to another beyond what constant power explains.
+    fn change_between(&self, from: usize, to: usize) -> Option<f64> {
+        let [before, after] = [from, to].map(|sample| &self.run.samples[sample]);
+        let (a, b) = (before.effort_n_per_kg?, after.effort_n_per_kg?);
+        Some(match (before.speed_mps, after.speed_mps) {
             (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > self.config.by_power_mps => {
                 let at_power = (b * v1 - a * v0) / (0.5 * (v0 + v1));
                 if at_power.abs() < (b - a).abs() { at_power } else { b - a }
             }
             _ => b - a,
+        })
+    }
+
+    /// By how much a mean over an interval is too small for each of its lengths that the effort is late. Means lie half a row back, and of what is late and
+    /// what is early the mean is taken: the noise of the interval's own effort is not in it, which would be taken for a delay.
+    fn step(&self, from: usize, to: usize) -> f64 {
+        let next = if self.effort == EffortReading::MeanSinceLast { self.next(to) } else { None };
+        next.map_or_else(
+            || self.effort_at(to) - self.effort_at(from),
+            |next| {
+                let middle = |sample: usize| 0.5 * (self.effort_at(sample) + self.effort_at(sample + 1));
+                middle(next - 1) - middle(from)
+            },
+        )
+    }
+
+    /// The sample after one, unless a gap lies between.
+    fn next(&self, sample: usize) -> Option<usize> {
+        let samples = &self.run.samples;
+        let next = samples.get(sample + 1).filter(|next| next.effort_n_per_kg.is_some())?;
+        let [before, now] = [sample - 1, sample].map(|sample| samples[sample].time_s);
+        (next.time_s - now < self.config.gap * (now - before)).then_some(sample + 1)
+    }
+
+    /// How much the effort changes up to a sample, not negative. A mean is judged by those around it: the noise of a mean is in its change, too, so that those
+    /// which count because they hardly change would be too high wherever the effort falls.
+    fn change(&self, sample: usize) -> Option<f64> {
+        let own = self.change_between(sample - 1, sample)?.abs();
+        let is_zero = |sample: usize| self.effort_at(sample).abs() <= self.config.coasting_n_per_kg;
+        let coasts = is_zero(sample - 1) && is_zero(sample);
+        let next = self.next(sample).filter(|_| self.effort == EffortReading::MeanSinceLast && !coasts);
+        let Some(around) = next.and_then(|next| self.change_between(sample - 1, next)) else {
+            return Some(own);
+        };
+        Some((0.5 * around).abs().max(self.apart(sample)))
+    }
+
+    /// How far the effort of a sample is from the middle of those around it, or their power.
+    fn apart(&self, sample: usize) -> f64 {
+        let around = [sample - 1, sample, sample + 1].map(|sample| &self.run.samples[sample]);
+        let [a, b, c] = around.map(|sample| sample.effort_n_per_kg.unwrap_or(0.0));
+        let apart = (b - 0.5 * (a + c)).abs();
+        match around.map(|sample| sample.speed_mps) {
+            [Some(v0), Some(v1), Some(v2)] if a > 0.0 && c > 0.0 && v0.min(v2) > self.config.by_power_mps => {
+                apart.min((b - 0.5 * (a * v0 + c * v2) / v1.max(self.config.by_power_mps)).abs())
+            }
+            _ => apart,
         }
     }
 
@@ -345,7 +394,7 @@ impl Cut<'_> {
         let samples = &self.run.samples[from..=to];
         let (mut sum, mut time_s, mut change) = (0.0, 0.0, 0.0);
         let mut last = samples[0].effort_n_per_kg;
-        for pair in samples.windows(2) {
+        for (index, pair) in samples.windows(2).enumerate() {
             let dt_s = pair[1].time_s - pair[0].time_s;
             let now = pair[1].effort_n_per_kg;
             let mean = match (self.effort, last, now) {
@@ -353,14 +402,84 @@ impl Cut<'_> {
                 (EffortReading::MeanSinceLast, _, Some(b)) => b,
                 _ => return None,
             };
-            if let (Some(a), Some(b)) = (last, now) {
-                // Over many samples the steps inside an interval are seen, and only their own halves are uncertain.
-                change += self.change_between(a, b, pair).abs() * dt_s;
-            }
+            // Over many samples the steps inside an interval are seen, and only their own halves are uncertain.
+            change += self.change(from + index + 1).unwrap_or(0.0) * dt_s;
             sum += mean * dt_s;
             time_s += dt_s;
             last = now;
         }
         (time_s > 0.0).then(|| (sum / time_s, change / time_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::data::runs::Recorded;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+    use rundown::model::direction::Direction;
+
+    const NOISE_N_PER_KG: f64 = 0.01;
+
+    /// What an effort that falls by 0.025 N/kg from row to row says.
+    fn falling_n_per_kg(row: usize) -> f64 {
+        0.6 - 0.025 * row as f64
+    }
+
+    /// Intervals of runs at 20 m/s with such an effort and noise.
+    fn intervals(effort: EffortReading) -> Vec<Interval> {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let noise = Normal::new(0.0, NOISE_N_PER_KG).unwrap();
+        let mut sample = |row: usize| {
+            let time_s = 10.0 * row as f64;
+            Sample {
+                time_s,
+                location_m: Some(20.0 * time_s),
+                speed_mps: Some(20.0),
+                effort_n_per_kg: Some(falling_n_per_kg(row) + noise.sample(&mut rng)),
+                ..Sample::default()
+            }
+        };
+        let mut run = || Run {
+            name: String::new(),
+            direction: Direction::Up,
+            day: None,
+            samples: (0..20).map(&mut sample).collect(),
+            recorded: Recorded::default(),
+        };
+        let runs: Vec<Run> = (0..200).map(|_| run()).collect();
+        on_a_level_line(runs.len(), |context| all(context, &runs, effort)).concat()
+    }
+
+    /// Noise of an interval's effort.
+    fn noise_n_per_kg(interval: &Interval) -> f64 {
+        interval.effort_n_per_kg.unwrap() - falling_n_per_kg((interval.begin_s / 10.0).round() as usize + 1)
+    }
+
+    #[test]
+    fn the_noise_of_a_mean_is_in_neither_its_change_nor_its_step() {
+        // The last of a run has none after it.
+        let mut intervals = intervals(EffortReading::MeanSinceLast);
+        intervals.retain(|interval| interval.begin_s < 175.0);
+        let count = intervals.len() as f64;
+        let with_step: f64 = intervals.iter().map(|i| noise_n_per_kg(i) * (i.effort_step_n_per_kg + 0.025)).sum();
+        assert!((with_step / count / NOISE_N_PER_KG.powi(2)).abs() < 0.05, "{with_step}");
+        let steady = intervals.iter().filter(|interval| interval.effort_change_n_per_kg < 0.025);
+        let noise: Vec<f64> = steady.map(noise_n_per_kg).collect();
+        assert!(noise.len() as f64 > 0.2 * count, "{}", noise.len());
+        let mean = noise.iter().sum::<f64>() / noise.len() as f64;
+        assert!(mean.abs() < 0.1 * NOISE_N_PER_KG, "{mean}");
+    }
+
+    #[test]
+    fn a_step_is_what_a_delay_takes() {
+        for (effort, step) in [(EffortReading::Momentary, -0.025), (EffortReading::MeanSinceLast, -0.025)] {
+            let intervals = intervals(effort);
+            let mean = intervals.iter().map(|i| i.effort_step_n_per_kg).sum::<f64>() / intervals.len() as f64;
+            assert!((mean - step).abs() < 1e-3, "{effort:?}: {mean}");
+        }
     }
 }
