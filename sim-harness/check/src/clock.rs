@@ -1,9 +1,11 @@
 //! Times that a clock made wrong: midnight, set back, set forward.
 //!
-//! A step of the clock is judged by the distance between the two rows: at 20 m/s an hour is 72 km. While the train stands nothing can be judged.
+//! A step of the clock is judged by the distance between the two rows: at 20 m/s an hour is 72 km. While the train stands nothing can be judged, nor where rows are
+//! missing between which it may have stood.
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
+use crate::reach::reach_m;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 
@@ -33,6 +35,11 @@ pub fn usual_step_s(rows: &[Sample]) -> f64 {
     median(steps.filter(|step| *step > 0.0)).unwrap_or(1.0)
 }
 
+/// Rows are missing where more passes between two of them, s.
+pub(crate) fn longest_step_s(usual_s: f64) -> f64 {
+    (3.5 * usual_s).max(10.0)
+}
+
 /// Time that passed before a row by the distance from the rows before it to those from it on, where all of them move: a few on both sides, as one
 /// location of a receiver may be off by more than a step.
 fn by_distance(rows: &[Sample], at: usize) -> Option<f64> {
@@ -42,6 +49,16 @@ fn by_distance(rows: &[Sample], at: usize) -> Option<f64> {
     let speed_mps = 0.5 * (before.speed_mps + after.speed_mps);
     let between_s = (after.location_m - before.location_m).abs() / speed_mps;
     Some(between_s - (last_before - before.time_s) - (after.time_s - rows[at].time_s))
+}
+
+/// The way to a row is long enough for a train to stop on it and start again: `dt` s by the clock, `passed_s` by the distance.
+fn may_have_stopped(rows: &[Sample], at: usize, [dt, passed_s]: [f64; 2]) -> bool {
+    let [before, after] = [rows[at - 1], rows[at]];
+    let Some(speeds_mps) = before.speed_mps.zip(after.speed_mps).map(|(a, b)| [a, b]) else { return false };
+    let by_speed_m = 0.5 * passed_s * (speeds_mps[0] + speeds_mps[1]);
+    // One location alone may be off by more than a step.
+    let read_m = before.location_m.zip(after.location_m).map_or(by_speed_m, |(a, b)| (b - a).abs());
+    *reach_m(speeds_mps, dt, f64::INFINITY).start() <= by_speed_m.max(read_m)
 }
 
 /// Means of rows of a moving train.
@@ -152,6 +169,7 @@ pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         } else if dt > LEAST_BACK_S.max(20.0 * step_s)
             && stays
             && let Some(passed_s) = passed_s
+            && !may_have_stopped(rows, i, [dt, passed_s])
         {
             found(Kind::ClockSetForward, dt - passed_s);
             shift_s += passed_s - dt;
@@ -200,5 +218,30 @@ mod tests {
             let turned: Vec<usize> = (0..count as usize).rev().collect();
             assert_eq!(order(&rows, metres), Some(turned), "{count} rows");
         }
+    }
+
+    /// Rows at these times and locations, of a train that runs at this speed at all of them.
+    fn found_forward(speed_mps: f64, of_row: impl Fn(u32) -> (f64, f64)) -> Vec<Kind> {
+        let row = |i: u32| {
+            let (time_s, location_m) = of_row(i);
+            Sample { time_s, location_m: Some(location_m), speed_mps: Some(speed_mps), ..Sample::default() }
+        };
+        let (mut rows, mut findings) = ((0..60).map(row).collect::<Vec<Sample>>(), Vec::new());
+        put_right(&mut rows, &mut findings);
+        findings.iter().map(|finding| finding.kind).collect()
+    }
+
+    #[test]
+    fn a_clock_is_set_forward_where_no_train_stops_on_the_way_between_the_rows() {
+        let found = |speed_mps, [jump_s, way_m]: [f64; 2]| {
+            found_forward(speed_mps, |i| {
+                let (t, is_after) = (f64::from(i), f64::from(u8::from(i >= 30)));
+                (t + jump_s * is_after, speed_mps * t + way_m * is_after)
+            })
+        };
+        // 140 m more are those of a metro that brakes and starts again with 1.0 m/s².
+        assert_eq!(found(12.0, [40.0, 140.0]), []);
+        assert_eq!(found(12.0, [40.0, 0.0]), [Kind::ClockSetForward]);
+        assert_eq!(found(6.0, [3600.0, 0.0]), [Kind::ClockSetForward]);
     }
 }

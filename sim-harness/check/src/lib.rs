@@ -9,6 +9,7 @@
 //! | did the clock jump, pause? | [`clock`] |
 //! | does it lose seconds? | [`lost_seconds`] |
 //! | did the location wrap, begin again, stand still? | [`places`] |
+//! | how far may a train go between two rows? | `reach` |
 //! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
 //! | is a run unlike the others of its recorder? | [`mod@own`] |
@@ -77,6 +78,7 @@ pub mod own;
 pub mod perturbed;
 pub mod places;
 mod profile;
+mod reach;
 pub mod readings;
 mod recorder;
 mod rounding;

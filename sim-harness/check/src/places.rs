@@ -2,9 +2,11 @@
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
-use crate::steps;
+use crate::reach::reach_m;
+use crate::{clock, steps};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
+use std::ops::RangeInclusive;
 
 /// Turns of odometers, m.
 const TURNS_M: [f64; 6] = [10_000.0, 32_768.0, 65_536.0, 100_000.0, 1_000_000.0, 10_000_000.0];
@@ -53,15 +55,18 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let mut waited_m = 0.0;
     // Locations that go on at a pace of their own beside a speed that stands still begin nowhere again.
     let mut was_off = false;
+    let fastest_mps = rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max);
     for i in 0..rows.len() {
         let Some(read_m) = rows[i].location_m.filter(|m| m.is_finite()) else {
             continue;
         };
         if let Some(before) = last {
             let expected_m = sign * between(&before, &rows[i]);
-            let jump_m = read_m + shift_m - before.location_m.unwrap_or(read_m) - expected_m;
+            let step_m = read_m + shift_m - before.location_m.unwrap_or(read_m);
+            let jump_m = step_m - expected_m;
             let beyond = |jump_m: f64| jump_m.abs() > least_m + 0.5 * expected_m.abs();
-            let is_off = beyond(jump_m) && beyond(jump_m - waited_m);
+            let may_be = reaches(&before, &rows[i], fastest_mps).is_some_and(|reach| reach.contains(&(sign * step_m)));
+            let is_off = beyond(jump_m) && beyond(jump_m - waited_m) && !may_be;
             waited_m = if read_m == last_read_m { waited_m + expected_m } else { 0.0 };
             let goes_on_off = std::mem::replace(&mut was_off, is_off);
             if is_off && !goes_on_off && stays(rows, i, sign) {
@@ -84,6 +89,11 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         rows[i].location_m = Some(read_m + shift_m);
         (last, last_read_m) = (Some(rows[i]), read_m);
     }
+}
+
+/// The ways that a train may go from one row to the other, whatever it does between them, m.
+fn reaches(a: &Sample, b: &Sample, fastest_mps: f64) -> Option<RangeInclusive<f64>> {
+    Some(reach_m([a.speed_mps?, b.speed_mps?], b.time_s - a.time_s, fastest_mps))
 }
 
 /// How far the step of the location from row to row usually is from that by speed, m.
@@ -249,7 +259,8 @@ struct StuckRows {
     way_m: f64,
 }
 
-/// Stretches of so many rows at least in which a reading stays the same, and the `missing` of distance by speed and by location tells.
+/// Stretches of so many rows at least in which a reading stays the same, and the `missing` of distance by speed and by location tells. Where rows are missing a
+/// train may have stopped, and the reading be a new one.
 fn stretches(
     rows: &[Sample],
     reading: fn(&Sample) -> Option<f64>,
@@ -259,14 +270,17 @@ fn stretches(
 ) -> Vec<StuckRows> {
     let mut found = Vec::new();
     let mut from = 0;
+    let longest_s = clock::longest_step_s(clock::usual_step_s(rows));
     while from < rows.len() {
         let Some(stays) = reading(&rows[from]) else {
             from += 1;
             continue;
         };
         // A reading that is lost between two equal ones ends nothing.
-        let alike = rows[from..].iter().map(reading).take_while(|read| read.is_none_or(|read| read == stays));
-        let read: Vec<usize> = alike.enumerate().filter_map(|(i, read)| read.map(|_| from + i)).collect();
+        let goes_on = |i: &usize| *i == from || rows[*i].time_s - rows[i - 1].time_s <= longest_s;
+        let alike = (from..rows.len()).take_while(goes_on).map(|i| (i, reading(&rows[i])));
+        let alike = alike.take_while(|(_, read)| read.is_none_or(|read| read == stays));
+        let read: Vec<usize> = alike.filter_map(|(i, read)| read.map(|_| i)).collect();
         let (same, to) = (read.len(), read.last().copied().unwrap_or(from));
         if same >= least {
             let located = (from..=to).filter(|i| rows[*i].location_m.is_some());
@@ -365,6 +379,30 @@ mod tests {
             "{findings:?}"
         );
         assert_eq!(rows[59].location_m, Some(location_m(59)));
+    }
+
+    /// A row a second of a train with this speed, m/s.
+    fn read_at(speed_mps: impl Fn(f64) -> f64) -> Vec<Sample> {
+        let mut at_m = 0.0;
+        let row = |second: u32| {
+            let time_s = f64::from(second);
+            at_m += speed_mps(time_s - 0.5);
+            Sample { time_s, location_m: Some(at_m), speed_mps: Some(speed_mps(time_s)), ..Sample::default() }
+        };
+        (0..300).map(row).collect()
+    }
+
+    #[test]
+    fn a_stop_or_a_hop_of_which_the_rows_are_missing_is_no_location_that_begins_again() {
+        let stops = |second: f64| ((second - 150.0).abs() - 10.0).clamp(0.0, 20.0);
+        let hops = |second: f64| (40.0 - (second - 150.0).abs()).max(second - 250.0).clamp(0.0, 20.0);
+        for rows in [read_at(stops), read_at(hops)] {
+            assert_eq!(joined([&rows[..124], &rows[176..]].concat()).1, []);
+        }
+        // No train stops within 100 m and goes on at 20 m/s.
+        let mut rows = read_at(|_| 20.0);
+        rows[150..].iter_mut().for_each(|row| row.time_s += 30.0);
+        assert_eq!(joined(rows).1.len(), 1);
     }
 
     /// A second, and what the train does in it: 30 m/s, then this acceleration from second 100 on.

@@ -212,7 +212,7 @@ pub(crate) fn differences(rows: &[Sample], step_s: f64) -> Differences {
 /// `step_s`: usual time between rows, s.
 pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
     let sign = places::heading(rows);
-    let longest_s = (3.5 * step_s).max(10.0);
+    let longest_s = clock::longest_step_s(step_s);
     let mut parts: Vec<Vec<Row>> = vec![Vec::new()];
     for row in rows {
         let (Some(location_m), Some(speed_mps)) = (row.location_m, row.speed_mps) else {
