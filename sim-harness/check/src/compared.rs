@@ -63,6 +63,8 @@ pub(crate) struct Differences {
     pub(crate) by_speed: Vec<f64>,
     /// Time between the two rows, s.
     pub(crate) dt: Vec<f64>,
+    /// What the distance by speed was bent by, m.
+    pub(crate) bend: Vec<f64>,
     dv: Vec<f64>,
     /// Time of the later row, s.
     pub(crate) end_s: Vec<f64>,
@@ -91,19 +93,20 @@ impl Differences {
         let shares = held_shares(part);
         let mut held: Vec<HeldTime> = Vec::new();
         let mut from = None;
-        let mut by_speed = 0.0;
+        let (mut by_speed, mut bend) = (0.0, 0.0);
         let mut linked = false;
         for (i, row) in part.iter().enumerate() {
             if row.speed_mps < SLOWEST_MPS {
                 (from, linked) = (None, false);
                 continue;
             }
-            let Some((begin, more_m)) = from.zip(i.checked_sub(1).and_then(|_| distance(part, i))) else {
-                (from, by_speed, linked) = (Some(*row), 0.0, false);
+            let Some((begin, (more_m, bend_m))) = from.zip(i.checked_sub(1).and_then(|_| distance(part, i))) else {
+                (from, by_speed, bend, linked) = (Some(*row), 0.0, 0.0, false);
                 held.clear();
                 continue;
             };
             by_speed += more_m;
+            bend += bend_m;
             let half_s = 0.5 * (row.time_s - part[i - 1].time_s);
             let of = |j: usize| HeldTime { at: self.y.len(), speed_mps: part[j].speed_mps, held_s: half_s * shares[j] };
             held.extend([i - 1, i].map(of).iter().filter(|one| one.held_s > 0.0));
@@ -112,11 +115,12 @@ impl Differences {
                 self.y.push(row.location_m - begin.location_m - by_speed);
                 self.by_speed.push(by_speed);
                 self.dt.push(dt);
+                self.bend.push(bend);
                 self.dv.push(row.speed_mps - begin.speed_mps);
                 self.end_s.push(row.time_s);
                 self.linked.push(linked);
                 self.held.append(&mut held);
-                (from, by_speed, linked) = (Some(*row), 0.0, true);
+                (from, by_speed, bend, linked) = (Some(*row), 0.0, 0.0, true);
             }
         }
     }
@@ -127,7 +131,8 @@ const STRAIGHT_S: f64 = 2.0;
 
 /// Distance by speed from row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say; straight ones of a second are too long by two parts
 /// in ten thousand of a tram's hop. Beside a start or a stop straight, or none: the train moved for a part of the time only, and the change of speed there is no acceleration.
-fn distance(rows: &[Row], i: usize) -> Option<f64> {
+/// Out: the distance, and by how much it is bent, m.
+fn distance(rows: &[Row], i: usize) -> Option<(f64, f64)> {
     let (a, b) = (rows[i - 1], rows[i]);
     let dt = b.time_s - a.time_s;
     let straight = 0.5 * dt * (a.speed_mps + b.speed_mps);
@@ -135,10 +140,11 @@ fn distance(rows: &[Row], i: usize) -> Option<f64> {
     let around = i.checked_sub(2).and_then(|before| Some((&rows[before], rows.get(i + 1)?)));
     match around {
         Some((before, after)) if before.speed_mps.min(after.speed_mps) >= SLOWEST_MPS => {
-            Some(straight - dt * dt / 12.0 * (slope(&b, after) - slope(before, &a)) / 2.0)
+            let bend = -dt * dt / 12.0 * (slope(&b, after) - slope(before, &a)) / 2.0;
+            Some((straight + bend, bend))
         }
         Some(_) if dt > STRAIGHT_S => None,
-        _ => Some(straight),
+        _ => Some((straight, 0.0)),
     }
 }
 
@@ -317,7 +323,7 @@ mod tests {
         for step_s in [0.5, 1.0] {
             let rows = rows(step_s);
             for i in 2..rows.len() - 1 {
-                let by_speed = distance(&rows, i).unwrap();
+                let (by_speed, _) = distance(&rows, i).unwrap();
                 assert!((by_speed - rows[i].location_m + rows[i - 1].location_m).abs() < 1e-9, "{step_s} {i}");
             }
         }

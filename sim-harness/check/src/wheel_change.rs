@@ -138,7 +138,7 @@ pub(crate) struct OfRun {
 impl OfRun {
     /// With the offset of the recorder, m/s. None: the run does not say.
     pub(crate) fn at(agreement: &Agreement, offset_mps: f64) -> Option<Self> {
-        let one = pooled(std::slice::from_ref(agreement))?;
+        let one = pooled(std::slice::from_ref(agreement))?.beside_others();
         let beside = one.covariance[(0, 1)] / one.covariance[(1, 1)];
         let held = agreement.held.iter().map(|(speed, effect)| (*speed, effect[0] - beside * effect[1])).collect();
         Some(Self { scale: one.scale_at(offset_mps), held })
@@ -236,6 +236,7 @@ mod tests {
         let side = |scale: f64, offset_mps: f64| Pooled {
             values: nalgebra::Vector2::new(scale.recip() - 1.0, offset_mps),
             covariance: nalgebra::Matrix2::new(9e-6, 2.2e-4, 2.2e-4, 6e-3),
+            by_bends: nalgebra::Vector2::zeros(),
             runs: 8,
         };
         let usual = side(1.0, 0.05);

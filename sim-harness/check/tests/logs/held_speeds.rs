@@ -91,3 +91,20 @@ fn where_a_train_starts_and_stops_between_rows_is_no_offset() {
     }
     assert!(held >= 17 && wrong.is_empty(), "{held} of 20 intervals hold 0, {wrong:?}");
 }
+
+/// Trams power, coast or brake all the way: what bends between two rows 10 s apart is 2 % of it, and known to a tenth or two.
+#[test]
+fn what_bends_between_rows_of_trams_is_no_wheel_and_no_truncation() {
+    let recorder = Recorder { step_s: 10.0, ..odometer() };
+    let wrong = |seed: u64, quantum_kmh: f64| {
+        let found = check(&mut Recorder { quantum_kmh, ..recorder }.trams(65_000 + seed, 40, 20));
+        let wrong = |kind: &Kind| matches!(kind, Kind::TruncatedSpeed | Kind::SpeedScale);
+        kinds(&found).into_iter().find(wrong).map(|kind| (seed, quantum_kmh, kind))
+    };
+    let wrong: Vec<_> = (0..10).flat_map(|seed| [0.1, 1.0].map(|quantum| wrong(seed, quantum))).flatten().collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
+    for seed in 0..10 {
+        let mut recordings = Recorder { scale: 1.015, ..recorder }.hopping(66_000 + seed, 12, 5);
+        assert!(kinds(&check(&mut recordings)).contains(&Kind::SpeedScale), "{seed}");
+    }
+}
