@@ -20,8 +20,10 @@ const PIECE: usize = 16;
 const LEAST_STEPS: usize = 6;
 /// Pieces of a log that are remembered, at most.
 const SAMPLE: usize = 96;
-/// So many that are another log's are no chance.
+/// So many that are another log's are no chance, where so many of them have no row in common: trains that start alike from one place are alike for half a minute, in
+/// whole km/h and metres to the last digit, and all pieces of it are.
 const LEAST_ALIKE: usize = 6;
+const LEAST_APART: usize = 3;
 
 /// The logs that have been seen, by digests of their readings: rows need not be kept.
 #[derive(Clone, Debug, Default)]
@@ -59,22 +61,39 @@ impl Seen {
     /// What a log that is none of the earlier ones has in common with the one that it is most like. Call it before anything is put right.
     pub fn shared(&mut self, recording: &Recording) -> Option<Shared> {
         let (pieces, zeros) = pieces(&recording.rows);
-        let mut alike: HashMap<usize, usize> = HashMap::new();
-        for log in pieces.iter().filter_map(|piece| self.pieces.get(piece)) {
-            *alike.entry(*log).or_default() += 1;
+        // Where the pieces begin that are an earlier log's.
+        let mut alike: HashMap<usize, Vec<usize>> = HashMap::new();
+        for (piece, at) in &pieces {
+            if let Some(log) = self.pieces.get(piece) {
+                alike.entry(*log).or_default().push(*at);
+            }
         }
-        let most = alike.into_iter().max_by_key(|(log, count)| (*count, std::cmp::Reverse(*log)));
-        let shared = most.filter(|(_, count)| *count >= LEAST_ALIKE).and_then(|(log, count)| {
+        let most = alike.into_iter().max_by_key(|(log, begins)| (begins.len(), std::cmp::Reverse(*log)));
+        let is_no_chance = |begins: &Vec<usize>| begins.len() >= LEAST_ALIKE && apart(begins) >= LEAST_APART;
+        let shared = most.filter(|(_, begins)| is_no_chance(begins)).and_then(|(log, begins)| {
             let (name, its_zeros) = self.logs.get(log)?;
-            let both = pieces.iter().filter(|piece| piece.trailing_zeros() >= *its_zeros).count();
-            Some(Shared { share: count as f64 / both.max(1) as f64, with: name.clone() })
+            let both = pieces.iter().filter(|(piece, _)| piece.trailing_zeros() >= *its_zeros).count();
+            Some(Shared { share: begins.len() as f64 / both.max(1) as f64, with: name.clone() })
         });
         if !pieces.is_empty() {
-            pieces.into_iter().for_each(|piece| _ = self.pieces.entry(piece).or_insert(self.logs.len()));
+            pieces.into_iter().for_each(|(piece, _)| _ = self.pieces.entry(piece).or_insert(self.logs.len()));
             self.logs.push((called(recording), zeros));
         }
         shared
     }
+}
+
+/// Most pieces that have no row in common, of those that begin at these rows.
+fn apart(begins: &[usize]) -> usize {
+    let mut begins = begins.to_vec();
+    begins.sort_unstable();
+    let (mut count, mut over) = (0, 0);
+    for begin in begins {
+        if begin >= over {
+            (count, over) = (count + 1, begin + PIECE);
+        }
+    }
+    count
 }
 
 /// Enough different steps to be no other log's by chance.
@@ -92,25 +111,25 @@ fn is_varied(steps: &[Option<i64>]) -> bool {
     false
 }
 
-/// Digests of a sample of the pieces of a log, and how many trailing zeros they have.
-fn pieces(rows: &[Sample]) -> (Vec<u64>, u32) {
+/// Digests of a sample of the pieces of a log with the rows at which they begin, and how many trailing zeros they have.
+fn pieces(rows: &[Sample]) -> (Vec<(u64, usize)>, u32) {
     let digests: Vec<u64> = rows.iter().map(|row| digest_of(std::slice::from_ref(row), |_| None)).collect();
     let steps: Vec<Option<i64>> =
         rows.windows(2).map(|pair| Some((1e3 * (pair[1].location_m? - pair[0].location_m?)).round() as i64)).collect();
-    let mut pieces: Vec<u64> = (0..(rows.len() + 1).saturating_sub(PIECE))
+    let mut pieces: Vec<(u64, usize)> = (0..(rows.len() + 1).saturating_sub(PIECE))
         .filter(|at| is_varied(&steps[*at..at + PIECE - 1]))
         .map(|at| {
             let mut hasher = DefaultHasher::new();
             digests[at..at + PIECE].hash(&mut hasher);
-            hasher.finish()
+            (hasher.finish(), at)
         })
         .collect();
     pieces.sort_unstable();
-    pieces.dedup();
+    pieces.dedup_by_key(|(piece, _)| *piece);
     let mut zeros = 0;
     while pieces.len() > SAMPLE {
         zeros += 1;
-        pieces.retain(|piece| piece.trailing_zeros() >= zeros);
+        pieces.retain(|(piece, _)| piece.trailing_zeros() >= zeros);
     }
     (pieces, zeros)
 }

@@ -114,3 +114,22 @@ fn a_log_that_holds_rows_of_another_one_says_how_many() {
         }
     }
 }
+
+/// Full power from the same platform, in whole km/h and metres: the same rows, until one of them has gone far enough to differ.
+#[test]
+fn two_trains_that_start_alike_are_no_log_that_is_given_again() {
+    let started = |alike: u32, slower: f64| {
+        let row = |i: u32| {
+            let speed_mps = 0.9 * f64::from(i) - if i > alike { slower * f64::from(i - alike) } else { 0.0 };
+            let location_m = 0.5 * f64::from(i) * speed_mps;
+            let (location_m, speed_mps) = (Some(location_m.round()), Some((3.6 * speed_mps).round() / 3.6));
+            Sample { time_s: f64::from(i), location_m, speed_mps, ..Sample::default() }
+        };
+        (0..80).map(row).collect::<Vec<Sample>>()
+    };
+    let shared = |alike: u32| {
+        let found = check(&mut [0.1, 0.3].map(|slower| recording(&format!("{slower}"), started(alike, slower))));
+        found.runs.iter().flat_map(|run| &run.findings).filter(|finding| finding.kind == Kind::SharedRows).count()
+    };
+    assert_eq!([30, 70].map(shared), [0, 1]);
+}
