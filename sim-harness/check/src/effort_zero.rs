@@ -7,6 +7,7 @@
 
 use crate::agreement::Figure;
 use crate::effort::stretches;
+use crate::limits::Described;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -116,8 +117,8 @@ pub(crate) fn leave_out_brakes(rows: &mut [Sample]) -> usize {
     count
 }
 
-/// Of all runs of a unit.
-pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Zeros {
+/// Of all runs of a unit. Where the described slopes explain that a train holds its speed, a zero is one.
+pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, described: &Described) -> Zeros {
     let mut found = Zeros::default();
     for recording in recordings {
         for rows in stretches(&recording.rows, STRETCH_S) {
@@ -130,9 +131,10 @@ pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Zero
             if rate < -BRAKES_MPS2 {
                 found.brakes.add(is_zero);
             }
-            if low > HOLDS_FROM_MPS {
+            let holds = high - low < HOLDS_WITHIN_MPS;
+            if low > HOLDS_FROM_MPS && !(holds && described.holds_coasting(rows, recording.direction)) {
                 found.moves.add(is_zero);
-                if high - low < HOLDS_WITHIN_MPS {
+                if holds {
                     found.holds.add(is_zero);
                 }
             }

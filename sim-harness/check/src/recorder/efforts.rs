@@ -26,7 +26,7 @@ impl RecorderCheck {
         self.unlike_efforts(recordings, runs);
         self.exceeds(recordings, runs, known);
         self.unfit_efforts(recordings, runs);
-        self.effort_zero(recordings, runs);
+        self.effort_zero(recordings, runs, known);
         self.smoothed_speeds(recordings, runs, known);
         self.effort_age(recordings, runs, known);
     }
@@ -140,14 +140,14 @@ impl RecorderCheck {
     }
 
     /// Takes the zero of the effort from trains that stand, and leaves out zeros that are no effort of 0.
-    fn effort_zero(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
+    fn effort_zero(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let own =
             || recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run)).map(|(recording, _)| recording);
         if self.has(Kind::EffortApart) {
             return;
         }
         let offset = effort_zero::at_standstill(own());
-        let zeros = effort_zero::zeros(own());
+        let zeros = effort_zero::zeros(own(), &known.limits);
         let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
         let rows: Vec<&mut [Sample]> = rows.map(|(recording, _)| recording.rows.as_mut_slice()).collect();
         if let Some((figure, count)) = offset {

@@ -3,8 +3,10 @@
 use crate::simulated::recording;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown_check::check;
+use rundown::model::train::{Train, TrainDescription};
 use rundown_check::finding::{Done, Finding, Kind};
+use rundown_check::limits::Described;
+use rundown_check::{Check, Known, check, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -51,7 +53,10 @@ fn runs(seed: u64, read: impl Fn(f64, bool) -> Option<f64>) -> Vec<Recording> {
 }
 
 fn found(recordings: &mut [Recording]) -> Vec<Finding> {
-    let check = check(recordings);
+    found_by(check(recordings))
+}
+
+fn found_by(check: Check) -> Vec<Finding> {
     let of_effort = |finding: &&Finding| matches!(finding.kind, Kind::EffortOffset | Kind::EffortZeros);
     check.recorders[0].findings.iter().filter(of_effort).cloned().collect()
 }
@@ -115,4 +120,15 @@ fn zeros_of_a_column_that_drops_what_is_small_are_left_out() {
         );
         assert!(recordings.iter().flat_map(|one| &one.rows).all(|row| row.effort_n_per_kg != Some(0.0)));
     }
+}
+
+#[test]
+fn a_train_that_coasts_down_a_slope_at_one_speed_has_zeros_that_are_ones() {
+    let on = |permille: f64| {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).ok();
+        let limits = Described { train, gradients: vec![(-1e6, permille)], ..Described::default() };
+        let mut recordings = runs(74_000, |effort, _| Some(if effort.abs() < 0.09 { 0.0 } else { effort }));
+        found_by(check_beside(&mut recordings, &Known { limits, ..Known::default() })).len()
+    };
+    assert_eq!([-3.0, 0.0, 3.0].map(on), [0, 1, 1]);
 }
