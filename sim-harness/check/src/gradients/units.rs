@@ -31,6 +31,8 @@ pub const CONVERSIONS: [(&str, [f64; 3]); 6] = [
 
 /// Trains that are not in other units: all coefficients times as much.
 const MULTIPLES: [f64; 10] = [0.25, 0.4, 0.5, 0.63, 0.8, 1.25, 1.6, 2.0, 2.5, 4.0];
+/// By what descriptions of the right train are off: where one of them has coasts, a conversion that makes less of the resistance is none.
+const PLAIN: [f64; 3] = [0.75, 1.0, 1.35];
 /// By so much log-likelihood a conversion is better than all of these.
 const LEAST_BEYOND: f64 = 6.0;
 /// A conversion that changes the resistance of the coasts by less is not looked for: natural logarithm of the ratio.
@@ -88,7 +90,10 @@ impl Coasts {
         let beyond = |multiple: f64| {
             fit([multiple; 3]).is_none_or(|fit| best.log_likelihood() > fit.log_likelihood() + LEAST_BEYOND)
         };
-        let is_clear = sees && z > LEAST_Z && MULTIPLES.into_iter().all(beyond);
+        // Speeds that are held roughly look like coasts of next to no resistance.
+        let has_coasts = |factor: f64| fit([factor; 3]).is_some_and(|fit| shows_coasts(&fit, &with([factor; 3])));
+        let is_held = ratio < 1.0 && PLAIN.into_iter().any(has_coasts);
+        let is_clear = sees && z > LEAST_Z && !is_held && MULTIPLES.into_iter().all(beyond);
         is_clear.then(|| OtherUnits {
             conversion,
             ratio,
@@ -98,6 +103,12 @@ impl Coasts {
             stretches: best.coasted().round() as usize,
         })
     }
+}
+
+/// There are coasts of this resistance, and they scatter by less than it.
+fn shows_coasts(fit: &MixtureFit, stretches: &[Stretch]) -> bool {
+    let is_seen = fit.resistance_n_per_kg(stretches) > LEAST_SEEN * fit.sd_n_per_kg;
+    is_seen && explains(fit.sd_n_per_kg) && fit.coasted() >= LEAST_STRETCHES
 }
 
 impl fmt::Display for OtherUnits {
@@ -173,6 +184,39 @@ mod tests {
                     assert_eq!(said, None, "{seed} {factors:?}");
                 }
             }
+        }
+    }
+
+    /// On a level line a speed that is held in notches falls a little between them, as a coast of a third of the resistance would have it.
+    #[test]
+    fn speeds_that_are_held_roughly_beside_coasts_are_no_other_unit() {
+        let described = converted(&SUBURBAN, [1.0 / 1.37; 3]);
+        let falling = converted(&described, [1.0, 1.0, 0.01]);
+        for seed in 0..5 {
+            let mut random = ChaCha8Rng::seed_from_u64(40 + seed);
+            let mut coasts = Coasts::default();
+            for number in 0..1200 {
+                let mps = random.random_range(10.0..30.0);
+                let resistance = SUBURBAN.resistance_n_per_kg(mps);
+                let noise = random.random_range(-0.003..0.003);
+                let gain_n_per_kg = match number % 8 {
+                    0 => noise - resistance,
+                    1..=4 => 0.3 * noise - falling.resistance_n_per_kg(mps),
+                    _ => random.random_range(-0.35..0.35),
+                };
+                let from_m = f64::from(number % 60) * 300.0;
+                let stretch = Stretch {
+                    gain_n_per_kg,
+                    resistance_n_per_kg: 0.0,
+                    mean_powers: [mps, mps * mps],
+                    fronts_m: [from_m, from_m + 300.0],
+                    way_m: 300.0,
+                    direction: Direction::Up,
+                    run: number as usize / 60,
+                };
+                coasts.stretches.push(stretch.with(&described));
+            }
+            assert_eq!(coasts.units_beside(&described, &[0.0; 1200]), None, "{seed}");
         }
     }
 }
