@@ -11,6 +11,7 @@ use crate::findings::{BetweenRuns, Findings};
 use crate::levels::{columns, standouts};
 use crate::noise::calibrate::{Calibrated, calibrate, calibrate_beside, flexible};
 use crate::noise::dragging::dragging;
+use crate::noise::habits;
 use crate::readings::kinematics::Kinematics;
 use crate::search::{fits::Search, fitting::fitted, headwind::headwind};
 use crate::traction::{hypotheses::limits, powering::SteadyPower};
@@ -112,9 +113,11 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading, selecte
 fn between_runs(context: &Context<'_>, rows: &[Row], measured: bool, fitted: &[Fitted], runs: &[Run]) -> BetweenRuns {
     // Beside the same model, which was not known when the noise was found.
     let terms: Vec<Term> = fitted.iter().map(|fitted| fitted.term.clone()).collect();
+    // Momentary efforts say little of braking: with the noise of coasting its errors would be winds.
+    let wider = if measured { habits::wider(rows, &context.config.evidence) } else { vec![1.0; rows.len()] };
     let beside = |wind: bool, differing: Vec<Vec<f64>>| {
         let known = flexible(context, rows, &terms).into_iter().chain(differing);
-        calibrate_beside(context, rows, measured, wind, known.collect())
+        calibrate_beside(context, (rows, wider.clone()), measured, wind, known.collect())
     };
     let (standouts, not_compared) = standouts(context, rows, |differing| beside(true, differing).0, fitted, runs);
     let differing = columns(&standouts, context, rows, runs);
@@ -252,6 +255,35 @@ mod tests {
             assert_eq!(units, ["u3"]);
             assert!((found.standouts[0].share.value - 0.15).abs() < 0.03, "{found:?}");
             assert!(found.wind_gain < GapConfig::default().between_runs.wind_gain, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_braking_scatters_is_no_wind() {
+        let with_gain = |braking_sd: f64, seed: u64| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let runs = vec![Run::default(); RUNS];
+            on_a_level_line(RUNS, |context| {
+                let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+                let mut rows = Vec::new();
+                for run in 0..RUNS {
+                    for i in 0..40 {
+                        let braking = i >= 30;
+                        let mut row = Row::coasting(Direction::Up, 1_000.0 * f64::from(i), 40.0 - 0.5 * f64::from(i));
+                        row.interval.run = run;
+                        row.interval.day = Some(run as f64);
+                        row.effort_n_per_kg = if braking { -0.3 } else { 0.0 };
+                        row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
+                        row.residual_n_per_kg = if braking { braking_sd } else { 0.002 } * normal();
+                        rows.push(row);
+                    }
+                }
+                between_runs(context, &rows, true, &[], &runs).wind_gain
+            })
+        };
+        for seed in 0..3 {
+            let gain = with_gain(0.03, seed);
+            assert!(gain < GapConfig::default().between_runs.wind_gain, "{gain}");
         }
     }
 

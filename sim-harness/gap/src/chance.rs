@@ -4,7 +4,7 @@ use crate::config::GapConfig;
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::Base;
 use crate::noise::calibrate::Calibrated;
-use crate::noise::habits::{self, DRIVEN, Scatter, regime};
+use crate::noise::habits;
 use crate::noise::whitening::Whitening;
 use crate::search::fits::sensors;
 use nalgebra::DVector;
@@ -41,12 +41,9 @@ fn residuals(rows: &[Row]) -> Vec<f64> {
 
 /// Driven rows count as much less as they scatter more.
 fn driven_less(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> Calibrated {
-    let config = &context.config.evidence;
-    let wider = Scatter::of(rows, &residuals(rows), config).wider();
     let mut calibrated = calibrated.clone();
-    for (row, spread) in rows.iter().zip(&mut calibrated.spread) {
-        let driven = DRIVEN.iter().zip(wider).find(|(which, _)| **which == regime(row, config));
-        *spread *= driven.map_or(1.0, |(_, wider)| wider);
+    for (spread, wider) in calibrated.spread.iter_mut().zip(habits::wider(rows, &context.config.evidence)) {
+        *spread *= wider;
     }
     calibrated
 }

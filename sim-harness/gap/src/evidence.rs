@@ -10,7 +10,8 @@ use crate::chance::{Ground, Probe, probability};
 use crate::columns::{coordinate_name, hats, in_the_middle, knots};
 use crate::config::EvidenceConfig;
 use crate::data::{believed::Context, rows::Row};
-use crate::noise::{calibrate::Calibrated, habits::regime};
+use crate::noise::calibrate::{Calibrated, Own};
+use crate::noise::habits::regime;
 use core::ops::Range;
 use rundown::model::{direction::Direction, effects::Coordinate};
 
@@ -93,7 +94,9 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
     }
     let config = &context.config.evidence;
     let ground = Ground::of_probes(context, rows, calibrated);
-    let probes = probes(&ground, config);
+    // What runs of a direction have alike is a matter of runs: with a wind of its own in each of them, what is left of one that all have is what drivers do.
+    let of_runs = Calibrated { own: Own::default(), ..calibrated.clone() };
+    let probes = probes(&ground, &Ground::of_probes(context, rows, &of_runs), config);
     let draws: Vec<Vec<f64>> = ground
         .draws(config.flips)
         .map(|draw| probes.iter().map(|placed| placed.probe.by_chance(&draw)).collect())
@@ -129,14 +132,18 @@ pub struct Placed {
     pub probe: Probe,
 }
 
-/// The probes that stand in enough runs; none where the columns of the sensors are not independent.
-pub fn probes(ground: &Ground<'_>, config: &EvidenceConfig) -> Vec<Placed> {
-    let Some(base) = ground.beside(&[]) else {
+/// The probes that stand in enough runs, those of a direction on ground of their own; none where the columns of the sensors are not independent.
+pub fn probes(ground: &Ground<'_>, of_runs: &Ground<'_>, config: &EvidenceConfig) -> Vec<Placed> {
+    let Some((base, of_runs_base)) = ground.beside(&[]).zip(of_runs.beside(&[])) else {
         return Vec::new();
     };
     let axes = axes(ground.rows, config).into_iter();
     let all = axes.flat_map(|(along, columns)| columns.into_iter().map(move |(at, column)| (along, at, column)));
-    all.filter_map(|(along, at, column)| Some(Placed { along, at, probe: ground.probe(&base, &column)? })).collect()
+    let probe = |along, column: &[f64]| match along {
+        Along::Direction => of_runs.probe(&of_runs_base, column),
+        Along::Over(_) | Along::Regime => ground.probe(&base, column),
+    };
+    all.filter_map(|(along, at, column)| Some(Placed { along, at, probe: probe(along, &column)? })).collect()
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub fn trials(
         return Vec::new();
     }
     let ground = Ground::of_terms(context, rows, calibrated);
-    let probes = probes(&ground, &context.config.evidence);
+    let probes = probes(&ground, &ground, &context.config.evidence);
     let by_chance = |draw| (probes.iter().map(|placed| placed.probe.by_chance(&draw)).fold(0.0, f64::max), draw);
     let draws: Vec<_> = ground.draws(flips).map(by_chance).collect();
     let columns: Vec<Vec<f64>> = model.iter().map(|fitted| column(context, rows, fitted)).collect();

@@ -9,7 +9,11 @@ use crate::data::interval::{Interval, POINTS, Point};
 use crate::data::runs::{EffortReading, Run, usual_step_s};
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::median;
 use std::collections::BTreeSet;
+
+/// Intervals of coasting that show by their median what all of them have.
+const LEAST_STRETCH: usize = 3;
 
 /// A reading of location, speed and effort at one time.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +69,29 @@ impl Cut<'_> {
             intervals.push(interval);
             last_end = Some(to.sample);
         }
+        if self.effort == EffortReading::Momentary {
+            self.doubt_coasts(&mut intervals);
+        }
         intervals
+    }
+
+    /// Between two momentary readings of nothing a handle may have been moved and moved back. What the motion of such an interval asks for tells: it is further
+    /// from that of its stretch of coasting than an effort may change, or, where hardly another one follows, from nothing. Its effort is then not known.
+    fn doubt_coasts(&self, intervals: &mut [Interval]) {
+        let coasts = |i: &Interval| {
+            let least = self.config.coasting_n_per_kg;
+            i.effort_change_n_per_kg <= least && i.effort_n_per_kg.is_some_and(|effort| effort.abs() <= least)
+        };
+        let follows = |before: &Interval, next: &Interval| next.follows && coasts(before) == coasts(next);
+        for stretch in intervals.chunk_by_mut(follows).filter(|stretch| coasts(&stretch[0])) {
+            let asks = |i: &Interval| i.acceleration_mps2() + believed_load(self.line, i);
+            let usual = median(stretch.iter().map(asks)).filter(|_| stretch.len() >= LEAST_STRETCH).unwrap_or(0.0);
+            for interval in stretch {
+                if (asks(interval) - usual).abs() > self.config.most_change_n_per_kg {
+                    interval.effort_n_per_kg = None;
+                }
+            }
+        }
     }
 
     fn interval(&self, run: usize, from: &Node, to: &Node, departure_s: f64) -> Interval {
@@ -472,6 +498,36 @@ mod tests {
         assert!(noise.len() as f64 > 0.2 * count, "{}", noise.len());
         let mean = noise.iter().sum::<f64>() / noise.len() as f64;
         assert!(mean.abs() < 0.1 * NOISE_N_PER_KG, "{mean}");
+    }
+
+    /// Of a train that coasts and, between two momentary readings of nothing in each of the given rows, brakes.
+    fn coasts(braked: &[usize]) -> Vec<Option<f64>> {
+        on_a_level_line(1, |context| {
+            let resistance = |mps: f64| context.believed.train().davis().resistance_n_per_kg(mps);
+            let mut speed_mps = 30.0;
+            let sample = |row: usize| {
+                let brake = if braked.contains(&row) { 0.08 } else { 0.0 };
+                speed_mps -= 10.0 * (resistance(speed_mps) + brake);
+                let time_s = 10.0 * row as f64;
+                let at = [Some(20.0 * time_s), Some(speed_mps), Some(0.0)];
+                let [location_m, speed_mps, effort_n_per_kg] = at;
+                Sample { time_s, location_m, speed_mps, effort_n_per_kg, ..Sample::default() }
+            };
+            let run = Run { samples: (0..12).map(sample).collect(), ..Run::default() };
+            let intervals = all(context, &[run], EffortReading::Momentary).concat();
+            intervals.iter().map(|interval| interval.effort_n_per_kg).collect()
+        })
+    }
+
+    #[test]
+    fn a_brake_between_two_readings_of_nothing_leaves_the_effort_unknown() {
+        let known = |braked: &[usize]| coasts(braked).iter().map(Option::is_some).collect::<Vec<bool>>();
+        assert_eq!(known(&[]), [true; 11]);
+        let mut but_one = [true; 11];
+        but_one[4] = false;
+        assert_eq!(known(&[5]), but_one);
+        // What all of a coast have is an effect.
+        assert_eq!(known(&(1..12).collect::<Vec<usize>>()), [true; 11]);
     }
 
     #[test]

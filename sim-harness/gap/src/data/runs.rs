@@ -4,7 +4,7 @@ use rundown::model::direction::Direction;
 use rundown_check::{Correction, agreement::Figure};
 use rundown_files::sample::Sample;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {
     /// Name in every output.
     pub name: String,

@@ -211,13 +211,13 @@ fn climbed(
 /// Finds the noise of these rows. `measured`: the effort is measured, so its gain may differ from run to run.
 /// `wind` allows a wind of its own to each run. Also the log-likelihood reached.
 pub fn calibrate(context: &Context<'_>, rows: &[Row], measured: bool, wind: bool, model: &[Term]) -> (Calibrated, f64) {
-    calibrate_beside(context, rows, measured, wind, flexible(context, rows, model))
+    calibrate_beside(context, (rows, vec![1.0; rows.len()]), measured, wind, flexible(context, rows, model))
 }
 
-/// The same beside a flexible model with what else is known to differ.
+/// The same beside a flexible model with what else is known to differ. `spread`: how many times wider each row scatters, as far as it is known.
 pub fn calibrate_beside(
     context: &Context<'_>,
-    rows: &[Row],
+    (rows, mut spread): (&[Row], Vec<f64>),
     measured: bool,
     wind: bool,
     flexible: Vec<Vec<f64>>,
@@ -231,7 +231,7 @@ pub fn calibrate_beside(
         change_share: if measured { config.change_share } else { 0.0 },
     };
     let mut at = Deviations { noise, own: Own::default() };
-    let mut spread = vec![1.0; rows.len()];
+    let known = spread.clone();
     let freedom = freedom(rows, &flexible);
     let few = freedom > config.few;
     let mut reached = f64::NEG_INFINITY;
@@ -254,8 +254,8 @@ pub fn calibrate_beside(
         if round < 2
             && let Some((_, residual)) = left_of(&y, &flexible, &whitening(&at, &spread, rows, &columns))
         {
-            for (spread, e) in spread.iter_mut().zip(residual.iter()) {
-                *spread = (*spread * e.abs() / config.outlier).max(1.0);
+            for ((spread, known), e) in spread.iter_mut().zip(&known).zip(residual.iter()) {
+                *spread = (*spread * e.abs() / config.outlier).max(*known);
             }
         }
     }

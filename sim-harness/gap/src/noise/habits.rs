@@ -44,9 +44,17 @@ impl Scatter {
     }
 
     /// So many times wider than coasting do powering and braking scatter.
-    pub fn wider(&self) -> [f64; 2] {
+    fn wider(&self) -> [f64; 2] {
         self.driven.map(|driven| if self.calm > 0.0 && driven > self.calm { (driven / self.calm).sqrt() } else { 1.0 })
     }
+}
+
+/// How many times wider than one of coasting each row scatters, by its regime.
+pub fn wider(rows: &[Row], config: &EvidenceConfig) -> Vec<f64> {
+    let residuals: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
+    let wider = Scatter::of(rows, &residuals, config).wider();
+    let of = |row: &Row| DRIVEN.iter().zip(wider).find(|(which, _)| **which == regime(row, config));
+    rows.iter().map(|row| of(row).map_or(1.0, |(_, wider)| wider)).collect()
 }
 
 /// Forces with their standard deviations: each habit everywhere and along the line, that of braking along the speed, too, because a brake is applied at high
