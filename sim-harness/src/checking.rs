@@ -94,7 +94,7 @@ fn examined(
     let line = track.as_ref().and_then(|track| CentreLine::new(&track.centre_line));
     let stops_m = track.as_ref().map_or_else(Vec::new, TrackFile::stops_m);
     let limits = limits::Described::of(train, track.as_ref());
-    let known = Known { stops_m, limits, moves_locations: true, ..Known::default() };
+    let known = Known { stops_m, limits, track: core_track.clone(), moves_locations: true, ..Known::default() };
     let one = |file: &RunFile| {
         let read = logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
         done();

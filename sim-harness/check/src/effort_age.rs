@@ -9,10 +9,12 @@
 //! ```
 //!
 //! Gain and resistance are fitted for each age; the one with the least squares is the age of the run. A row may hold the mean since the row before or the effort at the
-//! moment: both readings are tried, and what they do not decide is doubt. Gradients are noise here: they change slowly beside an effort.
+//! moment: both readings are tried, and what they do not decide is doubt. Gradients count where the track is described. Where a driver holds the
+//! speed the effort follows them, seconds late, which would look like an age; so windows around which the effort changes little do not count.
 
 use crate::agreement::Figure;
 use nalgebra::{Matrix4, Vector4};
+use rundown::model::line::Line;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median_of, spread};
 
@@ -22,6 +24,8 @@ const WINDOW_S: f64 = 4.0;
 const MOST_S: f64 = 12.0;
 /// Fewer windows of a moving train say nothing.
 const LEAST_WINDOWS: usize = 60;
+/// Efforts that change by less within the ages that are tried may follow a gradient, N/kg. Holding the speed over 10 permille takes as much.
+const LEAST_CHANGE_N_PER_KG: f64 = 0.1;
 /// Slower trains may stand within the window, m/s.
 const SLOWEST_MPS: f64 = 1.0;
 /// Nats by which one reading of the column must beat the other.
@@ -103,10 +107,12 @@ struct Window {
     stretch: usize,
     ends_s: [f64; 2],
     speed_mps: f64,
+    /// Gravity's part taken out.
     acceleration_mps2: f64,
 }
 
-fn windows(stretches: &[Vec<&Sample>], most_s: f64) -> Vec<Window> {
+fn windows(stretches: &[Vec<&Sample>], line: Option<Line<'_>>, most_s: f64) -> Vec<Window> {
+    let gradient = |row: &Sample| line.zip(row.location_m).map_or(0.0, |(line, at_m)| line.gradient_n_per_kg(at_m));
     let mut found = Vec::new();
     for (stretch, rows) in stretches.iter().enumerate() {
         let Some((first, last)) = rows.first().zip(rows.last()) else { continue };
@@ -124,18 +130,29 @@ fn windows(stretches: &[Vec<&Sample>], most_s: f64) -> Vec<Window> {
             };
             let long_s = row.time_s - from.time_s;
             if long_s >= WINDOW_S {
+                begin = Some(row);
+                if change_n_per_kg(rows, [from.time_s - most_s, row.time_s + most_s]) < LEAST_CHANGE_N_PER_KG {
+                    continue;
+                }
                 let from_mps = from.speed_mps.unwrap_or_default();
                 found.push(Window {
                     stretch,
                     ends_s: [from.time_s, row.time_s],
                     speed_mps: 0.5 * (mps + from_mps),
-                    acceleration_mps2: (mps - from_mps) / long_s,
+                    acceleration_mps2: (mps - from_mps) / long_s + 0.5 * (gradient(from) + gradient(row)),
                 });
-                begin = Some(row);
             }
         }
     }
     found
+}
+
+/// Largest less smallest effort between two times.
+fn change_n_per_kg(rows: &[&Sample], [from_s, to_s]: [f64; 2]) -> f64 {
+    let [from, to] = [from_s, to_s].map(|time_s| rows.partition_point(|row| row.time_s < time_s));
+    let efforts = rows[from..to].iter().filter_map(|row| row.effort_n_per_kg);
+    let (least, most) = efforts.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), u| (l.min(u), m.max(u)));
+    most - least
 }
 
 fn residuals(windows: &[Window], efforts: &[EffortStretch], age_s: f64) -> Option<Vec<f64>> {
@@ -152,11 +169,20 @@ fn residuals(windows: &[Window], efforts: &[EffortStretch], age_s: f64) -> Optio
     Some(rows.iter().map(|(x, y)| y - x.dot(&beta)).collect())
 }
 
+/// A run whose efforts are asked for their age.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub(crate) rows: &'a [Sample],
+    pub(crate) step_s: f64,
+    /// Where the track is described.
+    pub(crate) line: Option<Line<'a>>,
+}
+
 /// The age of the efforts of a run, read in this way; none where too little of it powers and brakes.
-pub(crate) fn of_run(rows: &[Sample], step_s: f64, reading: Reading) -> Option<Age> {
+fn of_run(Asked { rows, step_s, line }: Asked<'_>, reading: Reading) -> Option<Age> {
     let most_s = MOST_S.max(2.0 * step_s);
     let stretches = stretches(rows, step_s);
-    let windows = windows(&stretches, most_s + step_s);
+    let windows = windows(&stretches, line, most_s + step_s);
     if windows.len() < LEAST_WINDOWS {
         return None;
     }
@@ -202,10 +228,8 @@ pub(crate) struct Usual {
 }
 
 /// The usual age in some runs; none where none is known.
-pub(crate) fn usual<'a>(runs: impl Iterator<Item = (&'a [Sample], f64)>) -> Option<Usual> {
-    let both = |(rows, step_s): (&[Sample], f64)| {
-        Some([of_run(rows, step_s, Reading::Mean)?, of_run(rows, step_s, Reading::Momentary)?])
-    };
+pub(crate) fn usual<'a>(runs: impl Iterator<Item = Asked<'a>>) -> Option<Usual> {
+    let both = |run: Asked<'_>| Some([of_run(run, Reading::Mean)?, of_run(run, Reading::Momentary)?]);
     let ages: Vec<[Age; 2]> = runs.filter_map(both).collect();
     if ages.is_empty() {
         return None;
@@ -234,8 +258,8 @@ fn pooled(ages: impl Iterator<Item = Figure> + Clone) -> (Figure, f64) {
 
 /// Brings the efforts of a run to the age of its speeds, as means since the row before. As such they are read, too, whatever they were: of one at the moment the age comes out
 /// half a row less, and its mean is right.
-pub(crate) fn move_efforts(rows: &mut [Sample], step_s: f64, usual: &Usual) {
-    let alone = of_run(rows, step_s, Reading::Mean);
+pub(crate) fn move_efforts(rows: &mut [Sample], step_s: f64, line: Option<Line<'_>>, usual: &Usual) {
+    let alone = of_run(Asked { rows, step_s, line }, Reading::Mean);
     let age_s = alone.map_or(usual.as_means_s, |own| own.age_s.drawn(usual.as_means_s, usual.spread_s));
     let efforts: Vec<EffortStretch> =
         stretches(rows, step_s).iter().map(|rows| EffortStretch::of(rows, Reading::Mean)).collect();

@@ -91,6 +91,7 @@ mod wheel_change;
 use finding::{Done, Kind};
 use line_scale::RunStops;
 use run::OfSpeed;
+use rundown::model::track::Track;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use same::Seen;
@@ -120,6 +121,8 @@ pub struct Known {
     pub stops_m: Vec<f64>,
     /// Limits of train and line.
     pub limits: limits::Described,
+    /// The track, for its gradients.
+    pub track: Option<Track>,
     /// Locations are moved to the age of the speed, and efforts that are not the train's are left out. Not for a model that asks for lag and efforts itself.
     pub moves_locations: bool,
 }

@@ -70,6 +70,7 @@ impl RecordedRuns {
             scale: false,
             stops_m: track_file.stops_m(),
             limits: Described::of(Some(train), Some(&track_file)),
+            track: Some(track.clone()),
             moves_locations: true,
         };
         let diagnosed = (!as_recorded).then(|| known.clone());

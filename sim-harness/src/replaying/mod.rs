@@ -334,6 +334,7 @@ impl Opened {
             scale: effects.any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
             stops_m: self.track.stops_m(),
             limits: Described::of(Some(self.core_train), Some(&self.track)),
+            track: Some(self.estimator.track().clone()),
             moves_locations: true,
         };
         let (used, refused, found) = logs::diagnosed(recordings, &known, &mut self.seen);

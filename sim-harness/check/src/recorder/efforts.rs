@@ -5,6 +5,7 @@ use crate::diagnosis::RecorderCheck;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{Known, SURE, effort, effort_age, effort_held, effort_unlike, effort_zero, limits, smoothed, steps};
+use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -179,7 +180,12 @@ impl RecorderCheck {
         if own.is_empty() || self.has(Kind::EffortApart) {
             return;
         }
-        let asked = own.iter().take(AGED).map(|i| (recordings[*i].rows.as_slice(), runs[*i].step_s));
+        let described = known.limits.train.as_ref().zip(known.track.as_ref());
+        let line = |run: &Recording| described.map(|(train, track)| Line { train, track, direction: run.direction });
+        let asked = own.iter().take(AGED).map(|i| {
+            let recording = &recordings[*i];
+            effort_age::Asked { rows: &recording.rows, step_s: runs[*i].step_s, line: line(recording) }
+        });
         let Some(usual) = effort_age::usual(asked) else { return };
         let age_s = usual.age_s;
         if age_s.value.abs() < LEAST_AGE_S || age_s.away_from(0.0) < SURE {
@@ -196,9 +202,10 @@ impl RecorderCheck {
         };
         self.found_by(Kind::EffortLate, age_s, "s", done, said);
         for i in own {
+            let line = line(&recordings[i]);
             let rows = &mut recordings[i].rows;
             match done {
-                Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, &usual),
+                Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, line, &usual),
                 Done::LeftOut => rows.iter_mut().for_each(|row| row.effort_n_per_kg = None),
                 Done::Said | Done::Refused => (),
             }
