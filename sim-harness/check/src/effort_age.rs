@@ -44,7 +44,7 @@ pub(crate) enum Reading {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Age {
     pub(crate) age_s: Figure,
-    log_likelihood: f64,
+    pub(crate) log_likelihood: f64,
 }
 
 /// The efforts of rows that follow each other without a gap.
@@ -179,7 +179,7 @@ pub(crate) struct Asked<'a> {
 }
 
 /// The age of the efforts of a run, read in this way; none where too little of it powers and brakes.
-fn of_run(Asked { rows, step_s, line }: Asked<'_>, reading: Reading) -> Option<Age> {
+pub(crate) fn of_run(Asked { rows, step_s, line }: Asked<'_>, reading: Reading) -> Option<Age> {
     let most_s = MOST_S.max(2.0 * step_s);
     let stretches = stretches(rows, step_s);
     let windows = windows(&stretches, line, most_s + step_s);

@@ -51,6 +51,7 @@ kinds! {
         => "compare the wheel diameter of the recorder, or the length of the track";
     WheelChange "the speed's scale changes: after over before"
         => "look when the wheels were turned, or their diameter was entered";
+    TrailingSpeed "speeds trail behind the train in a filter of first order: time constant";
     SmoothedSpeed "speeds are means over some time"
         => "record momentary speeds; starts, stops and coasts begin and end within so long";
     Skew "the speed is older than the location";

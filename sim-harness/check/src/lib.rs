@@ -86,6 +86,7 @@ mod run;
 pub mod same;
 mod smoothed;
 pub mod steps;
+mod trailing;
 mod wheel_change;
 
 use finding::{Done, Kind};

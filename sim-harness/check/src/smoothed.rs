@@ -80,7 +80,7 @@ pub(crate) fn averaged_efforts(runs: &[&[Sample]], long_s: f64) -> Option<Vec<Ve
     (as_means < BETTER * as_read).then_some(averaged)
 }
 
-fn averaged(rows: &[Sample], long_s: f64) -> Vec<Option<f64>> {
+pub(crate) fn averaged(rows: &[Sample], long_s: f64) -> Vec<Option<f64>> {
     let mut from = 0;
     let mean = |row: &Sample| {
         row.effort_n_per_kg?;

@@ -12,6 +12,7 @@
 //! beside held speeds and a broad uniform one (`mixture`), and versions are compared by their likelihoods, place by place (`places`). Where none of them
 //! explains the coasts, what comes again at a place in other runs is the slope that is not described.
 
+mod by_efforts;
 mod doubt;
 mod mixture;
 mod places;
@@ -72,6 +73,8 @@ const LEAST_SHIFT_M: f64 = 300.0;
 pub struct Coasts {
     runs: usize,
     stretches: Vec<Stretch>,
+    /// What measured efforts did.
+    driven: Vec<by_efforts::Window>,
 }
 
 impl Coasts {
@@ -82,6 +85,7 @@ impl Coasts {
                 return;
             }
             self.stretches.extend(stretch::of(&recording.rows, recording.direction, self.runs, train));
+            self.driven.extend(by_efforts::windows(&recording.rows, recording.direction));
             self.runs += 1;
         }
     }
@@ -94,7 +98,8 @@ impl Coasts {
         let is_level = described_n_per_kg.iter().all(|climb| climb.abs() <= 1e-6);
         let other = (!is_level).then(|| self.other_version(train, track, &described_n_per_kg)).flatten();
         let by_place = || self.by_place(train, &described_n_per_kg, is_level);
-        other.or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille))
+        let doubt = other.or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille));
+        doubt.filter(|_| is_level || !by_efforts::vouch(&self.driven, train, track))
     }
 
     /// What is wrong with the described gradients, or with the units of the described resistance: one of the two, which explains the coasts better.

@@ -2,9 +2,12 @@
 
 use crate::agreement::Figure;
 use crate::diagnosis::RecorderCheck;
+use crate::effort_age::Asked;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
-use crate::{Known, SURE, effort, effort_age, effort_held, effort_unlike, effort_zero, limits, smoothed, steps};
+use crate::{
+    Known, SURE, effort, effort_age, effort_held, effort_unlike, effort_zero, limits, smoothed, steps, trailing,
+};
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -28,6 +31,7 @@ impl RecorderCheck {
         self.exceeds(recordings, runs, known);
         self.unfit_efforts(recordings, runs);
         self.effort_zero(recordings, runs, known);
+        self.trailing_speeds(recordings, runs, known);
         self.smoothed_speeds(recordings, runs, known);
         self.effort_age(recordings, runs, known);
     }
@@ -104,9 +108,27 @@ impl RecorderCheck {
         }
     }
 
+    /// Sends efforts through the filter that the speeds are behind.
+    fn trailing_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+        let own = self.usable(runs);
+        let step_s = own.iter().map(|i| runs[*i].step_s).fold(0.0, f64::max);
+        if !known.moves_locations || step_s > MOVED_STEP_S || self.has(Kind::EffortApart) {
+            return;
+        }
+        let ask = |i: usize| asked(&recordings[i], runs[i].step_s, known);
+        let runs_asked: Vec<Asked<'_>> = own.iter().take(2 * AGED).map(|i| ask(*i)).collect();
+        let Some(constant_s) = trailing::of(&runs_asked) else { return };
+        let text = "the efforts go through the same filter".to_owned();
+        self.found_by(Kind::TrailingSpeed, constant_s, "s", Done::PutRight, text);
+        for i in own {
+            let efforts = trailing::filtered(&asked(&recordings[i], runs[i].step_s, known), constant_s.value);
+            recordings[i].rows.iter_mut().zip(efforts).for_each(|(row, effort)| row.effort_n_per_kg = effort);
+        }
+    }
+
     /// Makes momentary efforts means over as long as the speeds are, or leaves them out where that is too long.
     fn smoothed_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
-        if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) {
+        if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) || self.has(Kind::TrailingSpeed) {
             return;
         }
         let own = self.usable(runs);
@@ -180,13 +202,8 @@ impl RecorderCheck {
         if own.is_empty() || self.has(Kind::EffortApart) {
             return;
         }
-        let described = known.limits.train.as_ref().zip(known.track.as_ref());
-        let line = |run: &Recording| described.map(|(train, track)| Line { train, track, direction: run.direction });
-        let asked = own.iter().take(AGED).map(|i| {
-            let recording = &recordings[*i];
-            effort_age::Asked { rows: &recording.rows, step_s: runs[*i].step_s, line: line(recording) }
-        });
-        let Some(usual) = effort_age::usual(asked) else { return };
+        let asked_of = own.iter().take(AGED).map(|i| asked(&recordings[*i], runs[*i].step_s, known));
+        let Some(usual) = effort_age::usual(asked_of) else { return };
         let age_s = usual.age_s;
         if age_s.value.abs() < LEAST_AGE_S || age_s.away_from(0.0) < SURE {
             return;
@@ -202,7 +219,7 @@ impl RecorderCheck {
         };
         self.found_by(Kind::EffortLate, age_s, "s", done, said);
         for i in own {
-            let line = line(&recordings[i]);
+            let line = line(&recordings[i], known);
             let rows = &mut recordings[i].rows;
             match done {
                 Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, line, &usual),
@@ -211,4 +228,14 @@ impl RecorderCheck {
             }
         }
     }
+}
+
+/// The described line under a run.
+fn line<'a>(run: &Recording, known: &'a Known) -> Option<Line<'a>> {
+    let described = known.limits.train.as_ref().zip(known.track.as_ref());
+    described.map(|(train, track)| Line { train, track, direction: run.direction })
+}
+
+fn asked<'a>(run: &'a Recording, step_s: f64, known: &'a Known) -> Asked<'a> {
+    Asked { rows: &run.rows, step_s, line: line(run, known) }
 }

@@ -13,4 +13,5 @@ mod sensors;
 mod simulated;
 mod single_runs;
 mod smoothed;
+mod trailing;
 mod wheel_changes;
