@@ -5,9 +5,10 @@
 //! A constant on the effort goes into the resistance one to one, and at standstill it is seen alone. A column that has traction only, or drops what is small, has zeros
 //! where a coast has them: as measurements of a coast they would teach the deceleration of the brake, or no resistance at all.
 
+use crate::Known;
 use crate::agreement::Figure;
 use crate::effort::stretches;
-use crate::limits::Described;
+use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -22,6 +23,8 @@ const LARGEST_ZERO_N_PER_KG: f64 = 0.02;
 const STRETCH_S: f64 = 20.0;
 /// A train that slows down faster than this brakes, m/s²: on any gradient of a railway a coast is slower.
 const BRAKES_MPS2: f64 = 0.45;
+/// A slope that overcomes this share of the described resistance may hold a coasting train, whose own is another one; on a steeper one it gains speed.
+const DRIVEN: std::ops::Range<f64> = 0.5..2.0;
 /// A train at this speed, m/s, that changes it by less than this over a stretch, m/s, holds it, on gradients that repeat in both directions or not.
 const HOLDS_FROM_MPS: f64 = 12.0;
 const HOLDS_WITHIN_MPS: f64 = 0.15;
@@ -117,8 +120,15 @@ pub(crate) fn leave_out_brakes(rows: &mut [Sample]) -> usize {
     count
 }
 
+/// The described slopes drive a train that holds its speed by about its described resistance, so that it may coast there.
+fn holds_coasting(line: &Line<'_>, rows: &[Sample]) -> bool {
+    let down = rows.iter().filter_map(|row| Some(-line.gradient_n_per_kg(row.location_m?)));
+    let resistances = rows.iter().filter_map(|row| Some(line.train.davis().resistance_n_per_kg(row.speed_mps?)));
+    DRIVEN.contains(&(down.sum::<f64>() / resistances.sum::<f64>()))
+}
+
 /// Of all runs of a unit. Where the described slopes explain that a train holds its speed, a zero is one.
-pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, described: &Described) -> Zeros {
+pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, known: &Known) -> Zeros {
     let mut found = Zeros::default();
     for recording in recordings {
         for rows in stretches(&recording.rows, STRETCH_S) {
@@ -132,7 +142,9 @@ pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, describ
                 found.brakes.add(is_zero);
             }
             let holds = high - low < HOLDS_WITHIN_MPS;
-            if low > HOLDS_FROM_MPS && !(holds && described.holds_coasting(rows, recording.direction)) {
+            if low > HOLDS_FROM_MPS
+                && !(holds && known.line(recording.direction).is_some_and(|line| holds_coasting(&line, rows)))
+            {
                 found.moves.add(is_zero);
                 if holds {
                     found.holds.add(is_zero);

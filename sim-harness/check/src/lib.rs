@@ -92,7 +92,7 @@ mod wheel_change;
 use finding::{Done, Kind};
 use line_scale::RunStops;
 use run::OfSpeed;
-use rundown::model::track::Track;
+use rundown::model::{direction::Direction, line::Line, track::Track};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use same::Seen;
@@ -126,6 +126,14 @@ pub struct Known {
     pub track: Option<Track>,
     /// Locations are moved to the age of the speed, and efforts that are not the train's are left out. Not for a model that asks for lag and efforts itself.
     pub moves_locations: bool,
+}
+
+impl Known {
+    /// The line under a run; none where train or track is not described.
+    fn line(&self, direction: Direction) -> Option<Line<'_>> {
+        let described = self.limits.train.as_ref().zip(self.track.as_ref());
+        described.map(|(train, track)| Line { train, track, direction })
+    }
 }
 
 /// Diagnoses runs and puts right what is beyond doubt.

@@ -7,7 +7,6 @@
 
 use crate::agreement::Figure;
 use crate::finding::Kind;
-use rundown::model::direction::Direction;
 use rundown::model::train::Train;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -21,8 +20,6 @@ const SPEED_OFF_KMH: f64 = 2.0;
 const EFFORT_OFF_N_PER_KG: f64 = 0.005;
 /// Limits begin where the front passes, but for the length of the train and an error of the location, m.
 const AROUND_M: f64 = 300.0;
-/// A slope that overcomes this share of the described resistance may hold a coasting train, whose own is another one; on a steeper one it gains speed.
-const DRIVEN: std::ops::Range<f64> = 0.5..2.0;
 /// Fewer rows are wild readings: so many, and such a share of those that can show it.
 const SPEEDS: (usize, f64) = (5, 0.002);
 /// Efforts are noisy, and those of a loaded train are above by its load.
@@ -35,8 +32,6 @@ pub struct Described {
     pub train: Option<Train>,
     /// Speed limits: from a location on, m, this speed, km/h; sorted, none before the first.
     pub speeds: Vec<(f64, f64)>,
-    /// Gradients: from a location on, m, this one, permille; sorted.
-    pub gradients: Vec<(f64, f64)>,
 }
 
 /// A limit that is exceeded.
@@ -86,28 +81,10 @@ fn excess(kind: Kind, rows: impl Iterator<Item = Beyond>, unit: &str, least: (us
 impl Described {
     /// Of a track, and of a train where it is known.
     pub fn of(train: Option<Train>, track: Option<&TrackFile>) -> Self {
-        let sorted = |mut along: Vec<(f64, f64)>| {
-            along.sort_by(|a, b| a.0.total_cmp(&b.0));
-            along
-        };
-        let limits = track.iter().flat_map(|track| &track.speed_limit).map(|limit| (limit.from_m, limit.kmh));
-        let gradients = track.iter().flat_map(|track| &track.gradient).map(|one| (one.from_m, one.permille));
-        Self { train, speeds: sorted(limits.collect()), gradients: sorted(gradients.collect()) }
-    }
-
-    /// The described slopes drive a train that holds its speed by about its described resistance, so that it may coast there. Without both nobody knows.
-    pub(crate) fn holds_coasting(&self, rows: &[Sample], direction: Direction) -> bool {
-        let Some(train) = &self.train else { return false };
-        let middle_m = |front_m: f64| front_m - 0.5 * direction.sign() * train.length_m();
-        let permilles = rows.iter().filter_map(|row| self.permille(middle_m(row.location_m?)));
-        let resistances = rows.iter().filter_map(|row| Some(train.davis().resistance_n_per_kg(row.speed_mps?)));
-        let down_n_per_kg = -1e-3 * direction.sign() * train.gravity_n_per_kg() * permilles.sum::<f64>();
-        DRIVEN.contains(&(down_n_per_kg / resistances.sum::<f64>()))
-    }
-
-    fn permille(&self, at_m: f64) -> Option<f64> {
-        let here = self.gradients.iter().rposition(|(from_m, _)| *from_m <= at_m)?;
-        Some(self.gradients[here].1)
+        let limits = track.iter().flat_map(|track| &track.speed_limit);
+        let mut speeds: Vec<(f64, f64)> = limits.map(|limit| (limit.from_m, limit.kmh)).collect();
+        speeds.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self { train, speeds }
     }
 
     fn speed(&self, row: &Sample) -> Option<Beyond> {

@@ -8,7 +8,6 @@ use crate::run::RunCheck;
 use crate::{
     Known, SURE, effort, effort_age, effort_held, effort_unlike, effort_zero, limits, smoothed, steps, trailing,
 };
-use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -170,7 +169,7 @@ impl RecorderCheck {
             return;
         }
         let offset = effort_zero::at_standstill(own());
-        let zeros = effort_zero::zeros(own(), &known.limits);
+        let zeros = effort_zero::zeros(own(), known);
         let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
         let rows: Vec<&mut [Sample]> = rows.map(|(recording, _)| recording.rows.as_mut_slice()).collect();
         if let Some((figure, count)) = offset {
@@ -219,7 +218,7 @@ impl RecorderCheck {
         };
         self.found_by(Kind::EffortLate, age_s, "s", done, said);
         for i in own {
-            let line = line(&recordings[i], known);
+            let line = known.line(recordings[i].direction);
             let rows = &mut recordings[i].rows;
             match done {
                 Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, line, &usual),
@@ -230,12 +229,6 @@ impl RecorderCheck {
     }
 }
 
-/// The described line under a run.
-fn line<'a>(run: &Recording, known: &'a Known) -> Option<Line<'a>> {
-    let described = known.limits.train.as_ref().zip(known.track.as_ref());
-    described.map(|(train, track)| Line { train, track, direction: run.direction })
-}
-
 fn asked<'a>(run: &'a Recording, step_s: f64, known: &'a Known) -> Asked<'a> {
-    Asked { rows: &run.rows, step_s, line: line(run, known) }
+    Asked { rows: &run.rows, step_s, line: known.line(run.direction) }
 }

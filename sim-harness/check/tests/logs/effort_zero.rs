@@ -3,6 +3,7 @@
 use crate::simulated::recording;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rundown::model::track::{Gradient, Track};
 use rundown::model::train::{Train, TrainDescription};
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_check::limits::Described;
@@ -126,9 +127,10 @@ fn zeros_of_a_column_that_drops_what_is_small_are_left_out() {
 fn a_train_that_coasts_down_a_slope_at_one_speed_has_zeros_that_are_ones() {
     let on = |permille: f64| {
         let train = Train::try_new(TrainDescription::CASE_STUDY).ok();
-        let limits = Described { train, gradients: vec![(-1e6, permille)], ..Described::default() };
+        let limits = Described { train, ..Described::default() };
+        let track = Some(Track::try_new(100_000.0, [Gradient { from_m: 0.0, permille }]).unwrap());
         let mut recordings = runs(74_000, |effort, _| Some(if effort.abs() < 0.09 { 0.0 } else { effort }));
-        found_by(check_beside(&mut recordings, &Known { limits, ..Known::default() })).len()
+        found_by(check_beside(&mut recordings, &Known { limits, track, ..Known::default() })).len()
     };
     assert_eq!([-3.0, 0.0, 3.0].map(on), [0, 1, 1]);
 }
