@@ -32,7 +32,7 @@ fn with_efforts(seed: u64, runs: usize) -> Vec<Recording> {
 }
 
 fn checked(recordings: &mut [Recording], speeds: &[(f64, f64)]) -> Check {
-    let limits = Described { train: Some(train()), speeds: speeds.to_vec(), ..Described::default() };
+    let limits = Described { train: Some(train()), speeds: speeds.to_vec() };
     check_beside(recordings, &Known { limits, ..Known::default() })
 }
 
