@@ -30,7 +30,7 @@ const MOST_RUNS: f64 = 0.65;
 const LEAST_RUNS: usize = 3;
 /// The shape of a filter hardly shows in windows of some seconds: share of its time constant.
 const SHAPE_SD: f64 = 0.1;
-/// A row after a longer time, in usual ones, begins anew.
+/// A row after a longer time, in usual ones, begins again.
 const GAP: f64 = 3.5;
 
 /// The time constant of the filter; none where a delay or means explain as much.

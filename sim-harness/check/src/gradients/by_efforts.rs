@@ -32,7 +32,7 @@ const PLACE_M: f64 = 1000.0;
 
 /// What a train did in some seconds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Window {
+pub(super) struct Driven {
     ends_m: [f64; 2],
     direction: Direction,
     speed_mps: f64,
@@ -41,17 +41,17 @@ pub(super) struct Window {
 }
 
 /// The windows of a run in which the effort hardly changes; none without an effort column.
-pub(super) fn windows(rows: &[Sample], direction: Direction) -> Vec<Window> {
+pub(super) fn windows(rows: &[Sample], direction: Direction) -> Vec<Driven> {
     effort::stretches(rows, WINDOW_S).into_iter().filter_map(|rows| window(rows, direction)).collect()
 }
 
-fn window(rows: &[Sample], direction: Direction) -> Option<Window> {
+fn window(rows: &[Sample], direction: Direction) -> Option<Driven> {
     let ([from, to], (acceleration_mps2, effort_n_per_kg)) = ([rows.first()?, rows.last()?], effort::window(rows)?);
     let speeds_mps = [from.speed_mps?, to.speed_mps?];
     let efforts = || rows.iter().filter_map(|row| row.effort_n_per_kg);
     let change = efforts().fold(f64::NEG_INFINITY, f64::max) - efforts().fold(f64::INFINITY, f64::min);
     let is_usable = speeds_mps[0].min(speeds_mps[1]) > SLOWEST_MPS && change < MOST_CHANGE_N_PER_KG;
-    is_usable.then_some(Window {
+    is_usable.then_some(Driven {
         ends_m: [from.location_m?, to.location_m?],
         direction,
         speed_mps: 0.5 * (speeds_mps[0] + speeds_mps[1]),
@@ -61,8 +61,8 @@ fn window(rows: &[Sample], direction: Direction) -> Option<Window> {
 }
 
 /// The described gradients are those that the efforts need.
-pub(super) fn vouch(windows: &[Window], train: &Train, track: &Track) -> bool {
-    let row = |window: &Window| {
+pub(super) fn vouch(windows: &[Driven], train: &Train, track: &Track) -> bool {
+    let row = |window: &Driven| {
         let line = Line { train, track, direction: window.direction };
         let gradient = 0.5 * window.ends_m.iter().map(|at_m| line.gradient_n_per_kg(*at_m)).sum::<f64>();
         let v = window.speed_mps;
@@ -98,14 +98,14 @@ mod tests {
     }
 
     /// What a driver who holds the speed roughly does on these slopes, seconds late.
-    fn driven(track: &Track, train: &Train) -> Vec<Window> {
+    fn driven(track: &Track, train: &Train) -> Vec<Driven> {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let line = Line { train, track, direction: Direction::Up };
         let window = |i: u32| {
             let at_m = f64::from(i * 150 % 39_000) + 400.0;
             let effort_n_per_kg = 0.02 + line.gradient_n_per_kg(at_m - 300.0) + rng.random_range(-0.02..0.02);
             let resistance = 0.01 + 2e-5 * 900.0 + line.gradient_n_per_kg(at_m);
-            Window {
+            Driven {
                 ends_m: [at_m; 2],
                 direction: Direction::Up,
                 speed_mps: 30.0 + rng.random_range(-5.0..5.0),

@@ -74,7 +74,7 @@ pub struct Coasts {
     runs: usize,
     stretches: Vec<Stretch>,
     /// What measured efforts did.
-    driven: Vec<by_efforts::Window>,
+    driven: Vec<by_efforts::Driven>,
 }
 
 impl Coasts {
