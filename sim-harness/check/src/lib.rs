@@ -19,6 +19,7 @@
 //! | does the speed repeat old values? | [`held`] |
 //! | are rows no readings, but between them? | `interpolated` |
 //! | does the effort stand still? | `effort_held` |
+//! | do speeds trail behind the train in a filter? | `trailing` |
 //! | are speeds means over some seconds? | `smoothed` |
 //! | is the effort older than the speed? | `effort_age` |
 //! | is the effort of a run unlike that of the others? | `effort_unlike` |

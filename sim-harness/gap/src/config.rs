@@ -85,6 +85,7 @@ settings! {
         slowest_mps: f64 = 2.0, /// Slower intervals count for nothing: readings of zero, creeping, the last metres, m/s. Judgement.
         beyond_m: f64 = 300.0, /// A location may be this far beyond an end of the line, m. Judgement: half a train, and the noise of a receiver.
         coasting_n_per_kg: f64 = 0.01, /// A smaller effort is that of a coasting train, N/kg. Judgement: the noise of a sensor.
+        least_coast: usize = 3, /// Intervals of coasting in one piece that show by their median what all of them have. Judgement: one of three may be off.
         most_change_n_per_kg: f64 = 0.03, /// An effort that changes by more within an interval has no mean that is known well enough, N/kg. Measured: a switch of the regime, a brake being applied.
     }
     /// The track, as far as it can be doubted.

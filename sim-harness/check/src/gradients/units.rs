@@ -130,6 +130,20 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rundown::model::direction::Direction;
 
+    /// One of 60 stretches of 300 m of a run.
+    fn stretch(number: u32, mps: f64, gain_n_per_kg: f64) -> Stretch {
+        let from_m = f64::from(number % 60) * 300.0;
+        Stretch {
+            gain_n_per_kg,
+            resistance_n_per_kg: 0.0,
+            mean_powers: [mps, mps * mps],
+            fronts_m: [from_m, from_m + 300.0],
+            way_m: 300.0,
+            direction: Direction::Up,
+            run: number as usize / 60,
+        }
+    }
+
     const SUBURBAN: Davis = Davis { r0: 0.0094, r1: 1.6e-4, r2: 2.6e-5 };
     const TRAM: Davis = Davis { r0: 0.021, r1: 3.4e-4, r2: 5.1e-5 };
 
@@ -147,17 +161,7 @@ mod tests {
                 _ => random.random_range(-0.35..0.35),
             };
             climbs.push(climb);
-            let from_m = f64::from(number % 60) * 300.0;
-            let stretch = Stretch {
-                gain_n_per_kg,
-                resistance_n_per_kg: 0.0,
-                mean_powers: [mps, mps * mps],
-                fronts_m: [from_m, from_m + 300.0],
-                way_m: 300.0,
-                direction: Direction::Up,
-                run: number as usize / 60,
-            };
-            coasts.stretches.push(stretch.with(described));
+            coasts.stretches.push(stretch(number, mps, gain_n_per_kg).with(described));
         }
         coasts.units_beside(described, &climbs)
     }
@@ -204,17 +208,7 @@ mod tests {
                     1..=4 => 0.3 * noise - falling.resistance_n_per_kg(mps),
                     _ => random.random_range(-0.35..0.35),
                 };
-                let from_m = f64::from(number % 60) * 300.0;
-                let stretch = Stretch {
-                    gain_n_per_kg,
-                    resistance_n_per_kg: 0.0,
-                    mean_powers: [mps, mps * mps],
-                    fronts_m: [from_m, from_m + 300.0],
-                    way_m: 300.0,
-                    direction: Direction::Up,
-                    run: number as usize / 60,
-                };
-                coasts.stretches.push(stretch.with(&described));
+                coasts.stretches.push(stretch(number, mps, gain_n_per_kg).with(&described));
             }
             assert_eq!(coasts.units_beside(&described, &[0.0; 1200]), None, "{seed}");
         }

@@ -12,9 +12,6 @@ use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 use std::collections::BTreeSet;
 
-/// Intervals of coasting that show by their median what all of them have.
-const LEAST_STRETCH: usize = 3;
-
 /// A reading of location, speed and effort at one time.
 #[derive(Clone, Copy, Debug)]
 struct Node {
@@ -85,7 +82,8 @@ impl Cut<'_> {
         let follows = |before: &Interval, next: &Interval| next.follows && coasts(before) == coasts(next);
         for stretch in intervals.chunk_by_mut(follows).filter(|stretch| coasts(&stretch[0])) {
             let asks = |i: &Interval| i.acceleration_mps2() + believed_load(self.line, i);
-            let usual = median(stretch.iter().map(asks)).filter(|_| stretch.len() >= LEAST_STRETCH).unwrap_or(0.0);
+            let usual =
+                median(stretch.iter().map(asks)).filter(|_| stretch.len() >= self.config.least_coast).unwrap_or(0.0);
             for interval in stretch {
                 if (asks(interval) - usual).abs() > self.config.most_change_n_per_kg {
                     interval.effort_n_per_kg = None;
@@ -368,8 +366,8 @@ impl Cut<'_> {
         })
     }
 
-    /// By how much a mean over an interval is too small for each of its lengths that the effort is late. Means lie half a row back, and of what is late and
-    /// what is early the mean is taken: the noise of the interval's own effort is not in it, which would be taken for a delay.
+    /// Effort at the end of an interval less that at its beginning. A mean lies half a row back, so that of means the middles of neighbours are taken: the
+    /// noise of the interval's own effort, which would be taken for a delay, is not in it.
     fn step(&self, from: usize, to: usize) -> f64 {
         let next = if self.effort == EffortReading::MeanSinceLast { self.next(to) } else { None };
         next.map_or_else(

@@ -27,7 +27,7 @@ pub struct Interval {
     pub effort_n_per_kg: Option<f64>,
     /// How much the effort changes within it beyond what is understood, N/kg, not negative.
     pub effort_change_n_per_kg: f64,
-    /// Effort at the end less effort at the beginning, N/kg.
+    /// Effort at the end less effort at the beginning, N/kg; of means, half a row later at both.
     pub effort_step_n_per_kg: f64,
     pub temperature_c: Option<f64>,
     /// Measured mean headwind, m/s.
