@@ -369,22 +369,20 @@ impl Cut<'_> {
     /// Effort at the end of an interval less that at its beginning. A mean lies half a row back, so that of means the middles of neighbours are taken: the
     /// noise of the interval's own effort, which would be taken for a delay, is not in it.
     fn step(&self, from: usize, to: usize) -> f64 {
-        let next = if self.effort == EffortReading::MeanSinceLast { self.next(to) } else { None };
-        next.map_or_else(
-            || self.effort_at(to) - self.effort_at(from),
-            |next| {
-                let middle = |sample: usize| 0.5 * (self.effort_at(sample) + self.effort_at(sample + 1));
-                middle(next - 1) - middle(from)
-            },
-        )
+        if self.mean_after(to).is_none() {
+            return self.effort_at(to) - self.effort_at(from);
+        }
+        let middle = |sample: usize| 0.5 * (self.effort_at(sample) + self.effort_at(sample + 1));
+        middle(to) - middle(from)
     }
 
-    /// The sample after one, unless a gap lies between.
-    fn next(&self, sample: usize) -> Option<usize> {
+    /// The sample after one of a column of means, unless a gap lies between.
+    fn mean_after(&self, sample: usize) -> Option<usize> {
         let samples = &self.run.samples;
         let next = samples.get(sample + 1).filter(|next| next.effort_n_per_kg.is_some())?;
         let [before, now] = [sample - 1, sample].map(|sample| samples[sample].time_s);
-        (next.time_s - now < self.config.gap * (now - before)).then_some(sample + 1)
+        let is_mean = self.effort == EffortReading::MeanSinceLast;
+        (is_mean && next.time_s - now < self.config.gap * (now - before)).then_some(sample + 1)
     }
 
     /// How much the effort changes up to a sample, not negative. A mean is judged by those around it: the noise of a mean is in its change, too, so that those
@@ -393,7 +391,7 @@ impl Cut<'_> {
         let own = self.change_between(sample - 1, sample)?.abs();
         let is_zero = |sample: usize| self.effort_at(sample).abs() <= self.config.coasting_n_per_kg;
         let coasts = is_zero(sample - 1) && is_zero(sample);
-        let next = self.next(sample).filter(|_| self.effort == EffortReading::MeanSinceLast && !coasts);
+        let next = self.mean_after(sample).filter(|_| !coasts);
         let Some(around) = next.and_then(|next| self.change_between(sample - 1, next)) else {
             return Some(own);
         };
@@ -440,11 +438,9 @@ impl Cut<'_> {
 mod tests {
     use super::*;
     use crate::data::believed::tests::on_a_level_line;
-    use crate::data::runs::Recorded;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Normal};
-    use rundown::model::direction::Direction;
 
     const NOISE_N_PER_KG: f64 = 0.01;
 
@@ -467,13 +463,7 @@ mod tests {
                 ..Sample::default()
             }
         };
-        let mut run = || Run {
-            name: String::new(),
-            direction: Direction::Up,
-            day: None,
-            samples: (0..20).map(&mut sample).collect(),
-            recorded: Recorded::default(),
-        };
+        let mut run = || Run { samples: (0..20).map(&mut sample).collect(), ..Run::default() };
         let runs: Vec<Run> = (0..200).map(|_| run()).collect();
         on_a_level_line(runs.len(), |context| all(context, &runs, effort)).concat()
     }
