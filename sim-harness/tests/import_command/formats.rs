@@ -512,3 +512,32 @@ fn a_track_that_is_torn_off_between_two_points_is_said() {
     );
     loses(&folder, "torn.gpx", "lines that cannot be read, left out", 1, &place);
 }
+
+#[test]
+fn texts_of_a_sheet_have_the_decimal_sign_of_most_numbers() {
+    let (folder, rows) = (Folder::new(), drive(&STOPS_M, 30.0));
+    let comma = |number: String| number.replace('.', ",");
+    let mut book = rust_xlsxwriter::Workbook::new();
+    let sheet = book.add_worksheet();
+    let mut lines = String::new();
+    for (column, header) in ["Zeit [s]", "Weg (km)", "v (km/h)"].into_iter().enumerate() {
+        sheet.write(0, column as u16, header).unwrap();
+    }
+    for (row, (t, x, v)) in (1..).zip(&rows) {
+        let [km, kmh] = [comma(format!("{:.3}", x / 1000.0)), comma(format!("{:.1}", 3.6 * v))];
+        writeln!(lines, "{{\"time_s\": {t}, \"location_km\": \"{km}\", \"speed_kmh\": \"{kmh}\"}}").unwrap();
+        sheet.write(row, 0, *t).unwrap();
+        sheet.write(row, 1, km).unwrap();
+        sheet.write(row, 2, kmh).unwrap();
+    }
+    book.save(folder.path("a.xlsx")).unwrap();
+    folder.write("b.jsonl", &lines);
+    folder.done(&["import", "a.xlsx", "b.jsonl", "--chainage", "as-is", "--strict"]);
+    for name in ["runs/a_01.csv", "runs/b_01.csv"] {
+        let found = csv(&folder, name);
+        found.iter().zip(&rows).for_each(|(found, (_, x, v))| {
+            near(found[1], *x, 0.51);
+            near(found[2], 3.6 * v, 0.051);
+        });
+    }
+}

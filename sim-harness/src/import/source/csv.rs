@@ -1,7 +1,7 @@
 //! Tables as text: the encoding, the delimiter and the header are found in the first lines, the rows are streamed.
 
 use super::row::{self, Each, Event, Header, Layout, RowField};
-use crate::import::{letters, number};
+use crate::import::letters;
 use encoding_rs_io::DecodeReaderBytesBuilder;
 use rundown_files::refusal::ReadError;
 use std::fs::File;
@@ -145,10 +145,6 @@ pub fn open(path: &Path, wanted: &Layout, named: &[String]) -> Result<(Layout, V
     if let Some(units) = rows.get(index + 1).and_then(|row| row::units_below(row)) {
         headers.iter_mut().zip(units).for_each(|(header, unit)| header.unit = header.unit.take().or(unit));
     }
-    layout.decimal = layout.decimal.or_else(|| {
-        let below = rows.iter().skip(index + 1);
-        Some(number::decimal_of(below.flatten().map(String::as_str)))
-    });
     Ok((layout, headers))
 }
 

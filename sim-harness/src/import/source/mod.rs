@@ -9,6 +9,7 @@ mod parts;
 pub mod row;
 mod sheet;
 
+use super::number;
 use parts::Parts;
 use row::{Each, Event, Header, Layout, RowField, SourceFormat};
 use rundown_files::refusal::ReadError;
@@ -16,6 +17,9 @@ use sheet::Sheets;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+
+/// Rows that decide the decimal sign.
+const DECIDING: usize = 400;
 
 /// A file whose layout is known.
 #[derive(Clone, Debug)]
@@ -81,7 +85,28 @@ impl SourceFile {
             SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
         let parts = parts::join(&mut headers);
-        Ok(Self { path: path.to_owned(), layout, headers, parts, sheets })
+        let mut source = Self { path: path.to_owned(), layout, headers, parts, sheets };
+        let is_of_standard = matches!(format, SourceFormat::Gpx | SourceFormat::Nmea);
+        if source.layout.decimal.is_none() && !is_of_standard {
+            source.layout.decimal = Some(source.decimal()?);
+        }
+        Ok(source)
+    }
+
+    /// The decimal sign of the first texts: cells of a sheet, or values of JSON, may be texts as the fields of a CSV are.
+    fn decimal(&self) -> Result<char, ReadError> {
+        let (mut texts, mut left) = (Vec::new(), DECIDING);
+        self.as_written(&mut |event| {
+            if let Event::Row(_, fields) = event {
+                texts.extend(fields.iter().filter_map(|field| match field {
+                    RowField::Text(text) => Some(text.clone()),
+                    RowField::Empty | RowField::Number(_) => None,
+                }));
+                left -= 1;
+            }
+            left > 0
+        })?;
+        Ok(number::decimal_of(texts.iter().map(String::as_str)))
     }
 
     /// Every row, as long as `each` wants one.

@@ -140,8 +140,7 @@ pub fn open(path: &Path, wanted: &Layout, named: &[String]) -> Result<(Layout, V
     for Headed { sheet, headers: own, .. } in with_header {
         if own == headers { sheets.read.push(sheet) } else { sheets.others.push(sheet.name) }
     }
-    let layout =
-        Layout { header_line: Some(header as u64 + 1), decimal: wanted.decimal.or(Some('.')), ..wanted.clone() };
+    let layout = Layout { header_line: Some(header as u64 + 1), ..wanted.clone() };
     Ok((layout, headers, sheets))
 }
 
