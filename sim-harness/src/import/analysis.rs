@@ -1,5 +1,6 @@
 //! Files before their rows: of those that are read alike, columns, clocks and units decided.
 
+use super::clock::ClockKind;
 use super::columns::{self, Columns, How};
 use super::evidence::SeenRows;
 use super::letters;
@@ -178,6 +179,9 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     let local = !columns.kind.has_unit();
     if local && !columns.has_zone && columns.zone_name.is_none() {
         notes.push("times without a zone are taken for UTC; give zone in [[source]] where they are local".to_owned());
+    }
+    if let Some(zone) = columns.zone_name.as_ref().filter(|_| columns.has_zone || columns.kind == ClockKind::Unix) {
+        notes.push(format!("zone {zone:?} is not used: the times have their own, or count from 1970 UTC"));
     }
     notes
 }

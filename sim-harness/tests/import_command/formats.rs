@@ -541,3 +541,45 @@ fn texts_of_a_sheet_have_the_decimal_sign_of_most_numbers() {
         });
     }
 }
+
+/// Parquet whose times, s since 1970, are of this type, so many ticks a second.
+fn parquet_of(path: &std::path::Path, time: &str, ticks: i64, rows: &[(f64, f64, f64)]) {
+    use parquet::data_type::{DoubleType, Int64Type};
+    let schema = format!(
+        "message log {{ REQUIRED INT64 time ({time}); REQUIRED DOUBLE location_m; REQUIRED DOUBLE speed_kmh; }}"
+    );
+    let schema = parquet::schema::parser::parse_message_type(&schema).unwrap();
+    let file = std::fs::File::create(path).unwrap();
+    let mut writer =
+        parquet::file::writer::SerializedFileWriter::new(file, schema.into(), std::sync::Arc::default()).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let times: Vec<i64> = rows.iter().map(|(t, ..)| ticks * *t as i64).collect();
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<Int64Type>().write_batch(&times, None, None).unwrap();
+    column.close().unwrap();
+    for value in [|row: &(f64, f64, f64)| row.1, |row: &(f64, f64, f64)| 3.6 * row.2] {
+        let mut column = group.next_column().unwrap().unwrap();
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        column.typed::<DoubleType>().write_batch(&values, None, None).unwrap();
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    writer.close().unwrap();
+}
+
+#[test]
+fn timestamps_of_parquet_without_a_zone_are_of_that_of_the_mapping() {
+    let mut rows = drive(&STOPS_M, 30.0);
+    // 2025-05-05 07:37:33.
+    rows.iter_mut().for_each(|(t, ..)| *t += 1_746_430_653.0);
+    let folder = Folder::new().with("m.toml", "[[source]]\nzone = \"Europe/Berlin\"\n");
+    for (unit, ticks) in [("MILLIS", 1000), ("MICROS", 1_000_000), ("NANOS", 1_000_000_000)] {
+        for (is_utc, hour) in [(false, 5), (true, 7)] {
+            parquet_of(&folder.path("a.parquet"), &format!("TIMESTAMP({unit},{is_utc})"), ticks, &rows);
+            let said = folder.done(&["import", "a.parquet", "--mapping", "m.toml"]).err;
+            let index = folder.read("runs/runs.csv");
+            assert!(index.contains(&format!("a_01.csv,2025-05-05T0{hour}:37:33Z")), "{unit} {is_utc}: {index}");
+            assert_eq!(said.contains("zone \"Europe/Berlin\" is not used"), is_utc, "{unit}: {said}");
+        }
+    }
+}
