@@ -583,3 +583,17 @@ fn timestamps_of_parquet_without_a_zone_are_of_that_of_the_mapping() {
         }
     }
 }
+
+#[test]
+fn lines_are_counted_alike_whatever_ends_them() {
+    let text = table("time_s,location_m,speed_kmh", &drive(&STOPS_M, 30.0), |t, x, v| {
+        let speed = if t == 98.0 { "bad".to_owned() } else { format!("{:.2}", 3.6 * v) };
+        format!("{t},{x:.1},{speed}")
+    });
+    for end in ["\n", "\r\n", "\r"] {
+        let folder = Folder::new().with("a.csv", &text.replace('\n', end));
+        loses(&folder, "a.csv", UNREADABLE, 1, "a.csv:100:3: speed_kmh: expected a number, found \"bad\"");
+        let preview = folder.done(&["import", "--preview", "a.csv"]).out;
+        assert!(preview.contains("     3  1 | 0.0 | 0.00"), "{end:?}: {preview}");
+    }
+}

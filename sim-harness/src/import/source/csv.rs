@@ -42,7 +42,7 @@ fn encoding_of(path: &Path) -> Result<&'static str, ReadError> {
     })
 }
 
-/// Line ends of old computers, CR alone, become LF.
+/// Line ends of all computers become LF: the reader of tables counts the LF behind a CR with the row that follows.
 struct Lines<R> {
     inner: R,
     has_cr_only: bool,
@@ -50,11 +50,22 @@ struct Lines<R> {
 
 impl<R: Read> Read for Lines<R> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let length = self.inner.read(buffer)?;
-        if self.has_cr_only {
-            buffer[..length].iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+        loop {
+            let length = self.inner.read(buffer)?;
+            let mut kept = 0;
+            for at in 0..length {
+                match buffer[at] {
+                    b'\r' if self.has_cr_only => buffer[kept] = b'\n',
+                    b'\r' => continue,
+                    byte => buffer[kept] = byte,
+                }
+                kept += 1;
+            }
+            // Nothing is the end of the file.
+            if kept > 0 || length == 0 {
+                return Ok(kept);
+            }
         }
-        Ok(length)
     }
 }
 
