@@ -39,7 +39,7 @@ impl Unit {
     }
 }
 
-const LENGTHS: [Unit; 6] = [
+const LENGTHS: [Unit; 7] = [
     Unit::new("m", &["metre", "metres", "meter", "meters", "mètres", "metros", "metri", "mtr"], 1.0),
     Unit::new(
         "km",
@@ -50,12 +50,23 @@ const LENGTHS: [Unit; 6] = [
     Unit::new("feet", &["ft", "foot"], 0.3048),
     Unit::new("cm", &[], 0.01),
     Unit::new("mm", &[], 0.001),
+    Unit::new("dm", &[], 0.1),
 ];
-const SPEEDS: [Unit; 4] = [
+const SPEEDS: [Unit; 9] = [
     Unit::new("km/h", &["kmh", "kph", "km h", "kmph", "km/hr", "km/std"], 1.0 / 3.6),
     Unit::new("m/s", &["mps", "ms", "m s", "m/sec", "meter per second"], 1.0),
     Unit::new("mph", &["mi/h", "miles/h", "miles per hour"], 0.44704),
-    Unit::new("knots", &["kn", "kt", "kts", "knot"], 1852.0 / 3600.0),
+    Unit::new(
+        "knots",
+        &["kn", "kt", "kts", "knot", "knoten", "nœud", "nœuds", "noeud", "noeuds", "nudo", "nudos", "nodo", "nodi"],
+        1852.0 / 3600.0,
+    ),
+    // Whole numbers of a bus or a database.
+    Unit::new("0.1 km/h", &["hm/h"], 0.1 / 3.6),
+    Unit::new("0.01 km/h", &[], 0.01 / 3.6),
+    Unit::new("dm/s", &["dmps", "dm s"], 0.1),
+    Unit::new("cm/s", &["cmps", "cm s", "cm/sec"], 0.01),
+    Unit::new("mm/s", &["mmps", "mm s", "mm/sec"], 0.001),
 ];
 const TIMES: [Unit; 6] = [
     Unit::new("s", &["sec", "secs", "second", "seconds", "sek", "sekunden", "secondes", "segundos", "secondi"], 1.0),
@@ -96,18 +107,43 @@ pub const fn of(meaning: Meaning) -> &'static [Unit] {
 
 /// Those that evidence decides between.
 pub fn candidates(meaning: Meaning) -> &'static [Unit] {
-    let count = if meaning == Meaning::Time { 3 } else { 4 };
     let all = of(meaning);
+    let count = match meaning {
+        Meaning::Time => 3,
+        Meaning::Speed => all.len(),
+        _ => 4,
+    };
     &all[..count.min(all.len())]
 }
 
-/// A unit by one of its names.
+/// A unit by one of its names, or as a part of another one.
 pub fn by_name(meaning: Meaning, name: &str) -> Option<Unit> {
     let small = name.trim().to_lowercase();
-    let exact = of(meaning).iter().find(|unit| unit.name == name.trim());
-    exact
-        .or_else(|| of(meaning).iter().find(|unit| unit.name.to_lowercase() == small || unit.also.contains(&&*small)))
-        .copied()
+    let exact = of(meaning).iter().find(|unit| unit.name == name.trim()).copied();
+    exact.or_else(|| named(meaning, &small)).or_else(|| part(meaning, &small))
+}
+
+fn named(meaning: Meaning, small: &str) -> Option<Unit> {
+    let small = small.trim();
+    of(meaning).iter().find(|unit| unit.name.to_lowercase() == small || unit.also.contains(&small)).copied()
+}
+
+/// A tenth, hundredth or thousandth of a unit, as people write them.
+const PARTS: [(f64, [&str; 4], &str); 3] = [
+    (10.0, ["0.1", "0,1", "1/10", "01"], "10"),
+    (100.0, ["0.01", "0,01", "1/100", "001"], "100"),
+    (1000.0, ["0.001", "0,001", "1/1000", "0001"], "1000"),
+];
+
+/// `0.1 km/h`, `1/100 m/s`, `speed_01kmh`; `km/h x 10` are tenths, too.
+fn part(meaning: Meaning, small: &str) -> Option<Unit> {
+    let (unit, times) = small.rsplit_once(['x', '*', '×']).unwrap_or((small, ""));
+    let (parts, whole) = PARTS.iter().find_map(|(parts, before, behind)| {
+        let rest = before.iter().find_map(|number| named(meaning, small.strip_prefix(number)?));
+        let whole = rest.or_else(|| named(meaning, unit).filter(|_| times.trim() == *behind));
+        Some((parts, whole?))
+    })?;
+    of(meaning).iter().find(|unit| (parts * unit.factor / whole.factor - 1.0).abs() < 1e-9).copied()
 }
 
 /// A header without its unit, and the unit: `v [km/h]`, `Weg (km)`, `speed_kmh`, `location/m`, `Time, s`.
@@ -178,5 +214,28 @@ mod tests {
         assert_eq!(si(Meaning::Temperature, "F", 212.0), Some(100.0));
         assert_eq!(si(Meaning::Latitude, "ddmm", -5006.12).map(|degrees| (degrees * 1e6).round()), Some(-50_102_000.0));
         assert_eq!(si(Meaning::Speed, "kg", 1.0), None);
+    }
+
+    #[test]
+    fn parts_of_units_are_units() {
+        for (header, unit) in [
+            ("v [0.1 km/h]", "0.1 km/h"),
+            ("v (0,01 km/h)", "0.01 km/h"),
+            ("speed_01kmh", "0.1 km/h"),
+            ("speed (km/h x 100)", "0.01 km/h"),
+            ("speed [km/h*10]", "0.1 km/h"),
+            ("v (1/100 m/s)", "cm/s"),
+            ("speed_cm_s", "cm/s"),
+            ("speed_mmps", "mm/s"),
+            ("Vitesse (nœuds)", "knots"),
+            ("Geschwindigkeit in Knoten", "knots"),
+        ] {
+            let found = split(header).1.and_then(|unit| by_name(Meaning::Speed, &unit));
+            assert_eq!(found.map(|unit| unit.name), Some(unit), "{header}");
+        }
+        assert_eq!(by_name(Meaning::Location, "0.1 m").map(|unit| unit.name), Some("dm"));
+        for none in ["0.1", "x 10", "km/h x 7", "0.1 m", "01"] {
+            assert_eq!(by_name(Meaning::Speed, none), None, "{none}");
+        }
     }
 }
