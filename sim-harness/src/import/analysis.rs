@@ -25,6 +25,8 @@ pub struct Group {
     pub columns: Columns,
     /// What a person should know of the columns.
     pub notes: Vec<String>,
+    /// What a person is to be warned of.
+    pub doubts: Vec<String>,
     /// What a person has to say before these files can be imported.
     pub question: Option<String>,
     /// Of each file, whether its own rows deny what was decided of all.
@@ -38,7 +40,8 @@ impl Group {
         let first = sources.first().ok_or_else(|| refused(Path::new(""), "expected a file, found none"))?;
         let columns = columns::find(&first.headers, &mapping, first.layout.decimal.unwrap_or('.'));
         let columns = columns.map_err(|error| refused(&first.path, error))?;
-        let mut group = Self { sources, mapping, columns, notes: Vec::new(), question: None, denied: Vec::new() };
+        let (notes, doubts, denied) = (Vec::new(), Vec::new(), Vec::new());
+        let mut group = Self { sources, mapping, columns, notes, doubts, question: None, denied };
         group.question = group.decide().err();
         Ok(group)
     }
@@ -55,7 +58,7 @@ impl Group {
 
     /// Clock and units.
     fn decide(&mut self) -> Result<(), String> {
-        let Self { sources, mapping, columns, notes, denied, .. } = self;
+        let Self { sources, mapping, columns, notes, doubts, denied, .. } = self;
         if let Some(first) = sources.first() {
             let doubt = code_page(first, mapping);
             needed(columns, first)
@@ -78,9 +81,15 @@ impl Group {
         let repeated = columns.repeated(sources.first().map_or(&[], |first| &first.headers));
         let also: String = repeated.iter().map(|note| format!("; {note}")).collect();
         notes.extend(seen.units(columns).map_err(|why| why + &also)?);
+        doubts.extend(seen.doubt(columns));
         *denied = seen.denied(columns);
         notes.extend(notes_of(columns, sources.first().map_or(&[], |first| &first.headers)));
         Ok(())
+    }
+
+    /// What is to be said of these files.
+    pub fn said(&self) -> Vec<String> {
+        [self.notes.as_slice(), &self.doubts].concat()
     }
 
     /// The question with the file that asks it.

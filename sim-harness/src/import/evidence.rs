@@ -13,12 +13,15 @@ use super::source::row::{Event, RowField};
 use super::units::{self, Unit};
 use rundown_files::refusal::ReadError;
 use rundown_files::statistics::median;
+use rundown_pages::numbers::counted;
 use std::collections::BTreeMap;
 
 /// Rows of a file that are looked at.
 const ROWS: usize = 20_000;
 /// Steps that make a stretch over which distances are compared, and stretches that decide.
 const STEPS: usize = 20;
+/// The same where rows are far apart and stops near.
+const FEW_STEPS: usize = 5;
 const LEAST_STRETCHES: usize = 4;
 /// Speed and location are of one train where so many stretches have the usual ratio within that.
 const LEAST_ALIKE: f64 = 0.8;
@@ -198,7 +201,7 @@ impl SeenRows {
     pub fn unit_alone(&self, columns: &mut Columns) -> Vec<String> {
         let alone = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::UnitAlone);
         let Some(meaning) = [Meaning::Speed, Meaning::Location].into_iter().find(alone) else { return Vec::new() };
-        let follows = stretches(&self.rows, columns).map(|stretches| stretches.alike);
+        let follows = stretches(&self.rows, columns).ok().map(|stretches| stretches.alike);
         let header = columns.header(meaning).to_owned();
         let (key, percent) = (meaning.key(), 100.0 * follows.unwrap_or(0.0));
         let stays = follows.map_or(meaning == Meaning::Speed, |alike| alike >= LEAST_ALIKE);
@@ -238,15 +241,22 @@ impl SeenRows {
         let unnamed = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none());
         let unknown: Vec<Meaning> =
             DECIDED.into_iter().filter(unnamed).filter(|meaning| *meaning != Meaning::Time || is_number).collect();
-        let Some(stretches) = stretches(&self.rows, columns).filter(|_| columns.has(Meaning::Speed)) else {
-            let why = "speed and location are not there together in enough rows";
-            return if unknown.is_empty() { Ok(Vec::new()) } else { Err(not_decided(columns, &unknown, &[], why)) };
+        let stretches = match stretches(&self.rows, columns) {
+            Ok(stretches) => stretches,
+            Err(_) if unknown.is_empty() => return Ok(Vec::new()),
+            Err(why) => return Err(not_decided(columns, &unknown, &[], &why)),
         };
         let tried = stretches.tried(columns, &unknown);
         let agree: Vec<Tried> = tried.iter().filter(|(ratio, _)| (ratio - 1.0).abs() < NEAR).copied().collect();
         match agree.as_slice() {
             [] if unknown.is_empty() => {
-                self.contradiction(columns, tried.first().map_or(1.0, |(ratio, _)| *ratio), &stretches)
+                let ratio = tried.first().map_or(1.0, |(ratio, _)| *ratio);
+                let is_believed = is_said(columns) || MAY_BE.contains(&ratio);
+                if is_believed {
+                    Ok(vec![figure(ratio)])
+                } else {
+                    Err(format!("units: {}", contradiction(columns, ratio, &stretches)))
+                }
             }
             [(ratio, found)] => {
                 for (meaning, unit) in DECIDED.into_iter().zip(found).filter(|(meaning, _)| unknown.contains(meaning)) {
@@ -263,34 +273,12 @@ impl SeenRows {
         }
     }
 
-    /// Named units whose distances do not agree: refused, unless a person said so.
-    fn contradiction(&self, columns: &Columns, ratio: f64, stretches: &Stretches) -> Result<Vec<String>, String> {
-        let figure = figure(ratio);
-        if is_said(columns) || MAY_BE.contains(&ratio) {
-            return Ok(vec![figure]);
-        }
-        let of = |meaning: Meaning| units::candidates(meaning).iter().map(move |unit| (meaning, *unit));
-        let others: Vec<String> = of(Meaning::Location)
-            .chain(of(Meaning::Speed))
-            .filter(|(meaning, unit)| {
-                let named = columns.unit(*meaning).map_or(1.0, Unit::factor);
-                let change = unit.factor() / named;
-                let ratio = if *meaning == Meaning::Speed { ratio / change } else { ratio * change };
-                let mps = if *meaning == Meaning::Speed {
-                    unit.to_si(stretches.fastest)
-                } else {
-                    columns.unit(Meaning::Speed).map_or(1.0, |unit| unit.to_si(stretches.fastest))
-                };
-                (ratio - 1.0).abs() < NEAR && FASTEST_MPS.contains(&mps)
-            })
-            .map(|(meaning, unit)| line([(meaning, columns.header(meaning), format!("unit = {:?}", unit.name))]))
-            .collect();
-        let remedy = if others.is_empty() {
-            "look at the columns; a unit that --mapping gives is believed".to_owned()
-        } else {
-            format!("{SAY_IT}: {}", others.join(" or "))
-        };
-        Err(format!("units: expected 1, found: {figure}; {remedy}"))
+    /// What is to be warned of: the distances do not agree in the units that a person said.
+    pub fn doubt(&self, columns: &Columns) -> Option<String> {
+        let stretches = stretches(&self.rows, columns).ok().filter(|_| is_said(columns))?;
+        let (ratio, _) = stretches.tried(columns, &[]).first().copied()?;
+        let is_denied = !MAY_BE.contains(&ratio);
+        is_denied.then(|| format!("units of the mapping are believed: {}", contradiction(columns, ratio, &stretches)))
     }
 
     /// Of each file, whether its own rows deny what was decided of all: times that are not read so, or distances that do not agree. Never what a person said.
@@ -319,6 +307,33 @@ impl SeenRows {
     }
 }
 
+/// That the distances do not agree in the named units, and the line with those in which they would.
+fn contradiction(columns: &Columns, ratio: f64, stretches: &Stretches) -> String {
+    let of = |meaning: Meaning| units::of(meaning).iter().map(move |unit| (meaning, *unit));
+    let others: Vec<String> = of(Meaning::Location)
+        .filter(|_| columns.has(Meaning::Location))
+        .chain(of(Meaning::Speed))
+        .filter(|(meaning, unit)| {
+            let named = columns.unit(*meaning).map_or(1.0, Unit::factor);
+            let change = unit.factor() / named;
+            let ratio = if *meaning == Meaning::Speed { ratio / change } else { ratio * change };
+            let mps = if *meaning == Meaning::Speed {
+                unit.to_si(stretches.fastest)
+            } else {
+                columns.unit(Meaning::Speed).map_or(1.0, |unit| unit.to_si(stretches.fastest))
+            };
+            (ratio - 1.0).abs() < NEAR && FASTEST_MPS.contains(&mps)
+        })
+        .map(|(meaning, unit)| line([(meaning, columns.header(meaning), format!("unit = {:?}", unit.name))]))
+        .collect();
+    let remedy = if others.is_empty() {
+        "look at the columns; a unit that --mapping gives is believed".to_owned()
+    } else {
+        format!("{SAY_IT}: {}", others.join(" or "))
+    };
+    format!("expected 1, found: {}; {remedy}", figure(ratio))
+}
+
 /// A person said what place or speed are in.
 fn is_said(columns: &Columns) -> bool {
     let said = |meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::Mapping);
@@ -327,19 +342,56 @@ fn is_said(columns: &Columns) -> bool {
 
 /// Distance by location over distance by speed in the units that were decided.
 fn ratio_of(rows: &[WrittenRow], columns: &Columns) -> Option<f64> {
-    let stretches = stretches(rows, columns).filter(|_| columns.has(Meaning::Speed))?;
+    let stretches = stretches(rows, columns).ok()?;
     stretches.tried(columns, &[]).first().map(|(ratio, _)| *ratio)
 }
 
 /// Distances by location over those by speed, in the units of the file.
-fn stretches(all: &[WrittenRow], columns: &Columns) -> Option<Stretches> {
-    let located = columns.has(Meaning::Location);
+///
+/// # Errors
+/// Why they cannot be compared.
+fn stretches(all: &[WrittenRow], columns: &Columns) -> Result<Stretches, String> {
     let rows: Vec<Option<Passing>> = all.iter().map(|row| row.passing(columns)).collect();
+    let together = rows.iter().flatten().count();
+    let (mut long, mut short) = (None, None);
+    if let Some((fastest, step)) = usual(&rows).filter(|_| columns.has(Meaning::Speed)) {
+        let of = |steps| Stretches::new(ratios(&rows, columns, (fastest, step), steps), fastest, step);
+        long = of(STEPS);
+        // A few steps of a location that is told coarsely say nothing.
+        short = long.is_none().then(|| of(FEW_STEPS)).flatten().filter(|short| short.alike >= LEAST_ALIKE);
+    }
+    long.or(short).ok_or_else(|| match without_numbers(all, columns) {
+        Some(header) => format!("column {header:?} holds no number that can be read"),
+        None if !columns.has(Meaning::Speed) => "no column has a speed".to_owned(),
+        None if together < STEPS * LEAST_STRETCHES => {
+            format!("time, speed and location stand together in {} only", counted(together, "row", "rows"))
+        }
+        None => format!(
+            "in {together} rows with speed and location the train hardly ever keeps moving for {STEPS} rows on end"
+        ),
+    })
+}
+
+/// The speed that is hardly ever exceeded, and the usual step of the clock.
+fn usual(rows: &[Option<Passing>]) -> Option<(f64, f64)> {
     let mut speeds: Vec<f64> = rows.iter().flatten().map(|row| row.speed).collect();
     speeds.sort_by(f64::total_cmp);
     let fastest = *speeds.get(speeds.len() * 99 / 100)?;
     let steps = rows.windows(2).filter_map(|pair| Some(pair[1]?.time - pair[0]?.time));
-    let step = median(steps.filter(|step| *step > 0.0))?;
+    Some((fastest, median(steps.filter(|step| *step > 0.0))?))
+}
+
+/// A column that says where the train is or how fast, without a number in any row.
+fn without_numbers<'a>(rows: &[WrittenRow], columns: &'a Columns) -> Option<&'a str> {
+    let is_empty = |position: usize| rows.iter().all(|row| row.numbers[position].is_none());
+    let mut numbered = EXPECTED.iter().enumerate().skip(1);
+    let found = numbered.find(|(position, meaning)| columns.has(**meaning) && is_empty(*position));
+    found.map(|(_, meaning)| columns.header(*meaning))
+}
+
+/// Of stretches of so many steps of a moving train.
+fn ratios(rows: &[Option<Passing>], columns: &Columns, (fastest, step): (f64, f64), steps: usize) -> Vec<f64> {
+    let located = columns.has(Meaning::Location);
     let goes_on = |(a, b): &(Passing, Passing)| {
         a.speed.min(b.speed) > 0.25 * fastest && b.time > a.time && b.time - a.time < 10.0 * step
     };
@@ -353,17 +405,12 @@ fn stretches(all: &[WrittenRow], columns: &Columns) -> Option<Stretches> {
         by_speed += 0.5 * (a.speed + b.speed) * (b.time - a.time);
         by_place += if located { b.place.0 - a.place.0 } else { geo::distance_m(a.place, b.place) };
         count += 1;
-        if count == STEPS {
+        if count == steps {
             ratios.push(by_place.abs() / by_speed);
             (by_speed, by_place, count) = (0.0, 0.0, 0);
         }
     }
-    // A train that stands where its speed is large denies the speed.
-    let tried = ratios.len();
-    ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
-    let ratio = median(ratios.iter().copied()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
-    let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / tried as f64;
-    Some(Stretches { ratio, alike, fastest, step })
+    ratios
 }
 
 #[derive(Debug, Default)]
@@ -481,6 +528,16 @@ fn figure(ratio: f64) -> String {
 }
 
 impl Stretches {
+    /// None where they are too few.
+    fn new(mut ratios: Vec<f64>, fastest: f64, step: f64) -> Option<Self> {
+        // A train that stands where its speed is large denies the speed.
+        let tried = ratios.len();
+        ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
+        let ratio = median(ratios.iter().copied()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
+        let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / tried as f64;
+        Some(Self { ratio, alike, fastest, step })
+    }
+
     /// All units that are known or possible, at speeds of trains and steps of recorders where something is unknown.
     fn tried(&self, columns: &Columns, unknown: &[Meaning]) -> Vec<Tried> {
         // A column that is not there is in SI: text gives seconds, positions give metres.

@@ -190,7 +190,7 @@ impl ImportOrder {
     pub fn preview(&self) -> Result<Preview, ImportError> {
         let Grouped { groups, errors, mut notes } = self.groups()?;
         let lines = groups.iter().map(preview::words).collect();
-        notes.extend(groups.iter().flat_map(|group| group.notes.clone()));
+        notes.extend(groups.iter().flat_map(Group::said));
         Ok(Preview { found: Imported { lines, notes, errors, ..Imported::default() }, groups })
     }
 
@@ -357,8 +357,7 @@ impl ImportOrder {
         account: &Account,
         folder: &Path,
     ) -> Result<(String, Imported), ImportError> {
-        let mut done =
-            Imported { notes: groups.iter().flat_map(|group| group.notes.clone()).collect(), ..Imported::default() };
+        let mut done = Imported { notes: groups.iter().flat_map(Group::said).collect(), ..Imported::default() };
         done.lines.push(format!("chainage: {} ({})", placed.method.name(), placed.why));
         let drivers = staged.iter().any(|run| !run.driver.is_empty());
         let mut index = format!("file,departure_utc,unit,direction{}\n", if drivers { ",driver" } else { "" });
@@ -409,7 +408,7 @@ impl ImportOrder {
         if made_line {
             text("track.toml", &track)?;
         }
-        done.warnings = account.warnings().collect();
+        done.warnings = account.warnings().chain(groups.iter().flat_map(|group| group.doubts.clone())).collect();
         done.lines.extend(account.lines());
         Ok((track, done))
     }

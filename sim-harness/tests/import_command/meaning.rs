@@ -84,6 +84,67 @@ fn units_are_found_by_evidence_and_wrong_ones_refused() {
 }
 
 #[test]
+fn parts_of_units_are_read_and_a_wrong_unit_of_the_mapping_is_warned_of() {
+    let rows = drive(&STOPS_M, 30.0);
+    let fastest = |folder: &Folder, name: &str| csv(folder, name).iter().map(|row| row[2]).fold(0.0, f64::max);
+    for (header, factor) in [
+        ("time_s,location_m,v [0.1 km/h]", 36.0),
+        ("time_s,location_m,speed_01kmh", 36.0),
+        ("time_s,location_m,speed", 36.0),
+        ("time_s,location_m,speed", 360.0),
+        ("time_s,location_m,speed (cm/s)", 100.0),
+        ("time_s,location_m,speed", 1000.0),
+    ] {
+        let folder =
+            Folder::new().with("a.csv", &table(header, &rows, |t, x, v| format!("{t},{x:.1},{:.0}", factor * v)));
+        folder.done(&["import", "a.csv", "--strict"]);
+        near(fastest(&folder, "runs/a_01.csv"), 108.0, 0.1);
+    }
+    let positions = table("time_s,lat,lon,speed", &rows, |t, x, v| {
+        let (latitude, longitude) = place(x, 0.0);
+        format!("{t},{latitude:.7},{longitude:.7},{:.0}", 36.0 * v)
+    });
+    let locations = table("time_s,location_m,speed", &rows, |t, x, v| format!("{t},{x:.1},{:.0}", 36.0 * v));
+    let said = "[[source]]\ncolumns.speed = { name = \"speed\", unit = \"km/h\" }\n";
+    let folder = Folder::new().with("p.csv", &positions).with("l.csv", &locations).with("m.toml", said);
+    for name in ["p", "l"] {
+        let (file, log) = (format!("{name}.csv"), format!("right/{name}_01.csv"));
+        let said = folder.done(&["import", &file, "--mapping", "m.toml"]);
+        assert!(said.err.contains("units of the mapping are believed: expected 1, found: "), "{}", said.err);
+        let strict = folder.rundown(&["import", &file, "--mapping", "m.toml", "--strict", "--out", "strict"]);
+        assert_eq!(strict.code, Some(1), "{}", strict.err);
+        folder.write("right.toml", &to_write(&said.err[said.err.find("are believed").unwrap()..]));
+        folder.done(&["import", &file, "--mapping", "right.toml", "--out", "right", "--chainage", "as-is"]);
+        near(fastest(&folder, &log), 108.0, 0.1);
+    }
+}
+
+#[test]
+fn speed_and_location_every_ten_seconds_decide_a_unit_and_where_none_does_the_reason_is_said() {
+    let stops_m: Vec<f64> = (0..20).map(|stop| 1800.0 * f64::from(stop)).collect();
+    let rows = drive(&stops_m, 20.0);
+    let thin: Vec<(f64, f64, f64)> = rows.iter().filter(|(t, ..)| t % 10.0 == 0.0).copied().collect();
+    let text = |rows: &[(f64, f64, f64)]| table("time_s,location_m,v", rows, |t, x, v| format!("{t},{x:.1},{v:.2}"));
+    let posts = table("time_s,location,v [km/h]", &rows, |t, x, v| format!("{t},0+{x:.0},{:.1}", 3.6 * v));
+    let hops: Vec<f64> = (0..20).map(|stop| 90.0 * f64::from(stop)).collect();
+    let folder = Folder::new()
+        .with("thin.csv", &text(&thin))
+        .with("short.csv", &text(&rows[..60]))
+        .with("hops.csv", &text(&drive(&hops, 20.0).into_iter().step_by(4).collect::<Vec<_>>()))
+        .with("posts.csv", &posts);
+    folder.done(&["import", "thin.csv", "--strict"]);
+    near(csv(&folder, "runs/thin_01.csv").iter().map(|row| row[2]).fold(0.0, f64::max), 72.0, 0.1);
+    for (name, why) in [
+        ("short.csv", "time, speed and location stand together in 60 rows only"),
+        ("hops.csv", "the train hardly ever keeps moving for 20 rows on end"),
+        ("posts.csv", "column \"location\" holds no number that can be read"),
+    ] {
+        let said = folder.rundown(&["import", name, "--out", "none"]);
+        assert!(said.code == Some(6) && said.err.contains(why), "{name}: {}", said.err);
+    }
+}
+
+#[test]
 fn what_cannot_be_known_is_asked() {
     let rows = drive(&STOPS_M[..3], 30.0);
     let ambiguous = table("Date,Time,location_m,speed_kmh", &rows, |t, x, v| {
