@@ -37,7 +37,7 @@ pub struct Arguments {
     /// How the runs come onto one chainage; found from what is there if not given
     #[arg(long, value_enum)]
     chainage: Option<Method>,
-    /// Track that has the chainage: its centre line for positions, its stops for odometers and locations of each run's own
+    /// Track that has the chainage: its centre line for positions, else its stops
     #[arg(long, value_name = "K.toml")]
     track: Option<PathBuf>,
     /// Write a track to begin with: length, stations, centre line, gradients

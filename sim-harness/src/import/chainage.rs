@@ -34,6 +34,8 @@ pub struct Placed {
     /// Run by run.
     pub places: Vec<Placing>,
     pub line: Vec<CentreLinePoint>,
+    /// What a person is to be warned of.
+    pub doubt: Option<String>,
 }
 
 /// What a track says of the line before any run.
@@ -88,16 +90,18 @@ fn found(runs: &[Staged], given: Given) -> Placed {
 }
 
 fn by(method: Method, why: String, runs: &[Staged], given: Given) -> Placed {
-    let (places, line) = match method {
-        Method::AsIs => (as_they_are(runs), Vec::new()),
+    if method == Method::Line {
+        return on_line(runs, given, why);
+    }
+    let places = match method {
+        Method::AsIs => as_they_are(runs),
         Method::Stops => {
             let ways = [KnownLine::by_scaled_stops, KnownLine::by_stops, KnownLine::by_ends, KnownLine::by_speeds];
-            (shifted(runs, &ways, &given.stops_m), Vec::new())
+            shifted(runs, &ways, &given.stops_m)
         }
-        Method::Align => (shifted(runs, &[KnownLine::by_speeds], &[]), Vec::new()),
-        Method::Line => on_line(runs, given.line),
+        Method::Align | Method::Line => shifted(runs, &[KnownLine::by_speeds], &[]),
     };
-    Placed { method, why, places, line }
+    Placed { method, why, places, line: Vec::new(), doubt: None }
 }
 
 fn as_they_are(runs: &[Staged]) -> Vec<Placing> {
@@ -198,11 +202,33 @@ fn own_stops(run: &Staged) -> Vec<f64> {
     stops
 }
 
-fn on_line(runs: &[Staged], given: Vec<CentreLinePoint>) -> (Vec<Placing>, Vec<CentreLinePoint>) {
+/// Projected on the line of the track, or on one that is made of them; that counts as the track does, where its stops tell how.
+fn on_line(runs: &[Staged], given: Given, mut why: String) -> Placed {
     let all: Vec<&Staged> = runs.iter().collect();
-    let line = if given.is_empty() { line::centre_line(&all).unwrap_or_default() } else { given };
-    let Some(matcher) = CentreLine::new(&line) else {
-        return (vec![Placing::Out("there are no positions".to_owned()); runs.len()], Vec::new());
+    let is_made = given.line.is_empty();
+    let mut line = if is_made { line::centre_line(&all).unwrap_or_default() } else { given.line };
+    let mut doubt = None;
+    if is_made && !given.stops_m.is_empty() {
+        let known = KnownLine { stops: given.stops_m, ..KnownLine::default() };
+        match known.agree_at_one_place(&line::stations(runs, &line)) {
+            Some((sign, offset_m, how)) => {
+                why += &format!("; the line is counted as the track is: {how}");
+                line = line::counted(&line, sign, offset_m);
+            }
+            None => doubt = Some(STOPS_NOT_USED.to_owned()),
+        }
+    }
+    let places = places_on(runs, &line);
+    Placed { method: Method::Line, why, places, line, doubt }
+}
+
+const STOPS_NOT_USED: &str = "the track has no centre line, and its stops are not used, for those of the runs agree with \
+                              them at no one place: the chainage is that of the longest run; --chainage stops tries \
+                              run by run";
+
+fn places_on(runs: &[Staged], line: &[CentreLinePoint]) -> Vec<Placing> {
+    let Some(matcher) = CentreLine::new(line) else {
+        return vec![Placing::Out("there are no positions".to_owned()); runs.len()];
     };
     let place = |run: &Staged| {
         let fixes = line::fixes(run);
@@ -224,7 +250,7 @@ fn on_line(runs: &[Staged], given: Vec<CentreLinePoint>) -> (Vec<Placing>, Vec<C
             Placing::OnLine { share }
         }
     };
-    (runs.iter().map(place).collect(), line)
+    runs.iter().map(place).collect()
 }
 
 /// Factor and offset of a run on what is known of the line, and why.
@@ -285,8 +311,12 @@ impl KnownLine {
     }
 
     fn by_stops(&self, run: &Staged) -> Option<(f64, f64, String)> {
-        let own = own_stops(run);
-        let best = self.agreeing(&own);
+        self.agree_at_one_place(&own_stops(run))
+    }
+
+    /// Sign and offset by which these stops are those of the line, where three or more, and at least half, agree so and fewer otherwise.
+    fn agree_at_one_place(&self, own: &[f64]) -> Option<(f64, f64, String)> {
+        let best = self.agreeing(own);
         let (count, sign, offset_m) = *best.first()?;
         let other =
             best.iter().find(|other| other.1 != sign || (other.2 - offset_m).abs() > SAME_M).map_or(0, |other| other.0);

@@ -36,6 +36,38 @@ pub fn centre_line(runs: &[&Staged]) -> Option<Vec<CentreLinePoint>> {
     (line.len() > 1).then_some(line)
 }
 
+/// Stops of different runs that are nearer are one station, m.
+const STATION_M: f64 = 80.0;
+
+/// Where on the line runs stand; of several runs one that stands alone stands at a signal.
+pub fn stations(runs: &[Staged], line: &[CentreLinePoint]) -> Vec<f64> {
+    let mut stops_m: Vec<f64> = runs.iter().flat_map(|run| stops_on(run, line)).collect();
+    stops_m.sort_by(f64::total_cmp);
+    let groups = stops_m.chunk_by(|a, b| b - a < STATION_M);
+    groups.filter(|group| group.len() >= 2.min(runs.len())).filter_map(|group| median(group.iter().copied())).collect()
+}
+
+fn stops_on(run: &Staged, line: &[CentreLinePoint]) -> Vec<f64> {
+    let Some(matcher) = CentreLine::new(line) else { return Vec::new() };
+    let mut state = MatchState::default();
+    let mut located: Vec<(f64, f64)> = Vec::new();
+    for (i, mark) in run.marks().iter().enumerate() {
+        let Some(fix) = mark.fix else { continue };
+        let found = matcher.locate(&mut state, i as f64, Some(fix.0), Some(fix.1));
+        located.extend(found.ok().map(|found| (mark.at_m, found.location_m)));
+    }
+    let nearest = |own_m: f64| located.iter().min_by(|a, b| (a.0 - own_m).abs().total_cmp(&(b.0 - own_m).abs()));
+    run.stops.iter().filter_map(|(own_m, _)| nearest(*own_m)).map(|found| found.1).collect()
+}
+
+/// The same line, its locations counted from elsewhere, and backwards where `sign` is below zero.
+pub fn counted(line: &[CentreLinePoint], sign: f64, offset_m: f64) -> Vec<CentreLinePoint> {
+    let mut points: Vec<CentreLinePoint> = line.to_vec();
+    points.iter_mut().for_each(|point| point.at_m = offset_m + sign * point.at_m);
+    points.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
+    points
+}
+
 pub fn fixes(run: &Staged) -> Vec<Fix> {
     run.marks().iter().filter_map(|mark| mark.fix).collect()
 }

@@ -357,7 +357,8 @@ impl ImportOrder {
         account: &Account,
         folder: &Path,
     ) -> Result<(String, Imported), ImportError> {
-        let mut done = Imported { notes: groups.iter().flat_map(Group::said).collect(), ..Imported::default() };
+        let notes = groups.iter().flat_map(Group::said).chain(placed.doubt.clone());
+        let mut done = Imported { notes: notes.collect(), ..Imported::default() };
         done.lines.push(format!("chainage: {} ({})", placed.method.name(), placed.why));
         let drivers = staged.iter().any(|run| !run.driver.is_empty());
         let mut index = format!("file,departure_utc,unit,direction{}\n", if drivers { ",driver" } else { "" });
@@ -409,6 +410,7 @@ impl ImportOrder {
             text("track.toml", &track)?;
         }
         done.warnings = account.warnings().chain(groups.iter().flat_map(|group| group.doubts.clone())).collect();
+        done.warnings.extend(placed.doubt.clone());
         done.lines.extend(account.lines());
         Ok((track, done))
     }

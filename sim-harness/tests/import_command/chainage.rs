@@ -268,3 +268,42 @@ fn runs_that_stop_at_their_ends_only_are_placed_by_these_and_turned_by_their_spe
     assert_eq!(down, ["run007_01.csv,2024-01-14T08:24:14Z,unit-1,down"]);
     near(csv(&folder, "back/run007_01.csv")[0][1], end_m, 100.0);
 }
+
+#[test]
+fn positions_count_as_a_track_without_a_centre_line_by_its_stops_or_it_is_said_that_they_do_not() {
+    let rows = drive(&STOPS_M, 25.0);
+    let mut folder = Folder::new();
+    for (name, beside, from) in [("a.gpx", 4.0, 0.0), ("b.gpx", -4.0, 11_900.0), ("c.gpx", 1.0, 0.0)] {
+        folder = folder.with(name, &gpx(&rows, 0.0, beside, from));
+    }
+    let track = |stops_m: &[f64]| {
+        let mut text = "name = \"k\"\nlength_m = 20000\n[[gradient]]\nfrom_m = 0\npermille = 0\n".to_owned();
+        stops_m.iter().for_each(|at_m| text += &format!("[[stop]]\nat_m = {at_m}\nname = \"s\"\n"));
+        text
+    };
+    let ends = |name: &str| {
+        let rows = csv(&folder, name);
+        (rows[0][1], last(&rows)[1])
+    };
+    // It counts from the other end, and begins 1500 m before.
+    let stops_m: Vec<f64> = STOPS_M.iter().rev().map(|at_m| 13_400.0 - at_m).collect();
+    folder.write("k.toml", &track(&stops_m));
+    let said = folder.done(&["import", "a.gpx", "b.gpx", "c.gpx", "--track", "k.toml"]);
+    assert!(
+        !said.err.contains("not used, for those")
+            && said.out.contains("the line is counted as the track is: 5 of 5 stops agree"),
+        "{said:?}"
+    );
+    for (name, from_m, to_m) in [("a", 13_400.0, 1500.0), ("b", 1500.0, 13_400.0), ("c", 13_400.0, 1500.0)] {
+        let (begin_m, end_m) = ends(&format!("runs/{name}_01.csv"));
+        near(begin_m, from_m, 40.0);
+        near(end_m, to_m, 40.0);
+    }
+    // Of another line.
+    folder.write("other.toml", &track(&[500.0, 1500.0, 3900.0, 9100.0]));
+    let others = ["import", "a.gpx", "b.gpx", "c.gpx", "--track", "other.toml", "--out", "other"];
+    let said = folder.done(&others);
+    assert!(said.err.contains("the track has no centre line, and its stops are not used"), "{said:?}");
+    let strict = folder.rundown(&[&others[..], &["--strict"]].concat());
+    assert!(strict.code == Some(1) && strict.err.contains("its stops are not used"), "{strict:?}");
+}
