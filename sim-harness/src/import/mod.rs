@@ -14,6 +14,7 @@ mod analysis;
 mod chainage;
 mod clock;
 mod columns;
+mod cubic;
 mod cut;
 mod evidence;
 mod geo;

@@ -597,3 +597,41 @@ fn lines_are_counted_alike_whatever_ends_them() {
         assert!(preview.contains("     3  1 | 0.0 | 0.00"), "{end:?}: {preview}");
     }
 }
+
+/// Means over some seconds are too small where a train is fastest, and too large where it is slow, as if its wheel were another one.
+#[test]
+fn speeds_of_positions_follow_a_train_that_is_hardly_ever_at_one_speed() {
+    let stops_m: Vec<f64> = (0..12).map(|stop| 350.0 * f64::from(stop)).collect();
+    let rows = drive(&stops_m, 25.0);
+    for (header, fixes) in [("time_s,lat,lon", true), ("time_s,location_m", false)] {
+        let text = table(header, &rows, |t, x, _| {
+            let (latitude, longitude) = place(x, 0.0);
+            if fixes { format!("{t},{latitude:.7},{longitude:.7}") } else { format!("{t},{x:.2}") }
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        folder.done(&["import", "a.csv"]);
+        let found = csv(&folder, "runs/a_01.csv");
+        let pairs: Vec<(f64, f64)> =
+            found.iter().zip(&rows).filter(|(_, row)| row.2 > 1.0).map(|(read, row)| (row.2, read[2] / 3.6)).collect();
+        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+        let (x, y) = (mean(&|pair| pair.0), mean(&|pair| pair.1));
+        let scale = mean(&|pair| (pair.0 - x) * (pair.1 - y)) / mean(&|pair| (pair.0 - x).powi(2));
+        near(scale, 1.0, 0.01);
+    }
+}
+
+#[test]
+fn a_receiver_that_stood_still_and_leapt_makes_no_train_of_a_thousand_kilometres_an_hour() {
+    let rows = drive(&STOPS_M, 25.0);
+    let text = table("time_s,lat,lon", &rows, |t, x, _| {
+        let is_frozen = (75.0..95.0).contains(&t);
+        let (latitude, longitude) = place(if is_frozen { rows[75].1 } else { x }, 0.0);
+        format!("{t},{latitude:.7},{longitude:.7}")
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    let said = folder.done(&["import", "a.csv"]);
+    assert!(said.out.contains("rows beside a leap of the fixes, without a speed: "), "{}", said.out);
+    let found = csv(&folder, "runs/a_01.csv");
+    assert!(found.iter().all(|row| row[2].is_nan() || row[2] < 95.0));
+    assert!(found.iter().filter(|row| row[2].is_nan()).count() <= 20);
+}
