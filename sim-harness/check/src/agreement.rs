@@ -69,6 +69,10 @@ pub struct Agreement {
     /// The rounding of each held speed, by its reading, and what it does to 1/s - 1 and o/s, standard deviation.
     pub(crate) held: Vec<(u64, Vector2<f64>)>,
     pub(crate) equations: Equations,
+    /// The same where ways that are bent between the rows count less. None: none is.
+    pub(crate) with_less_of_bends: Option<Equations>,
+    /// What bends usually make of the runs beside it, of 1/s - 1 and o/s in m/s: in a single one that may vanish by chance.
+    usual_bends: Vector2<f64>,
 }
 
 impl Compared {
@@ -100,6 +104,8 @@ impl Compared {
             pairs: self.differences.y.len(),
             held: Vec::new(),
             equations: Equations::of(self, self.independent()),
+            usual_bends: Vector2::zeros(),
+            with_less_of_bends: self.with_less_of_bends().map(|other| Equations::of(&other, self.independent())),
         }
     }
 }
@@ -113,7 +119,8 @@ impl Agreement {
         let pair_s = PAIR_S.max(step_s);
         let seen = 2.0 * self.location_noise_m * self.location_noise_m + self.walk_m * self.walk_m * pair_s;
         let least = rounding_mps * rounding_mps * pair_s * step_s.min(pair_s);
-        self.equations.set_rounding(rounding_mps, if least > seen { seen / least } else { 1.0 });
+        let left = if least > seen { seen / least } else { 1.0 };
+        self.both().for_each(|equations| equations.set_rounding(rounding_mps, left));
         if let Some(solved) = self.equations.solved() {
             (self.values, self.information, self.held) = (solved.values, solved.information, solved.held);
         }
@@ -124,8 +131,12 @@ impl Agreement {
     pub(crate) fn rescaled(mut self, ratio: f64) -> Self {
         self.values[0] = (1.0 + self.values[0]) * ratio - 1.0;
         self.values[1] *= ratio;
-        self.equations.rescale(ratio);
+        self.both().for_each(|equations| equations.rescale(ratio));
         self
+    }
+
+    fn both(&mut self) -> impl Iterator<Item = &mut Equations> {
+        std::iter::once(&mut self.equations).chain(&mut self.with_less_of_bends)
     }
 
     /// Information on 1/s - 1 and o/s when the skew is unknown.
@@ -151,15 +162,11 @@ pub struct Pooled {
     pub values: Vector2<f64>,
     /// Their covariance: the larger of what the noise and what the scatter between runs says.
     pub covariance: Matrix2<f64>,
-    /// What they are more by than with ways that are not bent between the rows.
+    /// What they are more by than where ways that are bent between the rows count less: a doubt, for the bends are alike in all runs of a line.
     pub by_bends: Vector2<f64>,
     /// Runs that took part.
     pub runs: usize,
 }
-
-/// So much of what the bends of the ways between rows make is a doubt, standard deviation: what bends within the time between two rows is known roughly, and alike
-/// in all runs of a line. Of short hops 10 s apart it was 5 to 15 %, of those of trams up to 25 %.
-const BENDS_SD: f64 = 0.12;
 
 impl Pooled {
     /// s: measured over true speed.
@@ -187,6 +194,9 @@ impl Pooled {
     }
 }
 
+/// Bends that count less still count: of trams, metros and suburban trains 5 to 12 s apart what was measured was off by up to three times of what they made of it.
+const BENDS_SD: f64 = 1.5;
+
 /// Standard deviation with a doubt of the bends.
 fn doubted(variance: f64, by_bends: f64) -> f64 {
     variance.sqrt().hypot(BENDS_SD * by_bends)
@@ -196,10 +206,34 @@ fn doubted(variance: f64, by_bends: f64) -> f64 {
 /// standard deviation that its noise says, four have a tenth more.
 const FEW_RUNS: f64 = 3.0;
 
+/// Tells each run of a recorder what bends between the rows usually make of one alone: root of the mean square.
+pub(crate) fn share_bends(runs: &mut [Option<Agreement>]) {
+    let alone = |run: &Agreement| by_bends(std::slice::from_ref(run));
+    let squares: Vec<Vector2<f64>> =
+        runs.iter().flatten().filter_map(alone).map(|one| one.component_mul(&one)).collect();
+    let usual = (squares.iter().sum::<Vector2<f64>>() / squares.len().max(1) as f64).map(f64::sqrt);
+    runs.iter_mut().flatten().for_each(|run| run.usual_bends = usual);
+}
+
+/// What 1/s - 1 and o/s are more by than where ways that are bent count less.
+fn by_bends(runs: &[Agreement]) -> Option<Vector2<f64>> {
+    if runs.iter().all(|run| run.with_less_of_bends.is_none()) {
+        return Some(Vector2::zeros());
+    }
+    let [all, less]: [Vec<&Equations>; 2] = [
+        runs.iter().map(|run| &run.equations).collect(),
+        runs.iter().map(|run| run.with_less_of_bends.as_ref().unwrap_or(&run.equations)).collect(),
+    ];
+    Some(rounding::joint(&all)?.values - rounding::joint(&less)?.values)
+}
+
 /// Pools runs, each weighed by what it can tell apart.
 pub fn pooled(runs: &[Agreement]) -> Option<Pooled> {
-    let Joint { values, covariance, by_bends } =
-        rounding::joint(&runs.iter().map(|run| &run.equations).collect::<Vec<_>>())?;
+    let Joint { values, covariance } = rounding::joint(&runs.iter().map(|run| &run.equations).collect::<Vec<_>>())?;
+    let mut by_bends = by_bends(runs)?;
+    if let [one] = runs {
+        by_bends = by_bends.zip_map(&one.usual_bends, |own: f64, usual: f64| own.abs().max(usual).copysign(own));
+    }
     let mut all = Matrix2::zeros();
     let mut scatter = Matrix2::zeros();
     for run in runs {

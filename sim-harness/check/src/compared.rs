@@ -51,6 +51,10 @@ const LEAST_PAIRS: usize = 20;
 pub(crate) const PAIR_S: f64 = 5.0;
 /// Slower readings are left out: a standing train has no rounding, a creeping one reads zero, m/s.
 const SLOWEST_MPS: f64 = 1.5;
+/// Fits until the noise beside doubtful bends is known.
+const PASSES: usize = 6;
+/// Variance of a bend where bends count less, over the usual one.
+const LESS_OF_BENDS: f64 = 4.0;
 /// Innovations beyond so many standard deviations are drawn in to it.
 const OUTLIER: f64 = 4.0;
 
@@ -63,8 +67,10 @@ pub(crate) struct Differences {
     pub(crate) by_speed: Vec<f64>,
     /// Time between the two rows, s.
     pub(crate) dt: Vec<f64>,
-    /// What the distance by speed was bent by, m.
-    pub(crate) bend: Vec<f64>,
+    /// By how much the way may be bent between rows far apart, m.
+    bent_m: Vec<f64>,
+    /// What that adds to a variance, in units of the location's white noise.
+    doubt: Vec<f64>,
     dv: Vec<f64>,
     /// Time of the later row, s.
     pub(crate) end_s: Vec<f64>,
@@ -84,6 +90,12 @@ impl Differences {
         all
     }
 
+    /// Doubts the bends beside a location noise of this variance, m². Whether there are any.
+    fn doubt_bends(&mut self, variance: f64) -> bool {
+        self.doubt = self.bent_m.iter().map(|bent_m| bent_m * bent_m / variance).collect();
+        self.doubt.iter().any(|doubt| *doubt > 0.0)
+    }
+
     /// Fewer say nothing.
     pub(crate) fn are_enough(&self) -> bool {
         self.y.len() >= LEAST_PAIRS
@@ -93,34 +105,34 @@ impl Differences {
         let shares = held_shares(part);
         let mut held: Vec<HeldTime> = Vec::new();
         let mut from = None;
-        let (mut by_speed, mut bend) = (0.0, 0.0);
+        let mut way = Way::default();
         let mut linked = false;
         for (i, row) in part.iter().enumerate() {
             if row.speed_mps < SLOWEST_MPS {
                 (from, linked) = (None, false);
                 continue;
             }
-            let Some((begin, (more_m, bend_m))) = from.zip(i.checked_sub(1).and_then(|_| distance(part, i))) else {
-                (from, by_speed, bend, linked) = (Some(*row), 0.0, 0.0, false);
+            let Some((begin, more)) = from.zip(i.checked_sub(1).and_then(|_| Way::between(part, i))) else {
+                (from, way, linked) = (Some(*row), Way::default(), false);
                 held.clear();
                 continue;
             };
-            by_speed += more_m;
-            bend += bend_m;
+            way.add(more);
             let half_s = 0.5 * (row.time_s - part[i - 1].time_s);
             let of = |j: usize| HeldTime { at: self.y.len(), speed_mps: part[j].speed_mps, held_s: half_s * shares[j] };
             held.extend([i - 1, i].map(of).iter().filter(|one| one.held_s > 0.0));
             let dt = row.time_s - begin.time_s;
             if dt >= PAIR_S {
-                self.y.push(row.location_m - begin.location_m - by_speed);
-                self.by_speed.push(by_speed);
+                self.y.push(row.location_m - begin.location_m - way.by_speed_m);
+                self.by_speed.push(way.by_speed_m);
                 self.dt.push(dt);
-                self.bend.push(bend);
+                self.bent_m.push(way.bent_m);
+                self.doubt.push(0.0);
                 self.dv.push(row.speed_mps - begin.speed_mps);
                 self.end_s.push(row.time_s);
                 self.linked.push(linked);
                 self.held.append(&mut held);
-                (from, by_speed, bend, linked) = (Some(*row), 0.0, 0.0, true);
+                (from, way, linked) = (Some(*row), Way::default(), true);
             }
         }
     }
@@ -129,22 +141,47 @@ impl Differences {
 /// Beside a start or a stop rows farther apart are not compared: a bend of 1 m/s² makes a third of a metre in 2 s, 8 m in 10 s.
 const STRAIGHT_S: f64 = 2.0;
 
-/// Distance by speed from row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say; straight ones of a second are too long by two parts
-/// in ten thousand of a tram's hop. Beside a start or a stop straight, or none: the train moved for a part of the time only, and the change of speed there is no acceleration.
-/// Out: the distance, and by how much it is bent, m.
-fn distance(rows: &[Row], i: usize) -> Option<(f64, f64)> {
-    let (a, b) = (rows[i - 1], rows[i]);
-    let dt = b.time_s - a.time_s;
-    let straight = 0.5 * dt * (a.speed_mps + b.speed_mps);
-    let slope = |a: &Row, b: &Row| (b.speed_mps - a.speed_mps) / (b.time_s - a.time_s);
-    let around = i.checked_sub(2).and_then(|before| Some((&rows[before], rows.get(i + 1)?)));
-    match around {
-        Some((before, after)) if before.speed_mps.min(after.speed_mps) >= SLOWEST_MPS => {
-            let bend = -dt * dt / 12.0 * (slope(&b, after) - slope(before, &a)) / 2.0;
-            Some((straight + bend, bend))
+/// A smaller change of the acceleration is no driver's hand but power that fades, m/s².
+const TURN_MPS2: f64 = 0.32;
+
+/// Distance by speed between two rows, and by how much it may be bent if they are far apart, m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Way {
+    by_speed_m: f64,
+    bent_m: f64,
+}
+
+impl Way {
+    fn add(&mut self, more: Self) {
+        self.by_speed_m += more.by_speed_m;
+        self.bent_m += more.bent_m;
+    }
+
+    /// From row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say; straight ones of a second are too long by two parts in ten thousand of a
+    /// tram's hop. Between rows far apart it is bent at once, where a driver turns to the brake, or steadily, as the power fades: which, is not read. Beside a start or a
+    /// stop straight, or none: the train moved for a part of the time only, and the change of speed there is no acceleration.
+    fn between(rows: &[Row], i: usize) -> Option<Self> {
+        let (a, b) = (rows[i - 1], rows[i]);
+        let dt = b.time_s - a.time_s;
+        let straight_m = 0.5 * dt * (a.speed_mps + b.speed_mps);
+        let slope = |a: &Row, b: &Row| (b.speed_mps - a.speed_mps) / (b.time_s - a.time_s);
+        let around = i.checked_sub(2).and_then(|before| Some((&rows[before], rows.get(i + 1)?)));
+        let is_far = dt > STRAIGHT_S;
+        match around {
+            Some((before, after)) if before.speed_mps.min(after.speed_mps) >= SLOWEST_MPS => {
+                let [earlier, now, later] = [slope(before, &a), slope(&a, &b), slope(&b, after)];
+                let steady_m = dt * dt / 24.0 * (earlier - later);
+                // One acceleration up to a moment, the other behind it: the moment is where both together make the change of the speed.
+                let share = (later - now) / (later - earlier);
+                let at_once_m = dt * dt / 2.0 * (earlier - later) * share * (1.0 - share);
+                let is_once = is_far && (earlier - later).abs() > TURN_MPS2 && (0.0..=1.0).contains(&share);
+                let bend_m = if is_once { at_once_m } else { steady_m };
+                let bent_m = if is_far { bend_m.abs() + steady_m.abs() } else { 0.0 };
+                Some(Self { by_speed_m: straight_m + bend_m, bent_m })
+            }
+            Some(_) if is_far => None,
+            _ => Some(Self { by_speed_m: straight_m, bent_m: 0.0 }),
         }
-        Some(_) if dt > STRAIGHT_S => None,
-        _ => Some((straight, 0.0)),
     }
 }
 
@@ -168,7 +205,7 @@ fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &m
     variances.clear();
     let (mut before, mut variance_before) = (0.0, 1.0);
     for (i, value) in column.iter().enumerate() {
-        let diagonal = 2.0 + ratio * differences.dt[i];
+        let diagonal = 2.0 + ratio * differences.dt[i] + differences.doubt[i];
         let gain = if differences.linked[i] { -1.0 / variance_before } else { 0.0 };
         let variance = diagonal + if differences.linked[i] { gain } else { 0.0 };
         let innovation = value - gain * before;
@@ -235,8 +272,26 @@ pub(crate) struct Compared {
 
 impl Compared {
     /// None: too little of the run moves with both readings.
-    pub(crate) fn fitted(differences: Differences) -> Option<Self> {
-        let fit = best_fit(&differences)?;
+    pub(crate) fn fitted(mut differences: Differences) -> Option<Self> {
+        let mut fit = best_fit(&differences)?;
+        // A bend between rows far apart is known within its own size. The noise beside it is what is left where there is none.
+        for _ in 0..PASSES {
+            if !differences.doubt_bends(fit.variance) {
+                break;
+            }
+            fit = best_fit(&differences)?;
+        }
+        Self::of(differences, fit)
+    }
+
+    /// The same where ways that are bent count less, to see what they make of it. None: none is.
+    pub(crate) fn with_less_of_bends(&self) -> Option<Self> {
+        let mut differences = self.differences.clone();
+        differences.doubt.iter_mut().for_each(|doubt| *doubt *= LESS_OF_BENDS);
+        if differences.doubt == self.differences.doubt {
+            return None;
+        }
+        let fit = fit(&differences, self.fit.ratio)?;
         Self::of(differences, fit)
     }
 
@@ -323,8 +378,8 @@ mod tests {
         for step_s in [0.5, 1.0] {
             let rows = rows(step_s);
             for i in 2..rows.len() - 1 {
-                let (by_speed, _) = distance(&rows, i).unwrap();
-                assert!((by_speed - rows[i].location_m + rows[i - 1].location_m).abs() < 1e-9, "{step_s} {i}");
+                let way = Way::between(&rows, i).unwrap();
+                assert!((way.by_speed_m - rows[i].location_m + rows[i - 1].location_m).abs() < 1e-9, "{step_s} {i}");
             }
         }
     }

@@ -246,7 +246,7 @@ pub(crate) fn usual<'a>(runs: impl Iterator<Item = Asked<'a>>) -> Option<Usual> 
 }
 
 /// Mean, and the standard deviation between runs.
-fn pooled(ages: impl Iterator<Item = Figure> + Clone) -> (Figure, f64) {
+pub(crate) fn pooled(ages: impl Iterator<Item = Figure> + Clone) -> (Figure, f64) {
     let values: Vec<f64> = ages.clone().map(|age| age.value).collect();
     let middle_s = median_of(&values);
     let spread_s = spread(values.iter().map(|value| value - middle_s));

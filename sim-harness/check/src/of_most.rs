@@ -29,7 +29,7 @@ impl OfMost {
 
     /// A run's scale over theirs, all with one offset: on short hops its own hides what a wheel does.
     pub(crate) fn ratio(&self, alone: &Pooled) -> Figure {
-        let own = alone.beside_others().scale_at(self.offset_mps);
+        let own = alone.scale_at(self.offset_mps);
         Figure { value: own.value / self.scale.value, sd: own.sd.hypot(self.scale.sd) }
     }
 }

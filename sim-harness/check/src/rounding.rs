@@ -23,8 +23,6 @@ pub(crate) struct Equations {
     /// Information of what is asked, the rounding not known yet.
     matrix: DMatrix<f64>,
     score: DVector<f64>,
-    /// Of one more cause, the bends of the distance by speed.
-    bend: DVector<f64>,
     /// Of a reading, standard deviation, m/s; 0 where it is not known.
     rounding_mps: f64,
 }
@@ -66,9 +64,7 @@ impl Equations {
         matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&(fit.information * kept));
         let left = DVector::from_fn(columns.len(), |i, _| if i < 3 { 0.0 } else { dot(columns[i], &fit.residuals) });
         let score = matrix.columns(0, 3) * fit.beta + left;
-        let bent = compared.whitened(&compared.differences.bend);
-        let bend = DVector::from_fn(columns.len(), |i, _| dot(columns[i], &bent));
-        Self { speeds, matrix, score, bend, rounding_mps: 0.0 }
+        Self { speeds, matrix, score, rounding_mps: 0.0 }
     }
 
     /// The rounding of a reading, standard deviation, m/s, and what it leaves of the information.
@@ -76,12 +72,10 @@ impl Equations {
         self.rounding_mps = rounding_mps;
         self.matrix *= left;
         self.score *= left;
-        self.bend *= left;
         if rounding_mps == 0.0 {
             self.speeds.clear();
             self.matrix = self.matrix.view((0, 0), (3, 3)).into_owned();
             self.score = self.score.rows(0, 3).into_owned();
-            self.bend = self.bend.rows(0, 3).into_owned();
         }
     }
 
@@ -114,7 +108,6 @@ impl Equations {
     /// The same once the speeds are divided by so much.
     pub(crate) fn rescale(&mut self, ratio: f64) {
         self.score = &self.score * ratio + self.matrix.column(0) * (ratio - 1.0);
-        self.bend *= ratio;
     }
 
     /// What is left of them when errors of the held speeds that are of this run alone are eliminated. None: there is nothing to solve.
@@ -123,16 +116,15 @@ impl Equations {
         let held = self.matrix.columns(3, levels);
         let root = self.own_errors()?;
         let matrix = &self.matrix - held * root.solve(&held.transpose());
-        let without = |score: &DVector<f64>| score - held * root.solve(&score.rows(3, levels));
-        Some(Self { score: without(&self.score), bend: without(&self.bend), matrix, ..self.clone() })
+        let score = &self.score - held * root.solve(&self.score.rows(3, levels));
+        Some(Self { score, matrix, ..self.clone() })
     }
 
-    /// What is left of them when the skew, which is another one in each run, is eliminated: score and bends side by side.
-    fn without_skew(&self) -> (DMatrix<f64>, DMatrix<f64>) {
+    /// What is left of them when the skew, which is another one in each run, is eliminated: matrix and score.
+    fn without_skew(&self) -> (DMatrix<f64>, DVector<f64>) {
         let skew = self.matrix.column(2).into_owned();
         let matrix = &self.matrix - &skew * skew.transpose() / skew[2];
-        let scores = [&self.score, &self.bend].map(|score| score - &skew * (score[2] / skew[2]));
-        (matrix, DMatrix::from_columns(&scores))
+        (matrix, &self.score - &skew * (self.score[2] / skew[2]))
     }
 }
 
@@ -141,8 +133,6 @@ pub(crate) struct Joint {
     /// 1/s - 1 and o/s.
     pub(crate) values: Vector2<f64>,
     pub(crate) covariance: Matrix2<f64>,
-    /// What they are more by than with distances by speed that are not bent.
-    pub(crate) by_bends: Vector2<f64>,
 }
 
 /// 1/s - 1 and o/s of all runs. Each held speed has one error in all of them, for a cruise control holds the same in each, and one of its own in each, for a
@@ -152,15 +142,15 @@ pub(crate) fn joint(runs: &[&Equations]) -> Option<Joint> {
     let mut places: BTreeMap<u64, usize> = speeds.map(|speed| (speed, 0)).collect();
     places.values_mut().enumerate().for_each(|(i, place)| *place = 2 + i);
     let size = 2 + places.len();
-    let (mut matrix, mut scores) = (DMatrix::zeros(size, size), DMatrix::zeros(size, 2));
+    let (mut matrix, mut score) = (DMatrix::zeros(size, size), DVector::zeros(size));
     for run in runs {
         let alone = if runs.len() > 1 { run.without_own() } else { None };
-        let (own, own_scores) = alone.as_ref().unwrap_or(run).without_skew();
+        let (own, own_score) = alone.as_ref().unwrap_or(run).without_skew();
         let place =
             |i: usize| if i < 2 { Some(i) } else { places.get(&run.speeds.get(i.wrapping_sub(3))?.to_bits()).copied() };
-        let at: Vec<(usize, usize)> = (0..own_scores.nrows()).filter_map(|i| Some((i, place(i)?))).collect();
+        let at: Vec<(usize, usize)> = (0..own_score.len()).filter_map(|i| Some((i, place(i)?))).collect();
         for (i, to) in &at {
-            (0..2).for_each(|of| scores[(*to, of)] += own_scores[(*i, of)]);
+            score[*to] += own_score[*i];
             at.iter().for_each(|(j, other)| matrix[(*to, *other)] += own[(*i, *j)]);
         }
     }
@@ -168,10 +158,7 @@ pub(crate) fn joint(runs: &[&Equations]) -> Option<Joint> {
     (2..size).for_each(|i| matrix[(i, i)] += rounding_mps.powi(-2));
     let root = matrix.cholesky()?;
     let covariance = root.solve(&DMatrix::identity(size, 2)).fixed_view::<2, 2>(0, 0).into_owned();
-    let solved = root.solve(&scores).fixed_view::<2, 2>(0, 0).into_owned();
-    // What is bent is taken from the location's way.
-    let [values, bent] = [0, 1].map(|of| solved.column(of).into_owned());
-    Some(Joint { values, covariance, by_bends: -bent })
+    Some(Joint { values: root.solve(&score).fixed_rows::<2>(0).into_owned(), covariance })
 }
 
 /// What an error of 1 m/s in each held speed does to one more cause, in units of it: root of the sum of squares. The same reading before and after a place may

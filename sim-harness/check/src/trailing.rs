@@ -11,17 +11,18 @@
 //! each is tried with the age that suits it best ([`effort_age`](crate::effort_age)).
 
 use crate::agreement::Figure;
-use crate::effort_age::{Asked, Reading, of_run, usual};
+use crate::effort_age::{Asked, Reading, of_run, pooled};
 use crate::smoothed::averaged;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::median_of;
 
 /// Time constants that are tried, s, evenly spaced.
 const STEP_S: f64 = 0.5;
 const STEPS: usize = 12;
 /// Means that are tried against them, s.
 const MEANS_S: [f64; 5] = [3.0, 5.0, 7.0, 9.0, 12.0];
-/// Shorter ones do not matter, s.
-const SHORTEST_S: f64 = 0.75;
+/// Shorter ones look like what steps of the speed do to efforts that leap (whole km/h without a filter: 0.9 to 1.05 s), s.
+const SHORTEST_S: f64 = 1.25;
 /// Nats by which a filter must explain the accelerations better than a delay and than means, in all runs together ...
 const CLEARLY: f64 = 10.0;
 /// ... and the share of the runs in which it does.
@@ -55,13 +56,19 @@ pub(crate) fn of(runs: &[Asked<'_>]) -> Option<Figure> {
     if gains.len() < LEAST_RUNS || !agree || sum(gains) < rival + CLEARLY {
         return None;
     }
-    // What is left of an age says more of the whole delay than the shape does.
+    // What is left of an age says more of the whole delay than the shape does. Efforts behind the filter are those of the moment, or half a row before it
+    // where those that went in were.
     let tried_s = STEP_S * (best + 1) as f64;
-    let rows: Vec<Vec<Sample>> = runs.iter().map(|run| with(run, filtered(run, tried_s))).collect();
-    let asked = runs.iter().zip(&rows).map(|(run, rows)| Asked { rows, ..*run });
-    let left_s = usual(asked)?.age_s;
-    let value = tried_s - left_s.value;
-    (value > SHORTEST_S).then(|| Figure { value, sd: left_s.sd.hypot(SHAPE_SD * value) })
+    let left = |run: &Asked<'_>| {
+        let rows = with(run, filtered(run, tried_s));
+        Some((of_run(Asked { rows: &rows, ..*run }, Reading::Momentary)?.age_s, run.step_s))
+    };
+    let left: Vec<(Figure, f64)> = runs.iter().filter_map(left).collect();
+    let quarter_s = 0.25 * median_of(&left.iter().map(|(_, step_s)| *step_s).collect::<Vec<_>>());
+    let (left_s, _) = pooled(left.iter().map(|(age_s, _)| *age_s));
+    let value = tried_s - left_s.value - quarter_s;
+    let sd = left_s.sd.hypot(quarter_s).hypot(SHAPE_SD * value);
+    (value > SHORTEST_S).then_some(Figure { value, sd })
 }
 
 /// Log-likelihood of the accelerations with the age that suits best, however the column is read.

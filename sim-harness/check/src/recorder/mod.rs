@@ -2,7 +2,7 @@
 
 mod efforts;
 
-use crate::agreement::{Agreement, Figure, Pooled, pooled};
+use crate::agreement::{Agreement, Figure, Pooled, pooled, share_bends};
 use crate::correction::Correction;
 use crate::diagnosis::RecorderCheck;
 use crate::finding::{Done, Kind};
@@ -77,6 +77,7 @@ pub(crate) fn of(
     };
     let (mut agreements, mut grown): (Vec<Option<Agreement>>, Vec<Grown>) =
         of_unit.iter().map(|i| judged(i).map_or((None, Grown::NOT), |(one, grown)| (Some(one), grown))).unzip();
+    share_bends(&mut agreements);
     let compared: Vec<Agreement> = agreements.iter().flatten().cloned().collect();
     let mut recorder = RecorderCheck {
         unit,
