@@ -6,8 +6,9 @@
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::reach::reach_m;
+use crate::{clock_set, places};
 use rundown_files::sample::Sample;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{median, spread};
 
 const DAY_S: f64 = 86_400.0;
 /// A clock that goes back by less is a matter of single rows, which a replay drops and counts, s.
@@ -144,38 +145,59 @@ pub fn coarse(rows: &[Sample], findings: &mut Vec<Finding>) {
 
 /// Puts times right that went back by much, or on by more than the train moved.
 pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let step_s = usual_step_s(rows);
+    let usual = Usual::of(rows);
     let mut shift_s = 0.0;
     for i in 1..rows.len() {
-        let read_s = rows[i].time_s;
-        let dt = read_s + shift_s - rows[i - 1].time_s;
-        let passed_s = by_distance(rows, i);
-        // The noise of the locations may leave less than nothing; a location that is stuck on one side leaves a step less, on both two.
-        let passed_s = passed_s.filter(|seconds| (-0.5 * step_s..=20.0 * step_s).contains(seconds));
-        let passed_s = passed_s.map(|seconds| if seconds < 0.5 * step_s { step_s } else { seconds });
-        // The rows that follow tell a clock that was set from one row with a wrong time.
-        let stays = rows.get(i + 1).is_some_and(|next| (next.time_s - read_s - step_s).abs() < 0.5 * step_s);
-        let mut found = |kind, change_s: f64| {
-            let figure = Figure { value: change_s, sd: 0.0 };
+        let dt = rows[i].time_s + shift_s - rows[i - 1].time_s;
+        if let Some((kind, figure)) = step_of_clock(rows, i, dt, &usual) {
+            // Midnight is said as the day that it takes.
+            shift_s += if kind == Kind::Midnight { DAY_S } else { -figure.value };
             findings.push(Finding { kind, figure, unit: "s", count: 1, line: rows[i].line, done: Done::PutRight });
-        };
-        if dt <= -LEAST_MIDNIGHT_S {
-            found(Kind::Midnight, DAY_S);
-            shift_s += DAY_S;
-        } else if stays && (dt < -LEAST_BACK_S || dt < -LEAST_BACK_STEPS * step_s && passed_s.is_some()) {
-            let passed_s = passed_s.unwrap_or(step_s);
-            found(Kind::ClockSetBack, dt - passed_s);
-            shift_s += passed_s - dt;
-        } else if dt > LEAST_BACK_S.max(20.0 * step_s)
-            && stays
-            && let Some(passed_s) = passed_s
-            && !may_have_stopped(rows, i, [dt, passed_s])
-        {
-            found(Kind::ClockSetForward, dt - passed_s);
-            shift_s += passed_s - dt;
         }
         rows[i].time_s += shift_s;
     }
+}
+
+/// What rows usually have between them: time, s, with its scatter, and how far the locations miss the way by speed, m.
+struct Usual {
+    step_s: Figure,
+    noise_m: f64,
+}
+
+impl Usual {
+    fn of(rows: &[Sample]) -> Self {
+        let step_s = usual_step_s(rows);
+        let off = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s - step_s);
+        let step_s = Figure { value: step_s, sd: spread(off) };
+        Self { step_s, noise_m: places::noise_m(rows, places::heading(rows)) }
+    }
+}
+
+/// What the clock did before row `i`, which it has `dt` s after the one before.
+fn step_of_clock(rows: &[Sample], i: usize, dt: f64, usual: &Usual) -> Option<(Kind, Figure)> {
+    let step_s = usual.step_s.value;
+    let exactly = |value: f64| Figure { value, sd: 0.0 };
+    if dt <= -LEAST_MIDNIGHT_S {
+        return Some((Kind::Midnight, exactly(DAY_S)));
+    }
+    if let Some(change_s) = clock_set::by(rows, i, dt, usual.step_s, usual.noise_m) {
+        return Some((if change_s.value > 0.0 { Kind::ClockSetForward } else { Kind::ClockSetBack }, change_s));
+    }
+    // The rows that follow tell a clock that was set from one row with a wrong time.
+    let next = rows.get(i + 1)?;
+    if (next.time_s - rows[i].time_s - step_s).abs() >= 0.5 * step_s {
+        return None;
+    }
+    let passed_s = by_distance(rows, i);
+    // The noise of the locations may leave less than nothing; a location that is stuck on one side leaves a step less, on both two.
+    let passed_s = passed_s.filter(|seconds| (-0.5 * step_s..=20.0 * step_s).contains(seconds));
+    let passed_s = passed_s.map(|seconds| if seconds < 0.5 * step_s { step_s } else { seconds });
+    if dt < -LEAST_BACK_S || dt < -LEAST_BACK_STEPS * step_s && passed_s.is_some() {
+        return Some((Kind::ClockSetBack, exactly(dt - passed_s.unwrap_or(step_s))));
+    }
+    let passed_s = passed_s.filter(|_| dt > LEAST_BACK_S.max(20.0 * step_s))?;
+    let is_set = !may_have_stopped(rows, i, [dt, passed_s]) && clock_set::goes_on(rows, i, dt - passed_s);
+    is_set.then(|| (Kind::ClockSetForward, exactly(dt - passed_s)))
 }
 
 /// Rows that are missing while the train stands, and while it moves.

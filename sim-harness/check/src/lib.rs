@@ -6,7 +6,7 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | did the clock jump, pause? | [`clock`] |
+//! | did the clock jump, pause? | [`clock`], `clock_set` |
 //! | does it lose seconds? | [`lost_seconds`] |
 //! | did the location wrap, begin again, stand still? | [`places`] |
 //! | how far may a train go between two rows? | `reach` |
@@ -58,6 +58,7 @@
 pub mod agreement;
 pub mod chainage;
 pub mod clock;
+mod clock_set;
 pub mod compared;
 mod correction;
 pub mod dead_zone;

@@ -97,7 +97,7 @@ fn reaches(a: &Sample, b: &Sample, fastest_mps: f64) -> Option<RangeInclusive<f6
 }
 
 /// How far the step of the location from row to row usually is from that by speed, m.
-fn noise_m(rows: &[Sample], sign: f64) -> f64 {
+pub(crate) fn noise_m(rows: &[Sample], sign: f64) -> f64 {
     let off = rows.windows(2).filter_map(|pair| {
         let step_m = pair[1].location_m? - pair[0].location_m?;
         Some(step_m - sign * between(&pair[0], &pair[1]))

@@ -1,6 +1,7 @@
 //! Logs with known defects: is each found and put right, and is no clean log accused?
 
 mod chainages;
+mod clock_set;
 mod effort_age;
 mod effort_zero;
 mod held_speeds;
