@@ -27,6 +27,11 @@ const LEAST_JUMP_N_PER_KG: f64 = 0.1;
 /// What a - e differs by before and after, as a share of the jump, and at the end of the stretch.
 const ALIKE: f64 = 0.3;
 const AS_MUCH: Range<f64> = 0.6..1.6;
+/// A train that starts with all it has repeats the largest effort of its run, one that brakes so the least: within this
+/// share.
+const AT_LIMIT: f64 = 0.01;
+/// A train that holds its speed on an even slope repeats an effort: within this, m/s.
+const HELD_MPS: f64 = 0.3;
 /// One such stretch may be a gradient.
 const LEAST_STRETCHES: usize = 2;
 /// A column of this many neighbours that repeats no larger share of them outside of such stretches ...
@@ -107,7 +112,8 @@ fn are_strange(runs: &[&[Sample]], repeats: &[Vec<Repeat>], once: impl Fn(&[Samp
     let share = repeated.max(1.0) / neighbours;
     let by_chance = |range: &Range<usize>| neighbours * share.powi(range.len() as i32 - 1);
     let strange = |(rows, of_run): (&&[Sample], &Vec<Repeat>)| {
-        of_run.iter().filter(|(_, range)| by_chance(range) < CHANCE && once(rows, range)).count()
+        let is_strange = |range| by_chance(range) < CHANCE && once(rows, range) && !has_reason(rows, range);
+        of_run.iter().filter(|(_, range)| is_strange(range)).count()
     };
     let of_runs: Vec<usize> = runs.iter().zip(repeats).map(strange).collect();
     let concerned = of_runs.iter().filter(|count| **count > 0).count();
@@ -115,7 +121,21 @@ fn are_strange(runs: &[&[Sample]], repeats: &[Vec<Repeat>], once: impl Fn(&[Samp
         && share <= MOST_REPEATED
         && of_runs.iter().sum::<usize>() >= STRANGE_STRETCHES
         && concerned * FEW_RUNS <= runs.len()
+        && count(repeats, Says::Other) > 0
         && count(repeats, Says::Same) <= count(repeats, Says::Other)
+}
+
+/// A column without noise repeats such an effort, too: it is at a limit, or holds the speed.
+fn has_reason(rows: &[Sample], range: &Range<usize>) -> bool {
+    let [mut least, mut most] = [0.0_f64; 2];
+    for effort in rows.iter().filter_map(|row| row.effort_n_per_kg) {
+        (least, most) = (least.min(effort), most.max(effort));
+    }
+    let effort = rows[range.start].effort_n_per_kg.unwrap_or_default();
+    let near = |limit: f64| (effort - limit).abs() <= AT_LIMIT * limit.abs();
+    let speeds = || rows[range.clone()].iter().filter_map(|row| row.speed_mps);
+    let held_mps = speeds().fold(f64::MIN, f64::max) - speeds().fold(f64::MAX, f64::min);
+    near(most) || near(least) || held_mps < HELD_MPS
 }
 
 fn count(repeats: &[Vec<Repeat>], wanted: Says) -> usize {
@@ -246,6 +266,29 @@ mod tests {
         let held = found(&of_runs(&[2, 205, 365])).unwrap();
         assert_eq!((held.shown, held.stretches), (1, 3), "{held:?}");
         assert_eq!(found(&of_runs(&[185, 365, 545])), None);
+    }
+
+    /// Rows 10 s apart without noise: a start at the largest effort, which the load gives each run its own, then held
+    /// speeds, each on a slope of its own.
+    #[test]
+    fn starts_at_the_largest_effort_and_speeds_held_on_even_slopes_are_none() {
+        let run = |i: u32| -> Vec<Sample> {
+            let mut mps = 0.0;
+            let row = |k: u32| {
+                let (t, slope) = (10.0 * f64::from(k), 0.001 * f64::from((7 * i + k / 30) % 40) + 1e-4 * f64::from(i));
+                // Few runs have a start or a slope that is long enough for four rows.
+                let wanted = match k % 60 {
+                    0..4 if i % 7 == 0 && k < 60 => 0.47 + 0.001 * f64::from(i),
+                    0..4 => 0.46 - 0.001 * f64::from(k % 60) - 1e-5 * f64::from(k),
+                    30..34 if i == 1 && k < 60 => slope + 0.02,
+                    _ => slope + 0.02 + 0.05 * (0.7 * f64::from(k) + f64::from(i)).sin(),
+                };
+                mps = f64::max(mps + 10.0 * (wanted - slope - 0.02), 0.0);
+                Sample { time_s: t, speed_mps: Some(mps), effort_n_per_kg: Some(wanted), ..Sample::default() }
+            };
+            (0..240).map(row).collect()
+        };
+        assert_eq!(found(&(0..20).map(run).collect::<Vec<_>>()), None);
     }
 
     #[test]
