@@ -215,8 +215,8 @@ fn what_spoils_a_whole_replay_is_said_aloud() {
     assert_eq!(
         notes(&folder.replay(&["--mode", "measured", "run.csv"])),
         "note: run: no effort_n_per_kg that can be used, without which the measured mode learns from the coasts of short hops alone; --mode gated learns from all coasts\n\
-         note: nothing was learned about the resistance: it takes 60 s of known effort in one piece, \
-         or 16 s of coasting above 50 km/h after a hop of at most 300 s\n"
+         note: nothing was learned about the resistance: it takes 60 s of known effort without braking in one piece; \
+         after a hop of at most 300 s no effort teaches, but 16 s of coasting above 50 km/h\n"
     );
     let paper = notes(&folder.replay(&["--mode", "paper", "run.csv"]));
     assert!(paper.contains("does not follow the true resistance"));

@@ -15,10 +15,11 @@ use rundown_files::recording::Recording;
 use rundown_files::replay::{Tick, replay_units_by};
 use rundown_wire::Learned;
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 
 /// So many runs of a unit are replayed twice: what they teach is sure to a few per cent.
 const RUNS: usize = 20;
-/// Speeds at which both are compared, km/h.
+/// Speeds at which both are compared, km/h, and at the ends of those that taught both.
 const COMPARED_KMH: [f64; 4] = [40.0, 60.0, 90.0, 120.0];
 /// So many standard deviations of both apart is no chance ...
 const SURE: f64 = 3.0;
@@ -42,14 +43,19 @@ pub fn taught(estimator: &Estimator, recordings: &[Recording], tick: Tick) -> BT
         }
     }
     let runs = replay_units_by(&|_| &gated, &first, tick, &mut HashMap::new(), || ());
-    runs.iter().map(|run| (run.unit.clone(), After::of(run))).collect()
+    let mut units = BTreeMap::new();
+    runs.iter().for_each(|run| After::add(&mut units, run));
+    units
 }
 
 /// The units whose efforts teach another resistance.
 pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, After>) -> Vec<String> {
     let of_unit = |(unit, coasts): (&String, &After)| {
         let efforts = vehicles.get(unit).filter(|after| after.learned == Learned::Learned)?;
-        let Apart { kmh, efforts, coasts } = apart(&efforts.davis, &coasts.davis)?;
+        // Beyond what taught it a resistance is the description's.
+        let [by_efforts, by_coasts] = [&efforts.all_taught_mps, &coasts.all_taught_mps].map(Option::as_ref);
+        let both_mps = by_efforts.zip(by_coasts).map(|(a, b)| a.start.max(b.start)..a.end.min(b.end))?;
+        let Apart { kmh, efforts, coasts } = apart(&efforts.davis, &coasts.davis, both_mps)?;
         let said = |r: Resistance| format!("{:.4} ± {:.4} N/kg", r.mean_n_per_kg, HALF_95 * r.sd_n_per_kg);
         Some(format!(
             "{}: its efforts teach r({kmh:.0} km/h) = {}, the coasts of its first runs {}: one of both is wrong. Efforts that \
@@ -70,8 +76,8 @@ struct Apart {
     coasts: Resistance,
 }
 
-/// Where both differ most, if that is no chance.
-fn apart(efforts: &Gaussian<3>, coasts: &Gaussian<3>) -> Option<Apart> {
+/// Where both differ most of the speeds that taught both, m/s, if that is no chance.
+fn apart(efforts: &Gaussian<3>, coasts: &Gaussian<3>, both_mps: Range<f64>) -> Option<Apart> {
     let of = |kmh: f64| {
         let at = |davis| Resistance::at(davis, kmh / 3.6);
         Some(Apart { kmh, efforts: at(efforts)?, coasts: at(coasts)? })
@@ -79,7 +85,10 @@ fn apart(efforts: &Gaussian<3>, coasts: &Gaussian<3>) -> Option<Apart> {
     let away = |Apart { efforts, coasts, .. }: &Apart| {
         (efforts.mean_n_per_kg - coasts.mean_n_per_kg).abs() / efforts.sd_n_per_kg.hypot(coasts.sd_n_per_kg)
     };
-    let most = COMPARED_KMH.into_iter().filter_map(of).max_by(|a, b| away(a).total_cmp(&away(b)))?;
+    let ends_kmh = [3.6 * both_mps.start, 3.6 * both_mps.end];
+    let compared_kmh = COMPARED_KMH.into_iter().filter(|kmh| (ends_kmh[0]..=ends_kmh[1]).contains(kmh));
+    let ends_kmh = ends_kmh.into_iter().filter(|_| !both_mps.is_empty());
+    let most = compared_kmh.chain(ends_kmh).filter_map(of).max_by(|a, b| away(a).total_cmp(&away(b)))?;
     let share = (most.efforts.mean_n_per_kg / most.coasts.mean_n_per_kg - 1.0).abs();
     (away(&most) > SURE && share > LEAST_SHARE).then_some(most)
 }
@@ -92,9 +101,19 @@ mod tests {
     fn resistances_are_apart_beyond_chance_and_by_a_share_that_counts() {
         let davis =
             |scale: f64, sd: f64| Gaussian::independent([0.01 * scale, 1e-4 * scale, 3e-5 * scale], [sd, 1e-9, 1e-9]);
-        let found = |scale, sd| apart(&davis(1.0, sd), &davis(scale, sd)).map(|apart| apart.kmh);
-        assert_eq!(found(1.3, 2e-4), Some(120.0));
+        let found = |scale, sd| apart(&davis(1.0, sd), &davis(scale, sd), 5.0..40.0).map(|apart| apart.kmh.round());
+        assert_eq!(found(1.3, 2e-4), Some(144.0));
         assert_eq!(found(1.3, 1e-2), None);
         assert_eq!(found(1.02, 1e-6), None);
+    }
+
+    #[test]
+    fn resistances_are_compared_where_both_were_taught() {
+        // Alike up to 100 km/h, twice as much at 200.
+        let davis = |r2: f64| Gaussian::independent([0.01, 1e-4, r2], [1e-4, 1e-9, 1e-9]);
+        let found = |both_mps| apart(&davis(3e-6), &davis(3e-6 * 1.5), both_mps).map(|apart| apart.kmh.round());
+        assert_eq!(found(5.0..15.0), None);
+        assert_eq!(found(5.0..40.0), Some(144.0));
+        assert_eq!(found(40.0..5.0), None);
     }
 }

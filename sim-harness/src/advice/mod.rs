@@ -47,7 +47,7 @@ impl Advice {
             self.without_effort.add(run, rows().all(|measurement| measurement.effort_n_per_kg.is_none()));
             self.with_effort.add(run, rows().any(|measurement| measurement.effort_n_per_kg.is_some()));
             self.taught.extend(unlike::Taught::of(run).filter(|_| run.is_used));
-            self.vehicles.insert(run.unit.clone(), vehicle::After::of(run));
+            vehicle::After::add(&mut self.vehicles, run);
         }
     }
 
@@ -73,10 +73,9 @@ impl Advice {
             return notes;
         }
         if !self.learned {
-            let least_s = config.learning.min_segment_s;
             let what = match config.mode {
                 Mode::Gated => self.coasting(estimator),
-                _ => format!("{least_s} s of known effort in one piece{}", on_hops(estimator)),
+                _ => effort_in_one_piece(estimator),
             };
             let doubt = config.track_doubt.gradient_sd_permille;
             let slopes = if doubt > 0.0 {
@@ -100,24 +99,33 @@ impl Advice {
             "{} s of coasting above {} km/h in one piece{}; the fastest of these runs reached {:.0} km/h",
             learning.min_segment_s,
             learning.min_speed_kmh,
-            on_hops(estimator),
+            on_hops(estimator).map_or_else(String::new, |[coast, hop]| format!(", or {coast} {hop}")),
             3.6 * self.fastest_mps
         )
     }
 }
 
-/// The coasts of hops that teach in both learning modes.
-fn on_hops(estimator: &Estimator) -> String {
+/// The efforts that the measured mode learns from. Those of short hops it does not, whatever the column has: they show
+/// the ends of powering alone.
+fn effort_in_one_piece(estimator: &Estimator) -> String {
+    let efforts =
+        format!("{} s of known effort without braking in one piece", estimator.config().learning.min_segment_s);
+    match on_hops(estimator) {
+        Some([coast, hop]) => format!("{efforts}; {hop} no effort teaches, but {coast}"),
+        None => efforts,
+    }
+}
+
+/// The coasts of hops that teach in both learning modes, and after which hops.
+fn on_hops(estimator: &Estimator) -> Option<[String; 2]> {
     let short_hops = &estimator.config().short_hops;
     let is_seen = |kmh: &u16| {
         let r = estimator.train().davis().resistance_n_per_kg(f64::from(*kmh) / 3.6);
         r > short_hops.min_resistance_n_per_kg
     };
-    let seen = (1..=MOST_KMH).find(is_seen).filter(|_| short_hops.hop_s > 0.0);
-    seen.map_or_else(String::new, |kmh| {
-        let (hop_s, least_s) = (short_hops.hop_s, short_hops.min_segment_s + short_hops.end_cut_s);
-        format!(", or {least_s} s of coasting above {kmh} km/h after a hop of at most {hop_s} s")
-    })
+    let kmh = (1..=MOST_KMH).find(is_seen).filter(|_| short_hops.hop_s > 0.0)?;
+    let (hop_s, least_s) = (short_hops.hop_s, short_hops.min_segment_s + short_hops.end_cut_s);
+    Some([format!("{least_s} s of coasting above {kmh} km/h"), format!("after a hop of at most {hop_s} s")])
 }
 
 /// Runs of which the same is to be said: the first names, and how many they are.

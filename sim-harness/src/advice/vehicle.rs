@@ -39,14 +39,26 @@ pub struct After {
     pub(super) learned: Learned,
     trust: Trust,
     hops_share: f64,
+    /// Speeds that the last run taught the resistance at, m/s.
     taught_mps: Range<f64>,
+    /// The same of all runs; none where none did.
+    pub(super) all_taught_mps: Option<Range<f64>>,
 }
 
 impl After {
-    pub(super) fn of(run: &ReplayedRun) -> Self {
-        let taught_mps = taught_mps(core::slice::from_ref(run)).unwrap_or(USUAL_MPS);
+    /// `before`: after the run before of the same vehicle.
+    pub(super) fn of(run: &ReplayedRun, before: Option<Self>) -> Self {
+        let own_mps = taught_mps(core::slice::from_ref(run));
+        let all_mps = before.and_then(|before| before.all_taught_mps).into_iter().chain(own_mps.clone());
+        let all_taught_mps = all_mps.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
         let ReplayedRun { vehicle_after: davis, learned, trust, hops_share, .. } = *run;
-        Self { davis, learned, trust, hops_share, taught_mps }
+        Self { davis, learned, trust, hops_share, taught_mps: own_mps.unwrap_or(USUAL_MPS), all_taught_mps }
+    }
+
+    /// What is known of the units after their last runs.
+    pub(super) fn add(units: &mut BTreeMap<String, Self>, run: &ReplayedRun) {
+        let before = units.remove(&run.unit);
+        units.insert(run.unit.clone(), Self::of(run, before));
     }
 }
 
@@ -176,6 +188,7 @@ mod tests {
             trust: Trust::NONE,
             hops_share: 1.0,
             taught_mps: 10.0 / 3.6..50.0 / 3.6,
+            all_taught_mps: None,
         };
         let (words, off) = Off::nearest(&described, &after)?;
         off.may_be_units(&Off::of(&described, &after)).then_some(words)
