@@ -28,7 +28,7 @@ const DATE: &str = "2025-03-01T08:00:00Z";
 /// Tables that lie beside logs and are none.
 const NOT_LOGS: [&str; 2] = [INDEX, "index.csv"];
 /// How the names of compressed files end.
-const PACKED: [&str; 8] = ["gz", "tgz", "zip", "bz2", "xz", "zst", "7z", "rar"];
+pub const PACKED: [&str; 8] = ["gz", "tgz", "zip", "bz2", "xz", "zst", "7z", "rar"];
 /// Skipped files of a kind that are named.
 const NAMED: usize = 3;
 

@@ -12,7 +12,7 @@ use super::source::row::{Header, refused};
 use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
-use rundown_files::run_set::{is_index, skipped_in, without_results};
+use rundown_files::run_set::{PACKED, is_index, skipped_in, without_results};
 use rundown_pages::numbers::counted;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -216,12 +216,13 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
             files.push(argument.clone());
             continue;
         }
-        skipped.extend(skipped_in(argument));
+        let packed = skipped_in(argument);
         let entries = std::fs::read_dir(argument)
             .and_then(|entries| entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>());
         let mut inside = entries.map_err(|source| ReadError::Io { path: argument.clone(), source })?;
-        inside.retain(|path| is_log(path));
         inside.sort();
+        skipped.extend(packed.into_iter().chain(other_kinds(argument, &inside, &ENDS)));
+        inside.retain(|path| is_log(path));
         files.extend(inside);
     }
     files.retain(|path| !is_index(path));
@@ -236,6 +237,30 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
     }
     notes.extend(files.iter().filter(|path| path.to_str().is_none()).map(|path| without_a_name(path)));
     Ok((files, notes))
+}
+
+/// Names of skipped files that are shown.
+const NAMED: usize = 5;
+
+/// The files of a folder that are skipped for the ends of their names, but for those of Rundown and of the system, and
+/// those that are said to be compressed.
+fn other_kinds(folder: &Path, inside: &[PathBuf], ends: &[&str]) -> Option<String> {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_other = |path: &&PathBuf| {
+        let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let is_own = end == "toml" || end == "html" || name(path).starts_with('.');
+        path.is_file() && !is_own && !ends.contains(&&*end) && !PACKED.contains(&&*end)
+    };
+    let names: Vec<String> = inside.iter().filter(is_other).map(|path| name(path)).collect();
+    let more = if names.len() > NAMED { ", ..." } else { "" };
+    let first = names[..names.len().min(NAMED)].join(", ");
+    (!names.is_empty()).then(|| {
+        format!(
+            "{}: skipped {} of other kinds ({first}{more}); a log among them is read if it is named itself",
+            folder.display(),
+            counted(names.len(), "file", "files")
+        )
+    })
 }
 
 /// `import.toml` is a text.

@@ -635,3 +635,15 @@ fn a_receiver_that_stood_still_and_leapt_makes_no_train_of_a_thousand_kilometres
     assert!(found.iter().all(|row| row[2].is_nan() || row[2] < 95.0));
     assert!(found.iter().filter(|row| row[2].is_nan()).count() <= 20);
 }
+
+#[test]
+fn files_of_other_kinds_in_a_folder_are_said_and_read_where_they_are_named() {
+    let log = gpx(&drive(&STOPS_M, 25.0), 0.0, 0.0, 0.0);
+    let others = ["raw/b.gps", "raw/b.kml", "raw/b.out", "raw/b.prn", "raw/c.geojson", "raw/d.pdf", "raw/m.toml"];
+    let folder = others.iter().fold(Folder::new().with("raw/a.gpx", &log), |folder, name| folder.with(name, &log));
+    let said = folder.done(&["import", "raw"]);
+    let named = "skipped 6 files of other kinds (b.gps, b.kml, b.out, b.prn, c.geojson, ...)";
+    assert!(said.err.contains(named), "{}", said.err);
+    let said = folder.done(&["import", "raw/b.gps", "--out", "other"]);
+    assert!(!said.err.contains("skipped") && folder.read("other/runs.csv").lines().count() == 2, "{}", said.err);
+}
