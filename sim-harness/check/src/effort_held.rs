@@ -278,7 +278,7 @@ mod tests {
                 let (t, slope) = (10.0 * f64::from(k), 0.001 * f64::from((7 * i + k / 30) % 40) + 1e-4 * f64::from(i));
                 // Few runs have a start or a slope that is long enough for four rows.
                 let wanted = match k % 60 {
-                    0..4 if i % 7 == 0 && k < 60 => 0.47 + 0.001 * f64::from(i),
+                    0..4 if i.is_multiple_of(7) && k < 60 => 0.47 + 0.001 * f64::from(i),
                     0..4 => 0.46 - 0.001 * f64::from(k % 60) - 1e-5 * f64::from(k),
                     30..34 if i == 1 && k < 60 => slope + 0.02,
                     _ => slope + 0.02 + 0.05 * (0.7 * f64::from(k) + f64::from(i)).sin(),
