@@ -10,6 +10,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::tick::foresight::Trust;
 use rundown::tick::memory::SHORT_HOPS_SD;
+use rundown::tick::published::LEAST_RISE;
 use rundown_check::gradients::{CONVERSIONS, converted};
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::Learned;
@@ -91,9 +92,12 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
                 .to_owned())
         }
         Learned::OutOfBounds => {
-            say("the learned resistance is none of a train (less than half or more than twice the described one, or \
-             falling with speed): a board publishes it cut off there; are train, gradients and units right?"
-                .to_owned())
+            say(format!(
+                "the learned resistance is none of a train (less than half or more than twice the described one, or rising by less than {:.0} % \
+                 from 20 to 80 km/h): a board publishes it cut off there; are train, gradients and units right{}?",
+                100.0 * LEAST_RISE,
+                if rises(&estimator.train().davis()) { "" } else { ", r1 and r2 of the description per m/s and (m/s)²" }
+            ))
         }
         _ => {}
     }
@@ -130,6 +134,12 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// As trains do: a description per km/h is too flat.
+fn rises(davis: &Davis) -> bool {
+    let [slow, fast] = [20.0, 80.0].map(|kmh| davis.resistance_n_per_kg(kmh / 3.6));
+    fast > (1.0 + LEAST_RISE) * slow
 }
 
 /// How far the vehicle is from its description, in standard deviations of vehicles.
