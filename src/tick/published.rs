@@ -68,9 +68,8 @@ impl Published {
         let (low, high) = if self.out_of_bounds { (0.55, 1.9) } else { (0.5, 2.0) };
         let [slow, middle, fast] = BOUND_KMH.map(|kmh| davis.resistance_n_per_kg(KmPerHour(kmh).to_mps()));
         let rises = middle >= (1.0 + LEAST_RISE) * slow && fast >= middle;
-        let is_within = |(r, kmh): (Real, Real)| {
-            (low..=high).contains(&(r / nominal.resistance_n_per_kg(KmPerHour(kmh).to_mps())))
-        };
+        let is_within =
+            |(r, kmh): (Real, Real)| (low..=high).contains(&(r / nominal.resistance_n_per_kg(KmPerHour(kmh).to_mps())));
         self.out_of_bounds = !(rises && [slow, middle, fast].into_iter().zip(BOUND_KMH).all(is_within));
         if self.out_of_bounds {
             let cut = |found: Real, nominal: Real| found.max(0.5 * nominal).min(2.0 * nominal);

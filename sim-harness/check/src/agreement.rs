@@ -69,10 +69,10 @@ pub struct Agreement {
     /// The rounding of each held speed, by its reading, and what it does to 1/s - 1 and o/s, standard deviation.
     pub(crate) held: Vec<(u64, Vector2<f64>)>,
     pub(crate) equations: Equations,
-    /// The same where ways that are bent between the rows count less. None: none is.
-    pub(crate) with_less_of_bends: Option<Equations>,
+    /// The same with other bends of the ways between the rows, see [`Compared::with_other_bends`]. None: none is bent.
+    with_other_bends: Option<[Equations; 2]>,
     /// What bends usually make of the runs beside it, of 1/s - 1 and o/s in m/s: in a single one that may vanish by chance.
-    usual_bends: Vector2<f64>,
+    usual_bends: Matrix2<f64>,
 }
 
 impl Compared {
@@ -104,8 +104,10 @@ impl Compared {
             pairs: self.differences.y.len(),
             held: Vec::new(),
             equations: Equations::of(self, self.independent()),
-            usual_bends: Vector2::zeros(),
-            with_less_of_bends: self.with_less_of_bends().map(|other| Equations::of(&other, self.independent())),
+            usual_bends: Matrix2::zeros(),
+            with_other_bends: self
+                .with_other_bends()
+                .map(|all| all.map(|other| Equations::of(&other, self.independent()))),
         }
     }
 }
@@ -120,7 +122,7 @@ impl Agreement {
         let seen = 2.0 * self.location_noise_m * self.location_noise_m + self.walk_m * self.walk_m * pair_s;
         let least = rounding_mps * rounding_mps * pair_s * step_s.min(pair_s);
         let left = if least > seen { seen / least } else { 1.0 };
-        self.both().for_each(|equations| equations.set_rounding(rounding_mps, left));
+        self.all_equations().for_each(|equations| equations.set_rounding(rounding_mps, left));
         if let Some(solved) = self.equations.solved() {
             (self.values, self.information, self.held) = (solved.values, solved.information, solved.held);
         }
@@ -131,12 +133,12 @@ impl Agreement {
     pub(crate) fn rescaled(mut self, ratio: f64) -> Self {
         self.values[0] = (1.0 + self.values[0]) * ratio - 1.0;
         self.values[1] *= ratio;
-        self.both().for_each(|equations| equations.rescale(ratio));
+        self.all_equations().for_each(|equations| equations.rescale(ratio));
         self
     }
 
-    fn both(&mut self) -> impl Iterator<Item = &mut Equations> {
-        std::iter::once(&mut self.equations).chain(&mut self.with_less_of_bends)
+    fn all_equations(&mut self) -> impl Iterator<Item = &mut Equations> {
+        std::iter::once(&mut self.equations).chain(self.with_other_bends.iter_mut().flatten())
     }
 
     /// Information on 1/s - 1 and o/s when the skew is unknown.
@@ -162,8 +164,8 @@ pub struct Pooled {
     pub values: Vector2<f64>,
     /// Their covariance: the larger of what the noise and what the scatter between runs says.
     pub covariance: Matrix2<f64>,
-    /// What they are more by than where ways that are bent between the rows count less: a doubt, for the bends are alike in all runs of a line.
-    pub by_bends: Vector2<f64>,
+    /// What they are more by than with other bends of the ways between the rows, a column each: a doubt, for the bends are alike in all runs of a line.
+    pub by_bends: Matrix2<f64>,
     /// Runs that took part.
     pub runs: usize,
 }
@@ -172,59 +174,68 @@ impl Pooled {
     /// s: measured over true speed.
     pub fn scale(&self) -> Figure {
         let value = 1.0 / (1.0 + self.values[0]);
-        Figure { value, sd: value * value * doubted(self.covariance[(0, 0)], self.by_bends[0]) }
+        Figure { value, sd: value * value * doubted(self.covariance[(0, 0)], self.by_bends.row(0).transpose()) }
     }
 
     /// o: true less read, km/h.
     pub fn offset_kmh(&self) -> Figure {
-        Figure { value: 3.6 * self.values[1], sd: 3.6 * doubted(self.covariance[(1, 1)], self.by_bends[1]) }
+        Figure {
+            value: 3.6 * self.values[1],
+            sd: 3.6 * doubted(self.covariance[(1, 1)], self.by_bends.row(1).transpose()),
+        }
     }
 
     /// The scale when the offset is known, m/s.
     pub fn scale_at(&self, offset_mps: f64) -> Figure {
         let [[a, b], [_, d]] = self.covariance.data.0;
         let value = 1.0 / (1.0 + self.values[0] + b / d * (offset_mps - self.values[1]));
-        let by_bends = self.by_bends[0] - b / d * self.by_bends[1];
+        let by_bends = (self.by_bends.row(0) - self.by_bends.row(1) * (b / d)).transpose();
         Figure { value, sd: value * value * doubted((a - b * b / d).max(0.0), by_bends) }
     }
 
     /// Beside other runs of the line, whose ways are bent alike.
     pub(crate) fn beside_others(&self) -> Self {
-        Self { by_bends: Vector2::zeros(), ..*self }
+        Self { by_bends: Matrix2::zeros(), ..*self }
     }
 }
 
-/// Bends that count less still count: of trams, metros and suburban trains 5 to 12 s apart what was measured was off by up to three times of what they made of it.
-const BENDS_SD: f64 = 1.5;
+/// Bends that count less still count: of trams, metros and suburban trains 5 to 12 s apart what was measured was off by up to three times of what they made of it. Half the
+/// difference between both ways to bend is its own size.
+const BENDS_SD: [f64; 2] = [1.5, 1.0];
 
 /// Standard deviation with a doubt of the bends.
-fn doubted(variance: f64, by_bends: f64) -> f64 {
-    variance.sqrt().hypot(BENDS_SD * by_bends)
+fn doubted(variance: f64, by_bends: Vector2<f64>) -> f64 {
+    variance.sqrt().hypot(by_bends.component_mul(&Vector2::from(BENDS_SD)).norm())
 }
 
 /// What a driver's style does to the comparison is the same all through a run, and shows in the scatter between runs only: one run alone has twice the
 /// standard deviation that its noise says, four have a tenth more.
 const FEW_RUNS: f64 = 3.0;
 
+/// In one run alone the same few bends count again and again: its scale was off by up to three times of what they usually make.
+const ALONE: f64 = 2.0;
+
 /// Tells each run of a recorder what bends between the rows usually make of one alone: root of the mean square.
 pub(crate) fn share_bends(runs: &mut [Option<Agreement>]) {
     let alone = |run: &Agreement| by_bends(std::slice::from_ref(run));
-    let squares: Vec<Vector2<f64>> =
+    let squares: Vec<Matrix2<f64>> =
         runs.iter().flatten().filter_map(alone).map(|one| one.component_mul(&one)).collect();
-    let usual = (squares.iter().sum::<Vector2<f64>>() / squares.len().max(1) as f64).map(f64::sqrt);
+    let usual =
+        (squares.iter().sum::<Matrix2<f64>>() / squares.len().max(1) as f64).map(|square| ALONE * square.sqrt());
     runs.iter_mut().flatten().for_each(|run| run.usual_bends = usual);
 }
 
-/// What 1/s - 1 and o/s are more by than where ways that are bent count less.
-fn by_bends(runs: &[Agreement]) -> Option<Vector2<f64>> {
-    if runs.iter().all(|run| run.with_less_of_bends.is_none()) {
-        return Some(Vector2::zeros());
+/// What 1/s - 1 and o/s are more by than with other bends.
+fn by_bends(runs: &[Agreement]) -> Option<Matrix2<f64>> {
+    if runs.iter().all(|run| run.with_other_bends.is_none()) {
+        return Some(Matrix2::zeros());
     }
-    let [all, less]: [Vec<&Equations>; 2] = [
-        runs.iter().map(|run| &run.equations).collect(),
-        runs.iter().map(|run| run.with_less_of_bends.as_ref().unwrap_or(&run.equations)).collect(),
-    ];
-    Some(rounding::joint(&all)?.values - rounding::joint(&less)?.values)
+    let values = |of: &dyn Fn(&'_ Agreement) -> &'_ Equations| {
+        Some(rounding::joint(&runs.iter().map(of).collect::<Vec<_>>())?.values)
+    };
+    let as_is = values(&|run| &run.equations)?;
+    let other = |which: usize| values(&|run| run.with_other_bends.as_ref().map_or(&run.equations, |all| &all[which]));
+    Some(Matrix2::from_columns(&[as_is - other(0)?, as_is - other(1)?]))
 }
 
 /// Pools runs, each weighed by what it can tell apart.

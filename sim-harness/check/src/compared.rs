@@ -69,6 +69,8 @@ pub(crate) struct Differences {
     pub(crate) dt: Vec<f64>,
     /// By how much the way may be bent between rows far apart, m.
     bent_m: Vec<f64>,
+    /// By how much it is longer than if it were bent steadily, m.
+    at_once_m: Vec<f64>,
     /// What that adds to a variance, in units of the location's white noise.
     doubt: Vec<f64>,
     dv: Vec<f64>,
@@ -127,6 +129,7 @@ impl Differences {
                 self.by_speed.push(way.by_speed_m);
                 self.dt.push(dt);
                 self.bent_m.push(way.bent_m);
+                self.at_once_m.push(way.at_once_m);
                 self.doubt.push(0.0);
                 self.dv.push(row.speed_mps - begin.speed_mps);
                 self.end_s.push(row.time_s);
@@ -149,16 +152,19 @@ const TURN_MPS2: f64 = 0.32;
 struct Way {
     by_speed_m: f64,
     bent_m: f64,
+    /// Longer than if it were bent steadily, m.
+    at_once_m: f64,
 }
 
 impl Way {
     fn add(&mut self, more: Self) {
         self.by_speed_m += more.by_speed_m;
         self.bent_m += more.bent_m;
+        self.at_once_m += more.at_once_m;
     }
 
     /// From row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say; straight ones of a second are too long by two parts in ten thousand of a
-    /// tram's hop. Between rows far apart it is bent at once, where a driver turns to the brake, or steadily, as the power fades: which, is not read. Beside a start or a
+    /// tram's hop. Between rows far apart it is bent at once, where a driver turns to the brake, or steadily, as the power fades or the brake is built up: half of both. Beside a start or a
     /// stop straight, or none: the train moved for a part of the time only, and the change of speed there is no acceleration.
     fn between(rows: &[Row], i: usize) -> Option<Self> {
         let (a, b) = (rows[i - 1], rows[i]);
@@ -174,13 +180,14 @@ impl Way {
                 // One acceleration up to a moment, the other behind it: the moment is where both together make the change of the speed.
                 let share = (later - now) / (later - earlier);
                 let at_once_m = dt * dt / 2.0 * (earlier - later) * share * (1.0 - share);
-                let is_once = is_far && (earlier - later).abs() > TURN_MPS2 && (0.0..=1.0).contains(&share);
-                let bend_m = if is_once { at_once_m } else { steady_m };
+                let is_hand = is_far && (earlier - later).abs() > TURN_MPS2 && (0.0..=1.0).contains(&share);
+                let half_m = if is_hand { 0.5 * (at_once_m - steady_m) } else { 0.0 };
+                let bend_m = steady_m + half_m;
                 let bent_m = if is_far { bend_m.abs() + steady_m.abs() } else { 0.0 };
-                Some(Self { by_speed_m: straight_m + bend_m, bent_m })
+                Some(Self { by_speed_m: straight_m + bend_m, bent_m, at_once_m: half_m })
             }
             Some(_) if is_far => None,
-            _ => Some(Self { by_speed_m: straight_m, bent_m: 0.0 }),
+            _ => Some(Self { by_speed_m: straight_m, ..Self::default() }),
         }
     }
 }
@@ -284,15 +291,19 @@ impl Compared {
         Self::of(differences, fit)
     }
 
-    /// The same where ways that are bent count less, to see what they make of it. None: none is.
-    pub(crate) fn with_less_of_bends(&self) -> Option<Self> {
-        let mut differences = self.differences.clone();
-        differences.doubt.iter_mut().for_each(|doubt| *doubt *= LESS_OF_BENDS);
-        if differences.doubt == self.differences.doubt {
+    /// The same where ways that are bent count less, and where all are bent steadily: what that changes is a doubt. None: none is bent.
+    pub(crate) fn with_other_bends(&self) -> Option<[Self; 2]> {
+        let (mut less, mut steady) = (self.differences.clone(), self.differences.clone());
+        less.doubt.iter_mut().for_each(|doubt| *doubt *= LESS_OF_BENDS);
+        if less.doubt == self.differences.doubt {
             return None;
         }
-        let fit = fit(&differences, self.fit.ratio)?;
-        Self::of(differences, fit)
+        steady.y.iter_mut().zip(&self.differences.at_once_m).for_each(|(y, at_once_m)| *y += at_once_m);
+        let fitted = |differences: Differences| {
+            let fit = fit(&differences, self.fit.ratio)?;
+            Self::of(differences, fit)
+        };
+        Some([fitted(less)?, fitted(steady)?])
     }
 
     /// With the noise of another fit.

@@ -236,7 +236,7 @@ mod tests {
         let side = |scale: f64, offset_mps: f64| Pooled {
             values: nalgebra::Vector2::new(scale.recip() - 1.0, offset_mps),
             covariance: nalgebra::Matrix2::new(9e-6, 2.2e-4, 2.2e-4, 6e-3),
-            by_bends: nalgebra::Vector2::zeros(),
+            by_bends: nalgebra::Matrix2::zeros(),
             runs: 8,
         };
         let usual = side(1.0, 0.05);

@@ -91,14 +91,12 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
              are the gradients those of this line?"
                 .to_owned())
         }
-        Learned::OutOfBounds => {
-            say(format!(
-                "the learned resistance is none of a train (less than half or more than twice the described one, or rising by less than {:.0} % \
+        Learned::OutOfBounds => say(format!(
+            "the learned resistance is none of a train (less than half or more than twice the described one, or rising by less than {:.0} % \
                  from 20 to 80 km/h): a board publishes it cut off there; are train, gradients and units right{}?",
-                100.0 * LEAST_RISE,
-                if rises(&estimator.train().davis()) { "" } else { ", r1 and r2 of the description per m/s and (m/s)²" }
-            ))
-        }
+            100.0 * LEAST_RISE,
+            if rises(&estimator.train().davis()) { "" } else { ", r1 and r2 of the description per m/s and (m/s)²" }
+        )),
         _ => {}
     }
     if trust.coasts >= FEW_COASTS && trust.inflation() > SCATTER {
