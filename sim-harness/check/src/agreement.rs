@@ -199,9 +199,9 @@ impl Pooled {
     }
 }
 
-/// Bends that count less still count: of trams, metros and suburban trains 5 to 12 s apart what was measured was off by up to three times of what they made of it. Half the
-/// difference between both ways to bend is its own size.
-const BENDS_SD: [f64; 2] = [1.5, 1.0];
+/// Bends that count less still count: of trams, metros and suburban trains 5 to 12 s apart what was measured was off by up to three times of what they made of it. Which
+/// way they bend makes half the difference between both, and the formulas for both miss as much.
+pub(crate) const BENDS_SD: [f64; 2] = [1.5, 1.25];
 
 /// Standard deviation with a doubt of the bends.
 fn doubted(variance: f64, by_bends: Vector2<f64>) -> f64 {
@@ -213,7 +213,7 @@ fn doubted(variance: f64, by_bends: Vector2<f64>) -> f64 {
 const FEW_RUNS: f64 = 3.0;
 
 /// In one run alone the same few bends count again and again: its scale was off by up to three times of what they usually make.
-const ALONE: f64 = 2.0;
+pub(crate) const ALONE: f64 = 2.0;
 
 /// Tells each run of a recorder what bends between the rows usually make of one alone: root of the mean square.
 pub(crate) fn share_bends(runs: &mut [Option<Agreement>]) {
@@ -231,7 +231,7 @@ fn by_bends(runs: &[Agreement]) -> Option<Matrix2<f64>> {
         return Some(Matrix2::zeros());
     }
     let values = |of: &dyn Fn(&'_ Agreement) -> &'_ Equations| {
-        Some(rounding::joint(&runs.iter().map(of).collect::<Vec<_>>())?.values)
+        Some(rounding::joint(&runs.iter().map(of).collect::<Vec<_>>(), true)?.values)
     };
     let as_is = values(&|run| &run.equations)?;
     let other = |which: usize| values(&|run| run.with_other_bends.as_ref().map_or(&run.equations, |all| &all[which]));
@@ -240,7 +240,9 @@ fn by_bends(runs: &[Agreement]) -> Option<Matrix2<f64>> {
 
 /// Pools runs, each weighed by what it can tell apart.
 pub fn pooled(runs: &[Agreement]) -> Option<Pooled> {
-    let Joint { values, covariance } = rounding::joint(&runs.iter().map(|run| &run.equations).collect::<Vec<_>>())?;
+    let are_far = runs.iter().any(|run| run.with_other_bends.is_some());
+    let Joint { values, covariance } =
+        rounding::joint(&runs.iter().map(|run| &run.equations).collect::<Vec<_>>(), are_far)?;
     let mut by_bends = by_bends(runs)?;
     if let [one] = runs {
         by_bends = by_bends.zip_map(&one.usual_bends, |own: f64, usual: f64| own.abs().max(usual).copysign(own));

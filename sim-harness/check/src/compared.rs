@@ -51,6 +51,8 @@ const LEAST_PAIRS: usize = 20;
 pub(crate) const PAIR_S: f64 = 5.0;
 /// Slower readings are left out: a standing train has no rounding, a creeping one reads zero, m/s.
 const SLOWEST_MPS: f64 = 1.5;
+/// Fewer that are not bent do not say what the noise is.
+const LEAST_STRAIGHT: f64 = 6.0;
 /// Fits until the noise beside doubtful bends is known.
 const PASSES: usize = 6;
 /// Variance of a bend where bends count less, over the usual one.
@@ -96,6 +98,15 @@ impl Differences {
     fn doubt_bends(&mut self, variance: f64) -> bool {
         self.doubt = self.bent_m.iter().map(|bent_m| bent_m * bent_m / variance).collect();
         self.doubt.iter().any(|doubt| *doubt > 0.0)
+    }
+
+    /// Which share of its variance each has from noise, not from bends that count `less` than usual.
+    fn straight(&self, ratio: f64, less: f64) -> Vec<f64> {
+        let share = |(dt, doubt): (&f64, &f64)| {
+            let noise = 2.0 + ratio * dt;
+            noise / (noise + less * doubt)
+        };
+        self.dt.iter().zip(&self.doubt).map(share).collect()
     }
 
     /// Fewer say nothing.
@@ -249,7 +260,10 @@ fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
         (beta, residuals) = solve(&y)?;
     }
     let n = y.len() as f64;
-    let variance = (dot(&residuals, &residuals) / (n - 3.0)).max(1e-8);
+    // The noise is that of ways that are not bent: a bend is mostly known better than within its own size.
+    let straight = differences.straight(ratio, 1.0);
+    let squares: f64 = residuals.iter().zip(&straight).map(|(residual, straight)| straight * residual * residual).sum();
+    let variance = (squares / (straight.iter().sum::<f64>() - 3.0).max(1.0)).max(1e-8);
     let log_likelihood = -0.5 * (n * variance.ln() + variances.iter().map(|v| v.ln()).sum::<f64>());
     Some(Fit { beta, ratio, information: normal / variance, variance, log_likelihood, columns, residuals })
 }
@@ -288,7 +302,8 @@ impl Compared {
             }
             fit = best_fit(&differences)?;
         }
-        Self::of(differences, fit)
+        let straight: f64 = differences.straight(fit.ratio, LESS_OF_BENDS).iter().sum();
+        if straight < LEAST_STRAIGHT { None } else { Self::of(differences, fit) }
     }
 
     /// The same where ways that are bent count less, and where all are bent steadily: what that changes is a doubt. None: none is bent.

@@ -115,8 +115,8 @@ enum Wheel {
 /// Asks the run alone: one that differs spoils what the recorder says of the others.
 fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
     let has = |kind| recorder.has(kind);
-    // Where the model does not fit the recorder, it does not fit its runs.
-    if recorder.compared < 2 || has(Kind::SpeedOffset) {
+    // Where the model does not fit the recorder, or says nothing of it, it does not fit its runs.
+    if recorder.compared < 2 || has(Kind::SpeedOffset) || recorder.scale.is_none() {
         return None;
     }
     let alone = pooled(slice::from_ref(agreement))?;

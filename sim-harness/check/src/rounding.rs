@@ -30,6 +30,10 @@ pub(crate) struct Equations {
 /// A speed that is held for a shorter time is off by no more than noise, s: its readings are taken to be off independently from difference to difference.
 const LEAST_S: f64 = 2.0 * PAIR_S;
 
+/// What is known of recorders beforehand: scale, and true less read speed, m/s, standard deviations. Wheels wear by 5 %, and steps of speeds are 1 or 2 km/h.
+const SCALE_SD: f64 = 0.1;
+const OFFSET_SD_MPS: f64 = 1.0;
+
 /// Time at each held speed, difference by difference, of those in a range.
 fn held(compared: &Compared, range: Range<usize>) -> Vec<(f64, Vec<f64>)> {
     let differences = &compared.differences;
@@ -137,7 +141,10 @@ pub(crate) struct Joint {
 
 /// 1/s - 1 and o/s of all runs. Each held speed has one error in all of them, for a cruise control holds the same in each, and one of its own in each, for a
 /// driver does not: either may be as large as the rounding.
-pub(crate) fn joint(runs: &[&Equations]) -> Option<Joint> {
+///
+/// `are_far`: rows are far apart. Little is left where most is bent, and the recorder is taken for one of a train: trams that all hold one speed had an offset of as much, and
+/// no scale.
+pub(crate) fn joint(runs: &[&Equations], are_far: bool) -> Option<Joint> {
     let speeds = runs.iter().flat_map(|run| &run.speeds).map(|speed| speed.to_bits());
     let mut places: BTreeMap<u64, usize> = speeds.map(|speed| (speed, 0)).collect();
     places.values_mut().enumerate().for_each(|(i, place)| *place = 2 + i);
@@ -156,6 +163,10 @@ pub(crate) fn joint(runs: &[&Equations]) -> Option<Joint> {
     }
     let rounding_mps = runs.iter().map(|run| run.rounding_mps).fold(0.0, f64::max);
     (2..size).for_each(|i| matrix[(i, i)] += rounding_mps.powi(-2));
+    if are_far {
+        matrix[(0, 0)] += SCALE_SD.powi(-2);
+        matrix[(1, 1)] += OFFSET_SD_MPS.powi(-2);
+    }
     let root = matrix.cholesky()?;
     let covariance = root.solve(&DMatrix::identity(size, 2)).fixed_view::<2, 2>(0, 0).into_owned();
     Some(Joint { values: root.solve(&score).fixed_rows::<2>(0).into_owned(), covariance })

@@ -7,7 +7,7 @@
 //! Within a run the place is the one that explains most, with scale, offset and skew beside it. Between runs it is where the scales before and after are the furthest
 //! apart for how surely they are known. Both are said; what comes after is brought to the scale from before, and then the runs are judged as those of one wheel.
 
-use crate::agreement::{Agreement, Figure, Pooled, pooled};
+use crate::agreement::{ALONE, Agreement, BENDS_SD, Figure, Pooled, pooled};
 use crate::compared::Compared;
 use crate::{LEAST_SCALE, SURE, rounding};
 use rundown_files::sample::Sample;
@@ -52,12 +52,20 @@ pub(crate) fn within(compared: &Compared) -> Option<Change> {
     let after = compared.way_after(at);
     let calm = compared.without(&scaled(&after, grows.value))?;
     let (left, _) = calm.beside(&after)?;
-    let grows = Figure { value: grows.value + left.value, sd: left.sd / calm.independent().sqrt() };
+    let sd = (left.sd / calm.independent().sqrt()).hypot(by_bends(&calm, &after, left.value));
+    let grows = Figure { value: grows.value + left.value, sd };
     // With the change taken off, 1/s is that from before.
     let before = 1.0 + calm.fit.beta[0];
     let ratio = Figure { value: before / (before + grows.value), sd: grows.sd };
     let held = rounding::beside(&calm, &after, at);
     Some(Change { time_s: compared.differences.end_s[at], ratio, held })
+}
+
+/// What other bends between rows far apart change it by.
+fn by_bends(compared: &Compared, after: &[f64], left: f64) -> f64 {
+    let others = compared.with_other_bends().into_iter().flatten().zip(BENDS_SD);
+    let changes = others.filter_map(|(other, sd)| Some(ALONE * sd * (other.beside(after)?.0.value - left)));
+    changes.fold(0.0, f64::hypot)
 }
 
 fn scaled(values: &[f64], by: f64) -> Vec<f64> {

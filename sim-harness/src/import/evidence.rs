@@ -357,7 +357,7 @@ fn stretches(all: &[WrittenRow], columns: &Columns) -> Result<Stretches, String>
     if let Some((fastest, step)) = usual(&rows).filter(|_| columns.has(Meaning::Speed)) {
         let of = |steps| Stretches::new(ratios(&rows, columns, (fastest, step), steps), fastest, step);
         long = of(STEPS);
-        // A few steps of a location that is told coarsely say nothing.
+        // A few steps of a location with few digits say nothing.
         short = long.is_none().then(|| of(FEW_STEPS)).flatten().filter(|short| short.alike >= LEAST_ALIKE);
     }
     long.or(short).ok_or_else(|| match without_numbers(all, columns) {

@@ -47,6 +47,9 @@ fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
     }
 }
 
+/// A scale that is known no better says nothing of wheel and offset, of the recorder or of a run: trams that hold one speed, with bends in all else.
+const VAGUE: f64 = 0.05;
+
 /// A scale beside an offset that is 0 or half a step, and not known which: half of what that makes is a doubt of the scale.
 fn between(scale: Figure, [rounded, truncated]: [Figure; 2]) -> Figure {
     Figure { sd: scale.sd.hypot(0.5 * (truncated.value - rounded.value)), ..scale }
@@ -193,9 +196,14 @@ impl RecorderCheck {
     /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, with their covariance, as the skews are judged with.
     fn decide(&mut self, all: &Pooled, known: &Known) -> (Vector2<f64>, Matrix2<f64>) {
         let offset_kmh = all.offset_kmh();
-        self.offset_kmh = Some(offset_kmh);
+        let is_vague = all.scale().sd > VAGUE;
+        self.offset_kmh = (!is_vague).then_some(offset_kmh);
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
-        let shown = shown(self.speed_step_kmh, offset_kmh);
+        let shown = if is_vague && self.speed_step_kmh.is_some() {
+            Shown::NotKnown
+        } else {
+            shown(self.speed_step_kmh, offset_kmh)
+        };
         let (kind, done) = match shown {
             Shown::Exact => (None, Done::Said),
             Shown::Rounded => (Some(Kind::RoundedSpeed), Done::Said),
@@ -207,21 +215,22 @@ impl RecorderCheck {
         }
         let offset_mps = if shown == Shown::Truncated { 0.5 * step_kmh / 3.6 } else { 0.0 };
         // The offset of a step is 0 or a half of it: what is decided is known, and leaves the scale sharper.
-        let decided = matches!(shown, Shown::Rounded | Shown::Truncated);
+        let decided = is_vague || matches!(shown, Shown::Rounded | Shown::Truncated);
         let beside_locations = match shown {
+            _ if is_vague => all.scale_at(0.0),
             Shown::Rounded | Shown::Truncated => all.scale_at(offset_mps),
             Shown::Exact => all.scale(),
             Shown::NotKnown => between(all.scale(), [0.0, 0.5 * step_kmh / 3.6].map(|offset| all.scale_at(offset))),
         };
         let scale = self.beside_the_line(beside_locations);
-        self.scale = Some(scale);
+        self.scale = (!is_vague).then_some(scale);
         let odd = !decided && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
         if odd && !self.has(Kind::SpeedOffset) {
             self.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
         }
         // Where one wheel gives both, the stops have decided: the speeds follow the locations.
         let sure = if self.has_one_wheel(scale) { beside_locations } else { scale };
-        let matters = (scale.value - 1.0).abs() > LEAST_SCALE && sure.away_from(1.0) > SURE;
+        let matters = !is_vague && (scale.value - 1.0).abs() > LEAST_SCALE && sure.away_from(1.0) > SURE;
         // No recorder has such an offset: the model does not fit, and its scale is no wheel.
         self.is_wheel = matters && !odd;
         if matters {

@@ -108,3 +108,17 @@ fn what_bends_between_rows_of_trams_is_no_wheel_and_no_truncation() {
         assert!(kinds(&check(&mut recordings)).contains(&Kind::SpeedScale), "{seed}");
     }
 }
+
+/// Where a hand turns between two rows of 8 to 12 s, up to 12 m are missing from the trapezium, and a quarter of all rows have such a turn beside them.
+#[test]
+fn hands_that_turn_between_rows_far_apart_are_no_wheel_and_no_offset() {
+    let accused = |(step_s, seed): (f64, u64)| {
+        let recorder = Recorder { step_s, quantum_kmh: 0.1, ..odometer() };
+        let found = check(&mut recorder.steady_trams(67_000 + seed, 30, 14));
+        let wrong = |kind: &Kind| matches!(kind, Kind::TruncatedSpeed | Kind::SpeedScale | Kind::SpeedOffset);
+        kinds(&found).into_iter().find(wrong).map(|kind| (step_s, seed, kind))
+    };
+    let steps = [8.0, 10.0, 12.0].into_iter().flat_map(|step_s| (0..6).map(move |seed| (step_s, seed)));
+    let wrong: Vec<_> = steps.filter_map(accused).collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
+}

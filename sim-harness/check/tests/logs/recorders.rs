@@ -51,21 +51,18 @@ fn a_clean_log_that_is_judged_alone_is_accused_of_nothing() {
     assert!(accused.len() <= 8, "{} of 400 logs: {accused:?}", accused.len());
 }
 
+/// In one run with rows 10 s apart the doubt of what bends between them is as large as half a step.
 #[test]
 fn truncation_of_a_log_that_is_judged_alone_is_found_more_often_than_not_and_never_taken_for_a_wheel() {
-    let (mut truncated, mut wheels) = (0, Vec::new());
-    for step_s in [1.0, 10.0] {
+    let truncated = [1.0, 10.0].map(|step_s| {
         let recorder = Recorder { truncates: true, step_s, ..Recorder::default() };
-        for seed in 0..50 {
-            let (found, _) = recorder.check(12_000 + seed, 1, 4);
-            let found = kinds(&found);
-            truncated += u32::from(found.contains(&Kind::TruncatedSpeed));
-            if found.contains(&Kind::SpeedScale) {
-                wheels.push((step_s, seed));
-            }
-        }
-    }
-    assert!(truncated > 50 && wheels.len() <= 2, "{truncated} of 100 found, wheels {wheels:?}");
+        let found = |seed: u64| kinds(&recorder.check(12_000 + seed, 1, 4).0);
+        let found: Vec<Vec<Kind>> = (0..50_u64).map(found).collect();
+        let with = |kind| found.iter().filter(|found| found.contains(&kind)).count();
+        assert!(with(Kind::SpeedScale) <= 1 && with(Kind::RoundedSpeed) <= 1, "{step_s} s");
+        with(Kind::TruncatedSpeed)
+    });
+    assert!(truncated[0] >= 35 && truncated[1] >= 10, "{truncated:?} of 50 found");
 }
 
 #[test]

@@ -83,6 +83,19 @@ impl Trace {
         trace
     }
 
+    /// A tram that holds its speed between hands that turn at once.
+    fn steady_tram(random: &mut ChaCha8Rng, hops: usize) -> Self {
+        let mut trace = Self { location_m: vec![0.0], speed_mps: vec![0.0] };
+        for _ in 0..hops {
+            let (hold_s, brake) = (random.random_range(15.0..45.0), random.random_range(0.6..1.1));
+            trace.until(|v, _| v >= 14.0, |v, _| 1.0_f64.min(10.0 / v.max(1.0)));
+            trace.until(|_, s| s >= hold_s, |_, _| 0.0);
+            trace.until(|v, _| v <= 0.0, |_, _| -brake);
+            trace.until(|_, s| s >= 25.0, |_, _| 0.0);
+        }
+        trace
+    }
+
     fn until(&mut self, over: impl Fn(f64, f64) -> bool, acceleration: impl Fn(f64, f64) -> f64) {
         let mut s = 0.0;
         while !over(self.speed(), s) && s < 3000.0 {
@@ -217,6 +230,11 @@ impl Recorder {
     /// Runs of a tram.
     pub fn trams(&self, seed: u64, runs: usize, hops: usize) -> Vec<Recording> {
         self.of(seed, runs, |random| Trace::tram(random, hops))
+    }
+
+    /// Runs of a tram that holds its speed.
+    pub fn steady_trams(&self, seed: u64, runs: usize, hops: usize) -> Vec<Recording> {
+        self.of(seed, runs, |random| Trace::steady_tram(random, hops))
     }
 
     /// Runs that stop at the same places, of a wheel that gives both location and speed; and those places.
