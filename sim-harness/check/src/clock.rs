@@ -6,9 +6,10 @@
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::reach::reach_m;
+use crate::row_step::usual_step_s;
 use crate::{clock_set, places};
 use rundown_files::sample::Sample;
-use rundown_files::statistics::{median, spread};
+use rundown_files::statistics::spread;
 
 const DAY_S: f64 = 86_400.0;
 /// A clock that goes back by less is a matter of single rows, which a replay drops and counts, s.
@@ -29,17 +30,6 @@ const SIDE: usize = 3;
 
 /// Ways that differ by no more than this share are one.
 const SAME_WAY: f64 = 1e-9;
-
-/// Usual time between rows, s.
-pub fn usual_step_s(rows: &[Sample]) -> f64 {
-    let steps = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
-    median(steps.filter(|step| *step > 0.0)).unwrap_or(1.0)
-}
-
-/// Rows are missing where more passes between two of them, s.
-pub(crate) fn longest_step_s(usual_s: f64) -> f64 {
-    (3.5 * usual_s).max(10.0)
-}
 
 /// Time that passed before a row by the distance from the rows before it to those from it on, where all of them move: a few on both sides, as one
 /// location of a receiver may be off by more than a step.
@@ -145,7 +135,7 @@ pub fn coarse(rows: &[Sample], findings: &mut Vec<Finding>) {
 
 /// Puts times right that went back by much, or on by more than the train moved.
 pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let usual = Usual::of(rows);
+    let usual = UsualRows::of(rows);
     let mut shift_s = 0.0;
     for i in 1..rows.len() {
         let dt = rows[i].time_s + shift_s - rows[i - 1].time_s;
@@ -159,12 +149,12 @@ pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 }
 
 /// What rows usually have between them: time, s, with its scatter, and how far the locations miss the way by speed, m.
-struct Usual {
+struct UsualRows {
     step_s: Figure,
     noise_m: f64,
 }
 
-impl Usual {
+impl UsualRows {
     fn of(rows: &[Sample]) -> Self {
         let step_s = usual_step_s(rows);
         let off = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s - step_s);
@@ -174,7 +164,7 @@ impl Usual {
 }
 
 /// What the clock did before row `i`, which it has `dt` s after the one before.
-fn step_of_clock(rows: &[Sample], i: usize, dt: f64, usual: &Usual) -> Option<(Kind, Figure)> {
+fn step_of_clock(rows: &[Sample], i: usize, dt: f64, usual: &UsualRows) -> Option<(Kind, Figure)> {
     let step_s = usual.step_s.value;
     let exactly = |value: f64| Figure { value, sd: 0.0 };
     if dt <= -LEAST_MIDNIGHT_S {

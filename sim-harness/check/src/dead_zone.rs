@@ -10,7 +10,7 @@
 //! readings of zero beside are no standstill.
 
 use crate::agreement::{Figure, HALF_95};
-use crate::clock::usual_step_s;
+use crate::row_step::usual_step_s;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 

@@ -9,7 +9,7 @@
 //! A rounded speed repeats, too, where it changes by less than its step from row to row. So only those rows are asked where it changes by more, before and
 //! after, and only such repeats count after which the speed catches up.
 
-use crate::clock::usual_step_s;
+use crate::row_step::usual_step_s;
 use rundown_files::sample::Sample;
 
 /// A speed that changes by fewer steps from row to row repeats by rounding alone.

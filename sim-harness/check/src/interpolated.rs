@@ -10,8 +10,8 @@
 //! acceleration where the train has none.
 
 use crate::agreement::Figure;
-use crate::clock::usual_step_s;
 use crate::finding::{Done, Finding, Kind};
+use crate::row_step::usual_step_s;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 

@@ -84,6 +84,7 @@ mod reach;
 pub mod readings;
 mod recorder;
 mod rounding;
+pub mod row_step;
 mod run;
 pub mod same;
 mod smoothed;

@@ -3,7 +3,8 @@
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::reach::reach_m;
-use crate::{clock, steps};
+use crate::row_step::{longest_step_s, usual_step_s};
+use crate::steps;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
 use std::ops::RangeInclusive;
@@ -270,7 +271,7 @@ fn stretches(
 ) -> Vec<StuckRows> {
     let mut found = Vec::new();
     let mut from = 0;
-    let longest_s = clock::longest_step_s(clock::usual_step_s(rows));
+    let longest_s = longest_step_s(usual_step_s(rows));
     while from < rows.len() {
         let Some(stays) = reading(&rows[from]) else {
             from += 1;

@@ -1,9 +1,9 @@
 //! Single readings that are missing, no numbers, or impossible beside their neighbours.
 
 use crate::agreement::Figure;
-use crate::clock::usual_step_s;
 use crate::finding::{Done, Finding, Kind};
 use crate::places;
+use crate::row_step::usual_step_s;
 use rundown::model::units::KmPerHour;
 use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH, Sample};
 

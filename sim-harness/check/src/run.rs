@@ -5,7 +5,7 @@ use crate::compared::{Compared, Differences, Row};
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
-use crate::{chainage, clock, interpolated, places, readings, wheel_change};
+use crate::{chainage, clock, interpolated, places, readings, row_step, wheel_change};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::units;
@@ -146,7 +146,7 @@ fn copy_of(recording: &Recording, earlier: &str) -> RunCheck {
     let (kind, done) = (Kind::SameRows, Done::Refused);
     let finding = Finding { kind, figure, unit: "rows", count: 1, line: 0, done };
     let evidence = BTreeMap::from([(kind, format!("those of {earlier}"))]);
-    RunCheck { evidence, ..RunCheck::of(recording, clock::usual_step_s(&recording.rows), vec![finding]) }
+    RunCheck { evidence, ..RunCheck::of(recording, row_step::usual_step_s(&recording.rows), vec![finding]) }
 }
 
 fn is_usable(findings: &[Finding]) -> bool {
@@ -183,7 +183,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
         places::two_directions(rows, &mut findings);
     }
     clock::gaps(rows, &mut findings);
-    let step_s = clock::usual_step_s(rows);
+    let step_s = row_step::usual_step_s(rows);
     let of_speed = if is_usable(&findings) { OfSpeed::of(rows, step_s) } else { None };
     let location_noise_m = of_speed.as_ref().map(|found| found.agreement.location_noise_m);
     (RunCheck { location_noise_m, ..RunCheck::of(recording, step_s, findings) }, of_speed)
@@ -212,7 +212,7 @@ pub(crate) fn differences(rows: &[Sample], step_s: f64) -> Differences {
 /// `step_s`: usual time between rows, s.
 pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
     let sign = places::heading(rows);
-    let longest_s = clock::longest_step_s(step_s);
+    let longest_s = row_step::longest_step_s(step_s);
     let mut parts: Vec<Vec<Row>> = vec![Vec::new()];
     for row in rows {
         let (Some(location_m), Some(speed_mps)) = (row.location_m, row.speed_mps) else {

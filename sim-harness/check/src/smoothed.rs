@@ -10,8 +10,8 @@
 //! none of it, but for the trapezia of the integral, which add Δt²/12 between rows Δt apart, and this is taken off. Means of speed, resistance and effort over the same time belong together; a momentary effort beside a mean speed makes a start look like a resistance.
 
 use crate::agreement::Figure;
-use crate::clock::usual_step_s;
 use crate::effort;
+use crate::row_step::usual_step_s;
 use nalgebra::SVector;
 use rundown_files::sample::Sample;
 use std::ops::Range;

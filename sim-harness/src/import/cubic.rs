@@ -12,14 +12,14 @@ pub const LEAST: usize = 5;
 
 /// A cubic at the time 0.
 #[derive(Clone, Copy, Debug)]
-pub struct Fit {
+pub struct CubicFit {
     pub per_s: f64,
     /// Mean square of what it leaves of the readings.
     pub left: f64,
 }
 
 /// Through (time, reading).
-pub fn fit(readings: &[(f64, f64)]) -> Option<Fit> {
+pub fn fit(readings: &[(f64, f64)]) -> Option<CubicFit> {
     let longest_s = readings.iter().map(|(time_s, _)| time_s.abs()).fold(0.0, f64::max);
     if readings.len() < LEAST || longest_s <= 0.0 {
         return None;
@@ -36,7 +36,7 @@ pub fn fit(readings: &[(f64, f64)]) -> Option<Fit> {
     }
     let cubic = square.cholesky()?.solve(&side);
     let left = readings.iter().map(|(time_s, reading)| (reading - cubic.dot(&powers(*time_s))).powi(2));
-    Some(Fit { per_s: cubic[1] / longest_s, left: left.sum::<f64>() / readings.len() as f64 })
+    Some(CubicFit { per_s: cubic[1] / longest_s, left: left.sum::<f64>() / readings.len() as f64 })
 }
 
 #[cfg(test)]

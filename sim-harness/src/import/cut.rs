@@ -6,7 +6,7 @@ use super::geo;
 use super::mapping::RunCuts;
 use super::rows::Record;
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::{clock, places};
+use rundown_check::{places, row_step};
 use rundown_files::sample::{MOST_LOCATION_M, Sample};
 use rundown_files::statistics::median;
 use std::ops::Range;
@@ -325,7 +325,7 @@ impl Stretch {
             return;
         }
         let located: Vec<usize> = (0..self.rows.len()).filter(|i| self.rows[*i].location_m.is_some()).collect();
-        let step_s = clock::usual_step_s(&self.rows);
+        let step_s = row_step::usual_step_s(&self.rows);
         // Over longer a train does more than a cubic, too.
         let is_short = step_s * cubic::LEAST as f64 <= 2.0 * SLOPE_S;
         let mps = |k: usize| match self.slope(&located, k, step_s) {

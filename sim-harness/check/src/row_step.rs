@@ -1,0 +1,15 @@
+//! The time between rows of a log.
+
+use rundown_files::sample::Sample;
+use rundown_files::statistics::median;
+
+/// Usual time between rows, s.
+pub fn usual_step_s(rows: &[Sample]) -> f64 {
+    let steps = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
+    median(steps.filter(|step| *step > 0.0)).unwrap_or(1.0)
+}
+
+/// Rows are missing where more passes between two of them, s.
+pub(crate) fn longest_step_s(usual_s: f64) -> f64 {
+    (3.5 * usual_s).max(10.0)
+}
