@@ -6,7 +6,7 @@ use super::geo;
 use super::mapping::RunCuts;
 use super::rows::Record;
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::{places, row_step};
+use rundown_check::{clock, places, row_step};
 use rundown_files::sample::{MOST_LOCATION_M, Sample};
 use rundown_files::statistics::median;
 use std::ops::Range;
