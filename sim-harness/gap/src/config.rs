@@ -246,7 +246,7 @@ settings! {
         better: f64 = 0.5, /// What another term in the place of one must be better by, log-likelihood. Judgement.
         few_rows: usize = 80, /// Fewer rows are no ground for a term. Judgement.
         least_rows: usize = 30, /// With fewer nothing is calibrated. Judgement.
-        most_share: f64 = 1.5, /// Largest extra resistance over the believed one: more is too few rows for so many coefficients. Judgement.
+        most_share: f64 = 1.5, /// Largest extra resistance over the believed one, Röckl's of the described curves included: more is too few rows for so many coefficients. Judgement.
         most_beyond_n_per_kg: f64 = 0.01, /// Beyond that share, N/kg. Judgement.
         least_n_per_kg: f64 = 3e-4, /// What acts always must be as large as this in more than a fifth of the rows, N/kg. Derived: 1 % of a train's resistance at 100 km/h.
         least_in_section_n_per_kg: f64 = 2e-3, /// Least size in a section of the line, N/kg. Derived: 0.2 permille.

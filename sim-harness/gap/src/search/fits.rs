@@ -30,6 +30,8 @@ pub struct Search<'a> {
     pub scans: Vec<Scan>,
     /// What units may differ by.
     pub(super) units: Units<'a>,
+    /// The largest extra resistance of a row that a term may have, N/kg.
+    pub(super) most_extra: Vec<f64>,
     /// Whitened columns of terms that were tried, by their text.
     known: RefCell<HashMap<String, Rc<Vec<DVector<f64>>>>>,
 }
@@ -60,7 +62,8 @@ impl<'a> Search<'a> {
         let sensors = sensors(context, rows, &whitening);
         let units = Units::of(context, rows);
         let (apart, known) = (calibrated.without_nuisances(context, rows), RefCell::default());
-        Self { context, rows, whitening, apart, y, sensors, families, unsearched, scans, units, known }
+        let most_extra = most_extra(context, rows);
+        Self { context, rows, whitening, apart, y, sensors, families, unsearched, scans, units, most_extra, known }
     }
 
     pub fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
@@ -146,6 +149,19 @@ impl<'a> Search<'a> {
     }
 }
 
+/// More than so much extra resistance is too few rows for so many coefficients, N/kg. A share of what is believed and of what the described curves may add to it: a tram in a curve of
+/// 100 m has twice its resistance on straight track, and in a tight one of an old town ten times.
+fn most_extra(context: &Context<'_>, rows: &[Row]) -> Vec<f64> {
+    let (davis, config) = (context.believed.train().davis(), &context.config.search);
+    let curves = Term { of: candidates::of(EffectKind::CurveResistance), shape: Shape::Law };
+    let curves = curves.columns(context, rows).remove(0);
+    let most = |(row, in_curves): (&Row, f64)| {
+        let believed = davis.resistance_n_per_kg(row.interval.mean_speed_mps());
+        config.most_share * (believed + in_curves) + config.most_beyond_n_per_kg
+    };
+    rows.iter().zip(curves).map(most).collect()
+}
+
 /// Whitened columns of what sensors do, as far as these rows can show it.
 pub fn sensors(context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Vec<DVector<f64>> {
     let columns = [sensors::DELAY, sensors::LATE_LOCATION].map(|of| of.columns(&Shape::Law, context, rows).remove(0));
@@ -156,12 +172,12 @@ pub fn sensors(context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Ve
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::believed::tests::on_a_level_line;
+    use crate::data::believed::{Surroundings, tests::on_a_level_line};
     use crate::noise::whitening::Noise;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
-    use rundown::model::direction::Direction;
+    use rundown::model::{curves::roeckl, direction::Direction};
 
     /// What a search finds.
     struct Found {
@@ -226,5 +242,31 @@ mod tests {
             assert_eq!(found.terms, []);
             assert!((found.gain.value - 0.05).abs() < 0.01 && found.may_be_mass, "{:?}", found.gain);
         }
+    }
+
+    #[test]
+    fn curves_may_cost_more_than_the_train_on_straight_track() {
+        on_a_level_line(30, |context| {
+            // A kilometre in three is a curve of 120 m: four times the resistance of the slow train.
+            let curve = |i: u32| (3e3 * f64::from(i), 3e3 * f64::from(i) + 1e3, roeckl(120.0));
+            let surroundings = Surroundings { curves: (0..20).map(curve).collect(), ..Surroundings::default() };
+            let context = &Context { surroundings: &surroundings, ..*context };
+            let mut rng = ChaCha8Rng::seed_from_u64(8);
+            let row = |i: usize| {
+                let mut row = Row::coasting(Direction::Up, 900.0 * (i % 60) as f64, rng.random_range(6.0..14.0));
+                row.interval.run = i / 60;
+                row
+            };
+            let mut rows: Vec<Row> = (0..30 * 60).map(row).collect();
+            let curves = Term { of: candidates::of(EffectKind::CurveResistance), shape: Shape::Law };
+            let extra = curves.extra(&[1.0], context, &rows);
+            for (row, extra) in rows.iter_mut().zip(extra) {
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.residual_n_per_kg = extra + 0.003 * noise;
+            }
+            let noise = Noise { acceleration_mps2: 0.003, ..Noise::default() };
+            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            assert_eq!(Search::new(context, &rows, &calibrated, false).select(), [curves]);
+        });
     }
 }

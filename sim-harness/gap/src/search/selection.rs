@@ -103,14 +103,9 @@ impl Search<'_> {
     /// Large enough to matter to a train: what is smaller is left to the Davis coefficients' uncertainty and to sensors. Nor more than the train's whole resistance, by too few rows for
     /// so many coefficients.
     fn is_plausible(&self, term: &Term, beta: &[f64]) -> bool {
-        let davis = self.context.believed.train().davis();
-        let config = &self.context.config.search;
         let absurd = || {
             let extra = term.extra(beta, self.context, self.rows);
-            self.rows.iter().zip(extra).any(|(row, extra)| {
-                let believed = davis.resistance_n_per_kg(row.interval.mean_speed_mps());
-                extra.abs() > config.most_share * believed + config.most_beyond_n_per_kg
-            })
+            self.most_extra.iter().zip(extra).any(|(most, extra)| extra.abs() > *most)
         };
         let may_be_large = term.section().is_some() || term.of.facts().nature.may_be_large;
         let size = Size { term, beta, context: self.context, rows: self.rows };
