@@ -6,8 +6,8 @@
 //! |---|---|
 //! | coast | 0 |
 //! | hold | what keeps the speed: r + g |
-//! | power | 0.15 to 1.1 of the largest |
-//! | brake | -0.8 to -0.1 |
+//! | power | 0.15 to 1.1 of the largest, or beyond |
+//! | brake | -0.8 to -0.1, or below |
 //! | change | -0.5 to 1.05 of the largest |
 //!
 //! Coasting and a held speed weigh more than their share, 2.5 times as much as a density of the same width: without that short coasts would hardly be seen. An interval counts as coasted only if the one beside it did, too, or if the change clearly lies in the one
@@ -95,8 +95,9 @@ impl Weighed {
         let weights = [
             coast(effort) / sd,
             held,
-            even(config.power_from * most, config.power_to * most),
-            even(config.brake_from_n_per_kg, config.brake_to_n_per_kg),
+            // What is harder than usual is power or a brake all the same: else the tail of coasting would have it.
+            even(config.power_from * most, effort.max(config.power_to * most)),
+            even(effort.min(config.brake_from_n_per_kg), config.brake_to_n_per_kg),
             // Changing: anywhere between.
             even(config.change_from_n_per_kg, config.change_to * most) * config.change_weight,
         ];
@@ -263,6 +264,15 @@ mod tests {
         let found = coasted_of(&run);
         assert!(!found[3]);
         assert!(found[4..8].iter().all(|coasted| *coasted));
+    }
+
+    #[test]
+    fn a_brake_or_a_power_that_is_harder_than_any_is_no_coasting() {
+        for hardest in [-0.7, -1.0, -3.0, 0.3, 0.6] {
+            let run = [&[0.0; 5][..], &[hardest; 2], &[0.0; 5]].concat();
+            let found = coasted_of(&run);
+            assert!(!found[5] && !found[6] && found[1] && found[10], "{hardest}: {found:?}");
+        }
     }
 
     #[test]

@@ -176,8 +176,8 @@ settings! {
         held_narrow: f64 = 1.3, /// Width of its narrow part, in standard deviations of the effort. Measured.
         held_wide: f64 = 3.0, /// Width of its wide part. Measured.
         power_from: f64 = 0.15, /// Powering: from this share of the largest effort. Judgement.
-        power_to: f64 = 1.1, /// Powering: to this share. Judgement.
-        brake_from_n_per_kg: f64 = -0.8, /// Braking: from, N/kg. Judgement.
+        power_to: f64 = 1.1, /// Powering: usually to this share; more is no coasting either. Judgement.
+        brake_from_n_per_kg: f64 = -0.8, /// Braking: usually from, N/kg; what is harder is no coasting either. Judgement.
         brake_to_n_per_kg: f64 = -0.1, /// Braking: to, N/kg. Judgement.
         change_from_n_per_kg: f64 = -0.5, /// Changing: from, N/kg. Judgement.
         change_to: f64 = 1.05, /// Changing: to this share of the largest effort. Judgement.
