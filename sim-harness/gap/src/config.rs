@@ -140,6 +140,7 @@ settings! {
         least_offset_m: f64 = 10.0, /// A smaller offset is left as it is, m. Judgement: receivers.
         most_between: f64 = 0.7, /// Offsets of single runs that differ by more than this share of that of all are none of all. Derived: of half of the runs alone they differ by the whole of the mean.
         gain_sd: f64 = 0.002, /// Standard deviation of a gain at least: efforts between two readings, as a share. Judgement.
+        most_early_s: f64 = 2.0, /// A mean that is earlier than this is a momentary value, half a sample later, s. Judgement: efforts are early where the speed is late, by what smooths it.
         delay_step_s: f64 = 0.5, /// Delays are tried so far apart, and are certain to a half of that, s. Judgement: the time it takes.
         offset_step_m: f64 = 10.0, /// Offsets are tried so far apart, m. Judgement: less than the length of a train.
         places: usize = 16, /// Parts of the line whose agreement says how certain an offset is: a gradient may begin elsewhere than described. Judgement.

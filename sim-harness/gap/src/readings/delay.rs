@@ -28,13 +28,23 @@ pub struct Delay {
     pub delay_s: Option<Figure>,
     /// Gain of log-likelihood over none.
     pub gain: f64,
+    /// Usual time between samples, s.
+    pub usual_s: f64,
 }
 
 impl Delay {
     /// It is beyond doubt, and large enough to be told.
     pub fn matters(&self, config: &NuisanceConfig, enough: f64) -> Option<Figure> {
         let sure = |delay: &Figure| delay.value.abs() > config.least_delay_s && delay.away_from(0.0) > config.sure;
-        self.delay_s.filter(|delay| sure(delay) && self.gain > enough)
+        self.age_s(config).filter(|delay| sure(delay) && self.gain > enough)
+    }
+
+    /// The age as it is told, s. Nothing smooths a speed for long: what is read best as a mean of long after is a momentary value that stands for the time around it.
+    pub fn age_s(&self, config: &NuisanceConfig) -> Option<Figure> {
+        let is_momentary =
+            |mean: &Figure| self.reading == EffortReading::MeanSinceLast && mean.value < -config.most_early_s;
+        let later = |age: Figure| Figure { value: age.value + 0.5 * self.usual_s, ..age };
+        self.delay_s.map(|age| if is_momentary(&age) { later(age) } else { age })
     }
 
     /// How much later efforts are to be read, s, if that is more than chance. Half a second that no one need be told is 0.02 N/kg where the power limits a train that
@@ -183,7 +193,7 @@ pub fn delay(context: &Context<'_>, runs: &[Run], brakes: bool) -> Delay {
         let sd = jackknife.hypot(0.5 * config.delay_step_s);
         let none =
             tried.iter().find(|(d, _)| *d == 0.0).map_or(reached, |(_, s)| likelihood(mean(s, None, GROUPS), 0.0));
-        Some((Delay { reading, delay_s: Some(Figure { value, sd }), gain: reached - none }, reached))
+        Some((Delay { reading, delay_s: Some(Figure { value, sd }), gain: reached - none, usual_s }, reached))
     };
     let (Some((momentary, a)), Some((since_last, b))) =
         (found(EffortReading::Momentary), found(EffortReading::MeanSinceLast))
@@ -274,6 +284,22 @@ mod tests {
                 }
             }
         });
+    }
+
+    #[test]
+    fn a_mean_of_long_after_is_told_as_a_momentary_value() {
+        let told = |reading, value| {
+            let found = Delay { reading, delay_s: Some(Figure { value, sd: 0.2 }), gain: 50.0, usual_s: 10.0 };
+            found.matters(&NuisanceConfig::default(), 5.0).map(|age| age.value)
+        };
+        use EffortReading::{MeanSinceLast, Momentary};
+        // No speed is 6 s late; one that is a second late makes both a second early.
+        for (reading, value, expected) in
+            [(MeanSinceLast, -6.0, -1.0), (MeanSinceLast, -1.0, -1.0), (Momentary, -6.0, -6.0)]
+        {
+            assert_eq!(told(reading, value), Some(expected));
+        }
+        assert_eq!(told(MeanSinceLast, -5.0), None);
     }
 
     #[test]

@@ -114,7 +114,7 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
     let gain = gain.map(|gain| one("effort_gain", "", gain, is_told(gain, config)));
     let brakes = readings.brakes.map(|brakes| one("brake_gain", "", brakes.off, brakes.are_apart(nuisance)));
     let told = readings.effort.matters(nuisance, enough).is_some();
-    let delay = readings.effort.delay_s.map(|delay| one("effort_delay", "s", delay, told));
+    let delay = readings.effort.age_s(nuisance).map(|delay| one("effort_delay", "s", delay, told));
     let offset = readings.offset.map(|offset| {
         let told = offset.matters(nuisance, enough).is_some();
         let rival = told && offset.may_be_length(config.certainty.near);
