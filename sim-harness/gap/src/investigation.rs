@@ -18,7 +18,7 @@ use crate::levels::More;
 use crate::named::Named;
 use crate::naming::{
     confounded::{confounded, of_one_alone},
-    names::named,
+    names::{may_be_none, named},
     on_line::on_line,
 };
 use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
@@ -251,8 +251,13 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
         let of_term = one.term.and_then(|term| trials.get(term)).cloned().flatten();
         one.tried(of_term.or_else(|| of_readings_and_limits(one, findings, context.config, runs)), context.config);
     }
-    let (named, others): (Vec<Named>, Vec<Named>) = all.into_iter().partition(|one| stands(&one.trial, context.config));
-    let is_beyond = |one: &Named| one.trial.as_ref().is_some_and(|trial| trial.is_beyond_chance(context.config));
+    let may_be_none = |one: &Named| may_be_none(one, context.believed.train().length_m());
+    let (named, others): (Vec<Named>, Vec<Named>) =
+        all.into_iter().partition(|one| stands(&one.trial, context.config) && !may_be_none(one));
+    let is_beyond = |one: &Named| match &one.trial {
+        Some(trial) => trial.is_beyond_chance(context.config),
+        None => may_be_none(one),
+    };
     let (candidates, chance): (Vec<Named>, Vec<Named>) = others.into_iter().partition(is_beyond);
     let terms = chance.iter().filter_map(|one| Some(findings.terms.get(one.term?)?.term.clone()));
     (named, candidates, terms.collect())

@@ -12,6 +12,7 @@ use crate::fit::median;
 use crate::investigation::Investigation;
 use crate::levels::{NotCompared, Standout};
 use crate::named::Named;
+use crate::naming::names::may_be_none;
 use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
 use crate::wording::listed;
@@ -192,7 +193,13 @@ fn other_names(found: &Investigation) -> Option<String> {
 /// What fits, and why it has no name.
 fn candidate(answer: &Answer, one: &Named) -> String {
     let what = candidates::of_effect(&one.effect).sentence(one, &answer.context());
-    let why = one.trial.as_ref().map_or_else(String::new, |trial| trial.sentence(&answer.config));
+    let why = match &one.trial {
+        _ if may_be_none(one, answer.context().believed.train().length_m()) => {
+            "the 95\u{a0}% interval of its size holds none at all".to_owned()
+        }
+        Some(trial) => trial.sentence(&answer.config),
+        None => String::new(),
+    };
     let mut text = format!(
         "A candidate, not a name: {what}. It is not in the repaired model, because {why}. More runs would settle it."
     );

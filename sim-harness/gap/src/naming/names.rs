@@ -28,6 +28,13 @@ pub fn named(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) 
     all
 }
 
+/// The 95 % interval of its size holds that of none. `length_m`: of the train as described.
+pub fn may_be_none(one: &Named, length_m: f64) -> bool {
+    let size = candidates::of_effect(&one.effect).main_parameter(length_m);
+    let holds = |(parameter, none)| one.intervals.iter().any(|of| of.0 == parameter && (of.1..=of.2).contains(&none));
+    size.is_some_and(holds)
+}
+
 fn with_rivals((mut named, rivals): (Named, Odds), naming: &Naming<'_>) -> Named {
     let kind = named.effect.kind();
     for (rival, odds) in rivals {
@@ -104,4 +111,22 @@ fn of_limit(found: &FoundLimit, naming: &Naming<'_>) -> Option<Named> {
     named.would_separate.truncate(2);
     named.would_separate.dedup();
     Some(named)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::model::effects::TunnelDrag;
+
+    #[test]
+    fn an_interval_that_holds_zero_may_be_none_at_all() {
+        let may_be_none = |low: f64| {
+            let drag = TunnelDrag { from_m: 6_600.0, to_m: 6_900.0, k: 1.4e-4 };
+            may_be_none(&Named::plain(drag.into(), vec![("from_m", -9.0, 9.0), ("k", low, 4.8e-4)], 40.0, 30.0), 25.0)
+        };
+        assert!(may_be_none(-6.7e-5) && !may_be_none(1e-5));
+        // What has no interval is judged elsewhere.
+        let scale = Named::plain(MassError { relative: 0.1 }.into(), Vec::new(), 40.0, 30.0);
+        assert!(!super::may_be_none(&scale, 25.0));
+    }
 }
