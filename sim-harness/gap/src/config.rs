@@ -330,6 +330,7 @@ settings! {
         starts: usize = 3, /// Sections that are refined. Judgement: the time it takes.
         shared: f64 = 0.25, /// Weight of a part in the search: what the parts of a phase share counts once. Judgement.
         same_loss: f64 = 0.3, /// A loss of log-likelihood that is none, where an edge is put. Judgement.
+        most_inside: f64 = 0.9, /// A section that holds more than this share of what is powered at the limit of the power is no matter of place but of the train. Judgement.
         step_m: f64 = 50.0, /// Nearer phases are not tried one by one, m. Judgement.
         soon_m: f64 = 500.0, /// How far beyond the last phase an edge is put at most, m. Judgement.
         above: f64 = 1.1, /// A ratio above a limit by less is the sensor, or a reading of the speed. Judgement.

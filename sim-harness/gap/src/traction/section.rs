@@ -149,6 +149,10 @@ pub fn section(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyCo
     powered_m.sort_by(f64::total_cmp);
     let edges = edges(&powered_m, [from, to], most, |[from, to]| gain_of(from, to, factor), config);
     [from, to] = edges.likely_m;
+    let inside = powered_m.iter().filter(|at| (from..to).contains(*at)).count();
+    if inside as f64 > config.most_inside * powered_m.len() as f64 {
+        return None;
+    }
     let gain = most.min(trimmed(runs.iter().map(|run| gain(run, from, to, factor))));
     Some(FoundLimit {
         effect: Effect::PowerLimitSection(PowerLimitSection { from_m: from, to_m: to, factor }),
@@ -167,4 +171,34 @@ pub fn section(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyCo
 fn at_power(runs: &[Shares<'_>]) -> impl Iterator<Item = f64> {
     let parts = runs.iter().flat_map(|run| run.powering);
     parts.filter(|p| p.by_power).map(|p| p.location_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::GapConfig;
+
+    /// The section that is found where trains that power at each of ten kilometres reach 85 % in so many of them.
+    fn found(limited: usize) -> Option<FoundLimit> {
+        let part = |run: usize, number: usize| SteadyPower {
+            run,
+            location_m: 1_000.0 * number as f64,
+            speed_mps: 25.0,
+            ratio: if number < limited { 0.85 } else { 1.0 } + 0.01 * ((run * 7 + number) as f64).sin(),
+            sd: 0.01,
+            effort_over_limit: 2.0,
+            by_power: true,
+            number,
+            weight: 1.0,
+        };
+        let powering: Vec<Vec<SteadyPower>> = (0..20).map(|run| (0..10).map(|at| part(run, at)).collect()).collect();
+        let GapConfig { traction, penalty, .. } = GapConfig::default();
+        let runs: Vec<Shares<'_>> = powering.iter().map(|powering| Shares::new(powering, &traction)).collect();
+        section(&runs, &traction, &penalty)
+    }
+
+    #[test]
+    fn a_section_that_holds_all_of_the_power_is_the_train() {
+        assert_eq!([4, 8, 10].map(|limited| found(limited).is_some()), [true, true, false]);
+    }
 }
