@@ -327,10 +327,26 @@ pub fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<
     for which in [Coordinate::Temperature, Coordinate::Day] {
         columns.extend(along(which, config.run_knots).into_iter().skip(1));
     }
+    columns.extend(braking(rows, config.knots));
     for term in model {
         columns.extend(term.columns(context, rows));
     }
     columns.retain(|c| c.iter().any(|v| *v != 0.0));
+    columns
+}
+
+/// The effort of the brake, as a multiple for each range of the speeds at which trains brake: that of one that fades is another at each.
+fn braking(rows: &[Row], count: usize) -> Vec<Vec<f64>> {
+    let speed = |row: &Row| in_the_middle(Coordinate::Speed, row);
+    let braked = rows.iter().filter(|row| row.effort_n_per_kg < 0.0);
+    let knots = knots(braked.filter_map(speed), count);
+    if knots.is_empty() {
+        return Vec::new();
+    }
+    let mut columns = hats(Coordinate::Speed, &knots, rows);
+    for (effort, row) in columns.iter_mut().flat_map(|column| column.iter_mut().zip(rows)) {
+        *effort *= row.effort_n_per_kg.min(0.0);
+    }
     columns
 }
 
@@ -393,5 +409,27 @@ mod tests {
         let winds: Vec<f64> = (0..12).map(|seed| found(0.0, seed).own.wind_mps).collect();
         let mean = winds.iter().sum::<f64>() / 12.0;
         assert!(mean < 0.5, "{winds:?}");
+    }
+
+    #[test]
+    fn a_brake_that_fades_is_neither_noise_nor_an_outlier() {
+        on_a_level_line(30, |context| {
+            let mut rng = ChaCha8Rng::seed_from_u64(9);
+            let unit = Normal::new(0.0, 1.0).unwrap();
+            let row = |i: usize| {
+                let speed_mps = rng.random_range(8.0..38.0);
+                let mut row = Row::coasting(Direction::Up, 900.0 * (i % 60) as f64, speed_mps);
+                row.interval.run = i / 60;
+                row.effort_n_per_kg = [0.0, 0.1, -0.5, 0.0, 0.05][i % 5];
+                row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
+                let fade = 0.35 * (speed_mps - 14.0).max(0.0) / 25.0;
+                row.residual_n_per_kg = fade * row.effort_n_per_kg.min(0.0) + 0.002 * unit.sample(&mut rng);
+                row
+            };
+            let rows: Vec<Row> = (0..30 * 60).map(row).collect();
+            let (found, _) = calibrate(context, &rows, true, true, &[]);
+            let wide = found.spread.iter().filter(|spread| **spread > 2.0).count();
+            assert!(wide < 9 && found.driven_n_per_kg[1] < 0.01, "{wide} rows, {:?}", found.driven_n_per_kg);
+        });
     }
 }
