@@ -39,7 +39,7 @@ impl Delay {
         self.age_s(config).filter(|delay| sure(delay) && self.gain > enough)
     }
 
-    /// The age as it is told, s. Nothing smooths a speed for long: what is read best as a mean of long after is a momentary value that stands for the time around it.
+    /// The age as it is reported, s. Nothing smooths a speed for long: what is read best as a mean of long after is a momentary value that stands for the time around it.
     pub fn age_s(&self, config: &NuisanceConfig) -> Option<Figure> {
         let is_momentary =
             |mean: &Figure| self.reading == EffortReading::MeanSinceLast && mean.value < -config.most_early_s;

@@ -296,7 +296,7 @@ mod tests {
                 let off_m = 5.0 * ((i * 7 + samples.len()) as f64).sin();
                 let distance_m = pair[1] - pair[0];
                 // Constant rise and fall of the speed: the mean of the readings is that of the distance.
-                let steps = 40;
+                let steps = 80;
                 for k in 0..=steps {
                     let t = f64::from(k) / f64::from(steps);
                     let at_m = pair[0]
@@ -305,11 +305,11 @@ mod tests {
                     let shown_m = if odometer { at_m * scale } else { at_m };
                     samples.push(Sample {
                         time_s,
-                        location_m: Some(shown_m + off_m * t),
+                        location_m: Some((shown_m + off_m * t).round()),
                         speed_mps: Some(speed_mps * scale),
                         ..Sample::default()
                     });
-                    time_s += 10.0;
+                    time_s += 5.0;
                 }
             }
             Recording {
