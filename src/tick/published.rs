@@ -66,11 +66,10 @@ impl Published {
         let [r0, r1, r2] = found.mean.into();
         let davis = Davis { r0, r1, r2 };
         let (low, high) = if self.out_of_bounds { (0.55, 1.9) } else { (0.5, 2.0) };
-        let [slow, middle, fast] = BOUND_KMH.map(|kmh| davis.resistance_n_per_kg(KmPerHour(kmh).to_mps()));
-        let rises = middle >= (1.0 + LEAST_RISE) * slow && fast >= middle;
+        let found_n_per_kg = at_bounds(&davis);
         let is_within =
             |(r, kmh): (Real, Real)| (low..=high).contains(&(r / nominal.resistance_n_per_kg(KmPerHour(kmh).to_mps())));
-        self.out_of_bounds = !(rises && [slow, middle, fast].into_iter().zip(BOUND_KMH).all(is_within));
+        self.out_of_bounds = !(does_rise(found_n_per_kg) && found_n_per_kg.into_iter().zip(BOUND_KMH).all(is_within));
         if self.out_of_bounds {
             let cut = |found: Real, nominal: Real| found.max(0.5 * nominal).min(2.0 * nominal);
             let davis = Davis { r0: cut(r0, nominal.r0), r1: cut(r1, nominal.r1), r2: cut(r2, nominal.r2) };
@@ -82,6 +81,28 @@ impl Published {
         let learned = if self.learned { Learned::Learned } else { Learned::NotYet };
         (davis, learned)
     }
+}
+
+/// r at [`BOUND_KMH`], N/kg.
+fn at_bounds(davis: &Davis) -> [Real; 3] {
+    BOUND_KMH.map(|kmh| davis.resistance_n_per_kg(KmPerHour(kmh).to_mps()))
+}
+
+fn does_rise([slow, middle, fast]: [Real; 3]) -> bool {
+    middle >= (1.0 + LEAST_RISE) * slow && fast >= middle
+}
+
+/// Rises with speed as the resistance of a train does: by [`LEAST_RISE`] from 20 to 80 km/h, and not less beyond.
+///
+/// ```
+/// use rundown::{model::resistance::Davis, tick::published::rises};
+///
+/// let freight = Davis { r0: 0.0131, r1: 1.93e-4, r2: 1.6e-5 };
+/// let per_kmh = Davis { r1: freight.r1 / 3.6, r2: freight.r2 / 12.96, ..freight };
+/// assert!(rises(&freight) && !rises(&per_kmh));
+/// ```
+pub fn rises(davis: &Davis) -> bool {
+    does_rise(at_bounds(davis))
 }
 
 /// Standard deviations of r at [`JUDGED_KMH`], N/kg.

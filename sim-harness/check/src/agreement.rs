@@ -217,7 +217,10 @@ pub(crate) const ALONE: f64 = 2.0;
 
 /// Tells each run of a recorder what bends between the rows usually make of one alone: root of the mean square.
 pub(crate) fn share_bends(runs: &mut [Option<Agreement>]) {
-    let alone = |run: &Agreement| by_bends(std::slice::from_ref(run));
+    let alone = |run: &Agreement| {
+        let alone = std::slice::from_ref(run);
+        by_bends(alone, &joint(alone)?.values)
+    };
     let squares: Vec<Matrix2<f64>> =
         runs.iter().flatten().filter_map(alone).map(|one| one.component_mul(&one)).collect();
     let usual =
@@ -225,25 +228,32 @@ pub(crate) fn share_bends(runs: &mut [Option<Agreement>]) {
     runs.iter_mut().flatten().for_each(|run| run.usual_bends = usual);
 }
 
-/// What 1/s - 1 and o/s are more by than with other bends.
-fn by_bends(runs: &[Agreement]) -> Option<Matrix2<f64>> {
-    if runs.iter().all(|run| run.with_other_bends.is_none()) {
+/// A row of one of the runs is far from the next.
+fn are_far(runs: &[Agreement]) -> bool {
+    runs.iter().any(|run| run.with_other_bends.is_some())
+}
+
+/// What the runs say together, the ways bent as they are taken to be.
+fn joint(runs: &[Agreement]) -> Option<Joint> {
+    rounding::joint(&runs.iter().map(|run| &run.equations).collect::<Vec<_>>(), are_far(runs))
+}
+
+/// What these values of 1/s - 1 and o/s are more by than with other bends.
+fn by_bends(runs: &[Agreement], values: &Vector2<f64>) -> Option<Matrix2<f64>> {
+    if !are_far(runs) {
         return Some(Matrix2::zeros());
     }
-    let values = |of: &dyn Fn(&'_ Agreement) -> &'_ Equations| {
-        Some(rounding::joint(&runs.iter().map(of).collect::<Vec<_>>(), true)?.values)
+    let more_than = |which: usize| {
+        let others = runs.iter().map(|run| run.with_other_bends.as_ref().map_or(&run.equations, |all| &all[which]));
+        Some(values - rounding::joint(&others.collect::<Vec<_>>(), true)?.values)
     };
-    let as_is = values(&|run| &run.equations)?;
-    let other = |which: usize| values(&|run| run.with_other_bends.as_ref().map_or(&run.equations, |all| &all[which]));
-    Some(Matrix2::from_columns(&[as_is - other(0)?, as_is - other(1)?]))
+    Some(Matrix2::from_columns(&[more_than(0)?, more_than(1)?]))
 }
 
 /// Pools runs, each weighed by what it can tell apart.
 pub fn pooled(runs: &[Agreement]) -> Option<Pooled> {
-    let are_far = runs.iter().any(|run| run.with_other_bends.is_some());
-    let Joint { values, covariance } =
-        rounding::joint(&runs.iter().map(|run| &run.equations).collect::<Vec<_>>(), are_far)?;
-    let mut by_bends = by_bends(runs)?;
+    let Joint { values, covariance } = joint(runs)?;
+    let mut by_bends = by_bends(runs, &values)?;
     if let [one] = runs {
         by_bends = by_bends.zip_map(&one.usual_bends, |own: f64, usual: f64| own.abs().max(usual).copysign(own));
     }

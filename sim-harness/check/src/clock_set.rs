@@ -40,16 +40,26 @@ struct Side {
     speed_mps: f64,
 }
 
+/// Time, s, location, m, and speed, m/s, of the rows up to the first slow one.
+fn moving<'a>(rows: impl Iterator<Item = &'a Sample>) -> Vec<[f64; 3]> {
+    let read = rows.filter_map(|row| Some([row.time_s, row.location_m?, row.speed_mps?]));
+    read.take_while(|[.., speed_mps]| *speed_mps > MOVES_MPS).collect()
+}
+
+/// Way by speed from one of them to the next, m.
+fn by_speed_m(pair: &[[f64; 3]]) -> f64 {
+    0.5 * (pair[0][2] + pair[1][2]) * (pair[1][0] - pair[0][0])
+}
+
 /// What the rows up to the first slow one say together, the one beside the step first.
 fn side<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<Side> {
-    let read = rows.take(MOST_ROWS).filter_map(|row| Some([row.time_s, row.location_m?, row.speed_mps?]));
-    let read: Vec<[f64; 3]> = read.take_while(|[.., speed_mps]| *speed_mps > MOVES_MPS).collect();
+    let read = moving(rows.take(MOST_ROWS));
     let is_enough = read.len() >= LEAST_ROWS && read[0][2] > FAST_MPS;
     let ([first, .., last], true) = (read.as_slice(), is_enough) else { return None };
     let forward = ((last[1] - first[1]) * (last[0] - first[0])).signum();
     let (mut way_m, mut places) = (0.0, vec![first[1]]);
     for pair in read.windows(2) {
-        way_m += forward * 0.5 * (pair[0][2] + pair[1][2]) * (pair[1][0] - pair[0][0]);
+        way_m += forward * by_speed_m(pair);
         places.push(pair[1][1] - way_m);
     }
     // A location that stands still says nothing.
@@ -94,11 +104,9 @@ pub(crate) fn goes_on(rows: &[Sample], at: usize, change_s: f64) -> bool {
 
 /// Of the rows up to the first slow one.
 fn goes_with_speed<'a>(rows: impl Iterator<Item = &'a Sample>, change_s: f64) -> bool {
-    let read = rows.filter_map(|row| Some([row.time_s, row.location_m?, row.speed_mps?]));
-    let read: Vec<[f64; 3]> = read.take_while(|[.., speed_mps]| *speed_mps > MOVES_MPS).collect();
+    let read = moving(rows);
     let [first, .., last] = read.as_slice() else { return true };
-    let by_speed = |pair: &[[f64; 3]]| 0.5 * (pair[0][2] + pair[1][2]) * (pair[1][0] - pair[0][0]);
-    let by_speed_m = read.windows(2).map(by_speed).sum::<f64>().abs();
+    let by_speed_m = read.windows(2).map(by_speed_m).sum::<f64>().abs();
     let by_location_m = (last[1] - first[1]).abs();
     let off_m = (by_location_m - by_speed_m).abs();
     off_m < MADE_UP * first[2] * change_s.abs() && off_m < MADE_UP * by_speed_m

@@ -211,6 +211,12 @@ fn log_folder(path: &Path) -> PathBuf {
     if is_data_set { runs } else { path.to_owned() }
 }
 
+/// The first names of some, and whether there are more.
+pub fn first_of(names: &[String], most: usize) -> String {
+    let more = if names.len() > most { ", ..." } else { "" };
+    format!("{}{more}", names[..names.len().min(most)].join(", "))
+}
+
 /// What looks like a log in a folder and cannot be read as one: compressed files, and links to nothing.
 pub fn skipped_in(folder: &Path) -> Option<String> {
     let (mut packed, mut dangling) = (Vec::new(), Vec::new());
@@ -225,9 +231,7 @@ pub fn skipped_in(folder: &Path) -> Option<String> {
     let count = packed.len() + dangling.len();
     let of = |mut names: Vec<String>, what: &str| {
         names.sort();
-        let more = if names.len() > NAMED { ", ..." } else { "" };
-        let first = names[..names.len().min(NAMED)].join(", ");
-        (!names.is_empty()).then(|| format!("{} {what} ({first}{more})", names.len()))
+        (!names.is_empty()).then(|| format!("{} {what} ({})", names.len(), first_of(&names, NAMED)))
     };
     let parts = [of(packed, "compressed, to be unpacked first"), of(dangling, "linked to nothing")];
     let parts = parts.into_iter().flatten().collect::<Vec<String>>().join(", ");

@@ -10,7 +10,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::tick::foresight::Trust;
 use rundown::tick::memory::SHORT_HOPS_SD;
-use rundown::tick::published::LEAST_RISE;
+use rundown::tick::published::{LEAST_RISE, rises};
 use rundown_check::gradients::{CONVERSIONS, converted};
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::Learned;
@@ -132,12 +132,6 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
         ));
     }
     notes
-}
-
-/// As trains do: a description per km/h is too flat.
-fn rises(davis: &Davis) -> bool {
-    let [slow, fast] = [20.0, 80.0].map(|kmh| davis.resistance_n_per_kg(kmh / 3.6));
-    fast > (1.0 + LEAST_RISE) * slow
 }
 
 /// How far the vehicle is from its description, in standard deviations of vehicles.

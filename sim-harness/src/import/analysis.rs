@@ -12,7 +12,7 @@ use super::source::row::{Header, refused};
 use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
-use rundown_files::run_set::{PACKED, is_index, skipped_in, without_results};
+use rundown_files::run_set::{PACKED, first_of, is_index, skipped_in, without_results};
 use rundown_pages::numbers::counted;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -252,13 +252,12 @@ fn other_kinds(folder: &Path, inside: &[PathBuf], ends: &[&str]) -> Option<Strin
         path.is_file() && !is_own && !ends.contains(&&*end) && !PACKED.contains(&&*end)
     };
     let names: Vec<String> = inside.iter().filter(is_other).map(|path| name(path)).collect();
-    let more = if names.len() > NAMED { ", ..." } else { "" };
-    let first = names[..names.len().min(NAMED)].join(", ");
     (!names.is_empty()).then(|| {
         format!(
-            "{}: skipped {} of other kinds ({first}{more}); a log among them is read if it is named itself",
+            "{}: skipped {} of other kinds ({}); a log among them is read if it is named itself",
             folder.display(),
-            counted(names.len(), "file", "files")
+            counted(names.len(), "file", "files"),
+            first_of(&names, NAMED)
         )
     })
 }

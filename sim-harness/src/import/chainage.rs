@@ -90,16 +90,14 @@ fn found(runs: &[Staged], given: Given) -> Placed {
 }
 
 fn by(method: Method, why: String, runs: &[Staged], given: Given) -> Placed {
-    if method == Method::Line {
-        return on_line(runs, given, why);
-    }
     let places = match method {
+        Method::Line => return on_line(runs, given, why),
         Method::AsIs => as_they_are(runs),
         Method::Stops => {
             let ways = [KnownLine::by_scaled_stops, KnownLine::by_stops, KnownLine::by_ends, KnownLine::by_speeds];
             shifted(runs, &ways, &given.stops_m)
         }
-        Method::Align | Method::Line => shifted(runs, &[KnownLine::by_speeds], &[]),
+        Method::Align => shifted(runs, &[KnownLine::by_speeds], &[]),
     };
     Placed { method, why, places, line: Vec::new(), doubt: None }
 }
