@@ -17,6 +17,7 @@
 //! | does the speed read zero below a threshold? | [`dead_zone`] |
 //! | what does the rounding of held speeds do? | `rounding` |
 //! | does the speed repeat old values? | [`held`] |
+//! | does the speed change in stairs? | `stairs` |
 //! | are rows no readings, but between them? | `interpolated` |
 //! | does the effort stand still? | `effort_held` |
 //! | do speeds trail behind the train in a filter? | `trailing` |
@@ -88,6 +89,7 @@ pub mod row_step;
 mod run;
 pub mod same;
 mod smoothed;
+mod stairs;
 pub mod steps;
 mod trailing;
 mod wheel_change;

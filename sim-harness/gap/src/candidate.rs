@@ -27,6 +27,8 @@ pub enum Shape {
     Section([f64; 2]),
     /// A time constant, a speed, a length.
     Number(f64),
+    /// Such a number, and a second one.
+    Numbers(f64, f64),
     /// The runs in which it acts.
     Runs(Vec<usize>),
     /// A number, and the runs in which it acts.
@@ -47,12 +49,20 @@ pub enum Side {
 /// What a shape is made of, for the candidate that made it: of another form it has nothing.
 impl Shape {
     pub fn number(&self) -> f64 {
-        if let Self::Number(number) | Self::NumberInRuns(number, _) = self { *number } else { f64::NAN }
+        match self {
+            Self::Number(number) | Self::Numbers(number, _) | Self::NumberInRuns(number, _) => *number,
+            _ => f64::NAN,
+        }
+    }
+
+    pub fn second_number(&self) -> f64 {
+        if let Self::Numbers(_, number) = self { *number } else { f64::NAN }
     }
 
     /// The same with another number.
     pub fn with_number(&self, number: f64) -> Self {
         match self {
+            Self::Numbers(_, second) => Self::Numbers(number, *second),
             Self::NumberInRuns(_, runs) => Self::NumberInRuns(number, runs.clone()),
             _ => Self::Number(number),
         }
@@ -195,13 +205,15 @@ pub struct Offer<'a> {
 }
 
 /// How a shape that is a number is made finer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Dial {
     pub step: f64,
     /// The range in which it makes sense; the step too is of the logarithm where that is what turns.
     pub range: (f64, f64),
     /// The shape is the exponential of the value.
     pub exponential: bool,
+    /// The range of the logarithm of a second number.
+    pub second_range: (f64, f64),
 }
 
 /// Where an effect shows if it leaves no mean residual.
@@ -241,9 +253,14 @@ pub struct Nature {
 impl Offer<'_> {
     /// The numbers of a candidate that are tried first. `unit`: how many of the prior's units are one of the shape.
     pub fn numbers(&self, of: &'static dyn Candidate, unit: f64) -> Family {
+        let numbers = self.first_numbers(of).into_iter();
+        Family::Shapes(numbers.map(|number| Term { of, shape: Shape::Number(number / unit) }).collect())
+    }
+
+    /// The same in the prior's unit.
+    pub fn first_numbers(&self, of: &dyn Candidate) -> Vec<f64> {
         let changed = self.context.config.prior.get(of.name()).and_then(|change| change.shapes.clone());
-        let shapes = changed.unwrap_or_else(|| of.facts().prior.shapes.to_vec());
-        Family::Shapes(shapes.into_iter().map(|number| Term { of, shape: Shape::Number(number / unit) }).collect())
+        changed.unwrap_or_else(|| of.facts().prior.shapes.to_vec())
     }
 }
 
@@ -347,6 +364,8 @@ pub struct SectionLimits {
 pub struct ShapeLimits {
     pub shape: (f64, f64),
     pub beta: (f64, f64),
+    /// Of its second number.
+    pub second: Option<(f64, f64)>,
 }
 
 /// A term with its coefficients.
@@ -401,7 +420,7 @@ impl Fitted {
 
     /// The first coefficient, the number that is its shape in another unit, and the intervals of both.
     pub fn with_number(&self, parameter: &'static str, number: &'static str, unit: f64) -> (f64, f64, Vec<Interval95>) {
-        let intervals = self.shape.map_or_else(Vec::new, |ShapeLimits { shape, beta }| {
+        let intervals = self.shape.map_or_else(Vec::new, |ShapeLimits { shape, beta, .. }| {
             vec![(parameter, beta.0, beta.1), (number, unit * shape.0, unit * shape.1)]
         });
         (self.beta[0], unit * self.term.shape.number(), intervals)

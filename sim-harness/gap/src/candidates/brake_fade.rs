@@ -44,7 +44,7 @@ impl Candidate for This {
     }
 
     fn dial(&self, _: &Shape) -> Option<Dial> {
-        Some(Dial { step: 2.5, range: (0.0, 32.0), exponential: false })
+        Some(Dial { step: 2.5, range: (0.0, 32.0), exponential: false, ..Dial::default() })
     }
 
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {

@@ -56,7 +56,7 @@ impl Candidate for This {
 
     fn dial(&self, shape: &Shape) -> Option<Dial> {
         let log_m = shape.number().ln();
-        Some(Dial { step: 0.03, range: (log_m - 0.3, log_m + 0.3), exponential: true })
+        Some(Dial { step: 0.03, range: (log_m - 0.3, log_m + 0.3), exponential: true, ..Dial::default() })
     }
 
     fn effect(&self, fitted: &Fitted, naming: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {

@@ -42,7 +42,7 @@ impl Candidate for This {
 
     /// 20 s to 40 min.
     fn dial(&self, _: &Shape) -> Option<Dial> {
-        Some(Dial { step: 0.25, range: (3.0, 7.8), exponential: true })
+        Some(Dial { step: 0.25, range: (3.0, 7.8), exponential: true, ..Dial::default() })
     }
 
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {

@@ -2,7 +2,9 @@
 
 pub mod believed;
 pub mod cut;
+mod efforts;
 pub mod interval;
 pub mod load;
+mod nodes;
 pub mod rows;
 pub mod runs;

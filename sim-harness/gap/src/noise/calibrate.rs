@@ -76,7 +76,17 @@ fn common(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
     let config = &context.config.nuisance;
     let gain = has_efforts(rows).then(|| (effort(rows), config.effort_gain_sd));
     let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
-    gain.into_iter().chain([(offset, config.location_offset_sd_m)]).collect()
+    gain.into_iter().chain([(offset, config.location_offset_sd_m)]).chain(starting_gains(context, rows)).collect()
+}
+
+/// What the effort column is off by beside its gain in the first seconds after a start, at all speeds and rising with the speed: how late it is there, and how a handle moves, is known
+/// to so much only, and the efforts are the largest of all.
+fn starting_gains(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
+    let config = &context.config.interval;
+    let starts = |row: &Row| if row.interval.dt_s < 1.5 * config.start_length_s { row.effort_n_per_kg } else { 0.0 };
+    let by_speed = |row: &Row| starts(row) * (row.interval.mean_speed_mps() / config.start_mps - 1.0);
+    let columns: [Vec<f64>; 2] = [rows.iter().map(starts).collect(), rows.iter().map(by_speed).collect()];
+    columns.map(|column| (column, context.config.nuisance.starting_gain_sd)).into()
 }
 
 /// The same with what the sensor of the effort is off by otherwise.

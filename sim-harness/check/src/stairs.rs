@@ -1,0 +1,169 @@
+//! Speeds that stand still from row to row and then change at once: a recorder that writes a speed only where it has changed enough, or every few rows.
+//!
+//! In: rows of a run. Out: the same without the repeats, each of which may be off by as much as the next change.
+//!
+//! ```text
+//! v  62.1  62.1  62.1  63.2  63.2  64.3  64.3  64.3  65.4        by tenths, and every change is 1.1
+//! ```
+//!
+//! A speed that is rounded stands still, too, and then changes by one step; one that is held by a controller, and then goes on changing. So the changes between
+//! repeats are asked: where most of them are of several steps, the train passed the steps between, and the rows did not show it. The first row of each stair is a
+//! reading; the others are left out.
+
+use crate::agreement::{Figure, HALF_95};
+use crate::finding::{Done, Finding, Kind};
+use crate::row_step::usual_step_s;
+use crate::steps;
+use rundown_files::sample::Sample;
+use rundown_files::statistics::{median, spread};
+
+/// Fewer changes between repeats say nothing.
+const LEAST_STAIRS: usize = 20;
+/// The median of these changes is of so many steps; one step more is what a train may change by in a row after it was held.
+const STEPS: f64 = 1.9;
+/// And no less than this, km/h: noise.
+const LEAST_KMH: f64 = 0.4;
+/// Of the changes after repeats such a share has a repeat behind it, too: a train that was held goes on changing.
+const BETWEEN: f64 = 0.3;
+/// Share of the moving rows that repeat: fewer are a display that was late now and then.
+const LEAST_SHARE: f64 = 0.05;
+
+/// What of a run stands still.
+#[derive(Default)]
+struct Stairs {
+    /// Rows that repeat the speed of the row before.
+    repeats: Vec<usize>,
+    /// Rows of a moving train.
+    moving: usize,
+    /// Changes after repeats.
+    after: usize,
+    /// Those of them with a repeat behind, km/h, not negative.
+    between_kmh: Vec<f64>,
+}
+
+/// Leaves out the speeds that repeat the one before, where they are stairs.
+pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+    let Stairs { repeats, moving, after, between_kmh } = Stairs::of(rows);
+    let count = between_kmh.len();
+    let Some(usual_kmh) = median(between_kmh.iter().copied()).filter(|_| count >= LEAST_STAIRS) else {
+        return;
+    };
+    let step_kmh = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0);
+    let is_some = repeats.len() as f64 > LEAST_SHARE * moving as f64;
+    if !is_some || usual_kmh < LEAST_KMH.max(STEPS * step_kmh) || (count as f64) < BETWEEN * after as f64 {
+        return;
+    }
+    let spread_kmh = spread(between_kmh.iter().map(|kmh| kmh - usual_kmh));
+    let sd = (1.2533 * spread_kmh / (count as f64).sqrt()).max(0.5 * step_kmh / HALF_95);
+    let figure = Figure { value: usual_kmh, sd };
+    let (count, line) = (repeats.len(), rows[repeats[0]].line);
+    findings.push(Finding { kind: Kind::Stairs, figure, unit: "km/h", count, line, done: Done::LeftOut });
+    repeats.into_iter().for_each(|row| rows[row].speed_mps = None);
+}
+
+impl Stairs {
+    fn of(rows: &[Sample]) -> Self {
+        let longest_s = 1.5 * usual_step_s(rows);
+        // From the row before to this one, m/s; none at a stand, and where rows or speeds are missing.
+        let change_mps = |i: usize| {
+            let pair = [rows.get(i.checked_sub(1)?)?, rows.get(i)?];
+            let [before, now] = [pair[0].speed_mps?, pair[1].speed_mps?];
+            (before > 0.0 && now > 0.0 && pair[1].time_s - pair[0].time_s <= longest_s).then_some(now - before)
+        };
+        let mut stairs = Self::default();
+        for i in 1..rows.len() {
+            let Some(change) = change_mps(i) else { continue };
+            stairs.moving += 1;
+            if change == 0.0 {
+                stairs.repeats.push(i);
+            } else if change_mps(i - 1) == Some(0.0) {
+                stairs.after += 1;
+                if change_mps(i + 1) == Some(0.0) {
+                    stairs.between_kmh.push(3.6 * change.abs());
+                }
+            }
+        }
+        stairs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Speeds of a train that goes up and down between 40 and 110 km/h, by up to 1.6 km/h a second, as `shown` has them.
+    fn shown(mut shown: impl FnMut(usize, f64) -> f64) -> Vec<Sample> {
+        let kmh = |i: usize| 75.0 + 35.0 * (i as f64 / 22.0).sin();
+        let sample = |i: usize| Sample {
+            time_s: i as f64,
+            speed_mps: Some(shown(i, kmh(i)) / 3.6),
+            line: i as u64 + 2,
+            ..Sample::default()
+        };
+        (0..900).map(sample).collect()
+    }
+
+    fn left_out(mut rows: Vec<Sample>) -> (Vec<Finding>, Vec<Sample>) {
+        let mut findings = Vec::new();
+        leave_out(&mut rows, &mut findings);
+        (findings, rows)
+    }
+
+    fn to(step_kmh: f64, kmh: f64) -> f64 {
+        (kmh / step_kmh).round() * step_kmh
+    }
+
+    /// Shows a speed anew once it has changed by so much.
+    fn dead_band(band_kmh: f64, step_kmh: f64) -> Vec<Sample> {
+        let mut last = 0.0_f64;
+        shown(|_, kmh| {
+            if (kmh - last).abs() >= band_kmh {
+                last = kmh;
+            }
+            to(step_kmh, last)
+        })
+    }
+
+    #[test]
+    fn repeats_of_a_speed_that_is_shown_once_it_has_changed_enough_are_left_out() {
+        for (band_kmh, step_kmh) in [(1.0, 0.1), (2.0, 1.0), (2.0, 0.1)] {
+            let recorded = dead_band(band_kmh, step_kmh);
+            let repeats = recorded.windows(2).filter(|pair| pair[1].speed_mps == pair[0].speed_mps).count();
+            let (findings, rows) = left_out(recorded);
+            assert_eq!(findings.len(), 1, "{band_kmh}");
+            let found = &findings[0];
+            assert_eq!((found.kind, found.done, found.count), (Kind::Stairs, Done::LeftOut, repeats));
+            assert!((band_kmh - 0.01..band_kmh + 1.6).contains(&found.figure.value), "{found:?}");
+            assert_eq!(rows.iter().filter(|row| row.speed_mps.is_none()).count(), repeats);
+        }
+    }
+
+    #[test]
+    fn so_are_those_of_a_speed_that_arrives_every_fourth_row() {
+        let mut last = 0.0;
+        let (findings, rows) = left_out(shown(|i, kmh| {
+            if i % 4 == 0 {
+                last = to(0.1, kmh);
+            }
+            last
+        }));
+        assert_eq!(findings.len(), 1);
+        let kept = rows.iter().filter(|row| row.speed_mps.is_some()).map(|row| row.time_s as usize % 4);
+        assert!(kept.eq(std::iter::repeat_n(0, 225)));
+    }
+
+    #[test]
+    fn rounded_speeds_and_those_that_a_controller_holds_stay() {
+        for step_kmh in [0.1, 1.0, 2.0] {
+            assert_eq!(left_out(shown(|_, kmh| to(step_kmh, kmh))).0, []);
+        }
+        // Held at 50, at 85 and at 100 km/h, between which it changes at once by 1 km/h a second.
+        let held = [50.0, 85.0, 100.0, 85.0];
+        let mut kmh = 50.0_f64;
+        let controlled = shown(|i, _| {
+            kmh += (held[i / 30 % 4] - kmh).clamp(-1.0, 1.0);
+            to(0.1, kmh)
+        });
+        assert_eq!(left_out(controlled).0, []);
+    }
+}

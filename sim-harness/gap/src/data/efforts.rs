@@ -1,0 +1,116 @@
+//! What an effort column says between two samples: the mean effort, and how much it changes beyond what is understood.
+
+use crate::config::IntervalConfig;
+use crate::data::interval::POINTS;
+use crate::data::runs::EffortReading;
+use rundown_files::sample::Sample;
+
+/// The effort column of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Efforts<'a> {
+    pub(super) samples: &'a [Sample],
+    pub(super) reading: EffortReading,
+    pub(super) config: &'a IntervalConfig,
+}
+
+impl Efforts<'_> {
+    /// 0 where it is not known.
+    pub(super) fn at(&self, sample: usize) -> f64 {
+        self.samples[sample].effort_n_per_kg.unwrap_or(0.0)
+    }
+
+    /// Mean effort between two momentary readings. Under power it is the power that changes evenly: the straight line between two efforts would be too high by
+    /// up to 7e-4 N/kg at 10 s.
+    fn between(&self, a: f64, b: f64, pair: &[Sample]) -> f64 {
+        match (pair[0].speed_mps, pair[1].speed_mps) {
+            (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > self.config.by_power_mps => {
+                let at = |i: usize| {
+                    let t = (i as f64 + 0.5) / POINTS as f64;
+                    (a * v0 + (b * v1 - a * v0) * t) / (v0 + (v1 - v0) * t)
+                };
+                (0..POINTS).map(at).sum::<f64>() / POINTS as f64
+            }
+            _ => 0.5 * (a + b),
+        }
+    }
+
+    /// Change of the effort from one sample to another beyond what constant power explains.
+    fn change_between(&self, from: usize, to: usize) -> Option<f64> {
+        let [before, after] = [from, to].map(|sample| &self.samples[sample]);
+        let (a, b) = (before.effort_n_per_kg?, after.effort_n_per_kg?);
+        Some(match (before.speed_mps, after.speed_mps) {
+            (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > self.config.by_power_mps => {
+                let at_power = (b * v1 - a * v0) / (0.5 * (v0 + v1));
+                if at_power.abs() < (b - a).abs() { at_power } else { b - a }
+            }
+            _ => b - a,
+        })
+    }
+
+    /// Effort at the end of an interval less that at its beginning. A mean lies half a row back, so that of means the middles of neighbours are taken: the
+    /// noise of the interval's own effort, which would be taken for a delay, is not in it.
+    pub(super) fn step(&self, from: usize, to: usize) -> f64 {
+        if self.mean_after(to).is_none() {
+            return self.at(to) - self.at(from);
+        }
+        let middle = |sample: usize| 0.5 * (self.at(sample) + self.at(sample + 1));
+        middle(to) - middle(from)
+    }
+
+    /// The sample after one of a column of means, unless a gap lies between.
+    fn mean_after(&self, sample: usize) -> Option<usize> {
+        let samples = self.samples;
+        let next = samples.get(sample + 1).filter(|next| next.effort_n_per_kg.is_some())?;
+        let [before, now] = [sample - 1, sample].map(|sample| samples[sample].time_s);
+        let is_mean = self.reading == EffortReading::MeanSinceLast;
+        (is_mean && next.time_s - now < self.config.gap * (now - before)).then_some(sample + 1)
+    }
+
+    /// How much the effort changes up to a sample, not negative. A mean is judged by those around it: the noise of a mean is in its change, too, so that those
+    /// which count because they hardly change would be too high wherever the effort falls.
+    fn change(&self, sample: usize) -> Option<f64> {
+        let own = self.change_between(sample - 1, sample)?.abs();
+        let is_zero = |sample: usize| self.at(sample).abs() <= self.config.coasting_n_per_kg;
+        let coasts = is_zero(sample - 1) && is_zero(sample);
+        let next = self.mean_after(sample).filter(|_| !coasts);
+        let Some(around) = next.and_then(|next| self.change_between(sample - 1, next)) else {
+            return Some(own);
+        };
+        Some((0.5 * around).abs().max(self.apart(sample)))
+    }
+
+    /// How far the effort of a sample is from the middle of those around it, or their power.
+    fn apart(&self, sample: usize) -> f64 {
+        let around = [sample - 1, sample, sample + 1].map(|sample| &self.samples[sample]);
+        let [a, b, c] = around.map(|sample| sample.effort_n_per_kg.unwrap_or(0.0));
+        let apart = (b - 0.5 * (a + c)).abs();
+        match around.map(|sample| sample.speed_mps) {
+            [Some(v0), Some(v1), Some(v2)] if a > 0.0 && c > 0.0 && v0.min(v2) > self.config.by_power_mps => {
+                apart.min((b - 0.5 * (a * v0 + c * v2) / v1.max(self.config.by_power_mps)).abs())
+            }
+            _ => apart,
+        }
+    }
+
+    /// Mean and change of the effort between two samples.
+    pub(super) fn mean(&self, from: usize, to: usize) -> Option<(f64, f64)> {
+        let samples = &self.samples[from..=to];
+        let (mut sum, mut time_s, mut change) = (0.0, 0.0, 0.0);
+        let mut last = samples[0].effort_n_per_kg;
+        for (index, pair) in samples.windows(2).enumerate() {
+            let dt_s = pair[1].time_s - pair[0].time_s;
+            let now = pair[1].effort_n_per_kg;
+            let mean = match (self.reading, last, now) {
+                (EffortReading::Momentary, Some(a), Some(b)) => self.between(a, b, pair),
+                (EffortReading::MeanSinceLast, _, Some(b)) => b,
+                _ => return None,
+            };
+            // Over many samples the steps inside an interval are seen, and only their own halves are uncertain.
+            change += self.change(from + index + 1).unwrap_or(0.0) * dt_s;
+            sum += mean * dt_s;
+            time_s += dt_s;
+            last = now;
+        }
+        (time_s > 0.0).then(|| (sum / time_s, change / time_s))
+    }
+}

@@ -1,0 +1,238 @@
+//! Where the intervals of a run begin and end: readings of location and speed.
+//!
+//! Faster logs are thinned to intervals of 10 s, for within less the rounding of the speed hides everything; but where an effort column shows a start second by second
+//! its first intervals are shorter.
+
+use crate::config::IntervalConfig;
+use crate::data::efforts::Efforts;
+use crate::data::runs::Run;
+use rundown::model::line::Line;
+use rundown_files::sample::Sample;
+
+/// A reading of location and speed at one time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub(super) time_s: f64,
+    pub(super) location_m: f64,
+    pub(super) speed_mps: f64,
+    pub(super) sample: usize,
+}
+
+/// The readings of a run.
+pub(super) struct Nodes<'a> {
+    pub(super) run: &'a Run,
+    pub(super) line: &'a Line<'a>,
+    pub(super) efforts: Efforts<'a>,
+    pub(super) config: &'a IntervalConfig,
+}
+
+impl Nodes<'_> {
+    pub(super) fn read(&self, usual_s: f64) -> Vec<Node> {
+        let with_speed: Vec<(usize, f64)> = self
+            .run
+            .samples
+            .iter()
+            .enumerate()
+            .filter_map(|(index, sample)| Some((index, sample.speed_mps?)))
+            .collect();
+        let every_s = if usual_s > 0.5 * self.config.length_s { 0.0 } else { self.config.length_s };
+        let impulses = self.impulses();
+        let fine = self.sees_starts(usual_s);
+        let mut nodes: Vec<Node> = Vec::new();
+        let (mut next_s, mut stands, mut started_s) = (f64::NEG_INFINITY, false, f64::NEG_INFINITY);
+        for (place, &(sample, speed_mps)) in with_speed.iter().enumerate() {
+            let time_s = self.run.samples[sample].time_s;
+            stands |= speed_mps <= self.config.departed_mps;
+            let starts = fine && stands && speed_mps >= self.config.slowest_mps;
+            if starts {
+                (stands, started_s) = (false, time_s);
+            } else if time_s < next_s {
+                continue;
+            }
+            let fresh = time_s + self.config.start_length_s <= started_s + self.config.start_s + 1e-6;
+            let length_s = if fresh { self.config.start_length_s } else { every_s };
+            next_s = time_s + length_s - 0.25 * usual_s;
+            let speed_mps = if every_s > 0.0 { self.read_speed(&with_speed, &impulses, place) } else { speed_mps };
+            nodes.push(Node { time_s, location_m: f64::NAN, speed_mps, sample });
+        }
+        self.locate(&with_speed, &mut nodes);
+        nodes
+    }
+
+    /// An effort is known from row to row, so that a start is seen as it goes.
+    fn sees_starts(&self, usual_s: f64) -> bool {
+        usual_s <= 0.5 * self.config.start_length_s
+            && self.run.samples.iter().any(|sample| sample.effort_n_per_kg.is_some())
+    }
+
+    /// What effort and gradient have given since the begin, m/s, with the number of the stretch in which they are known without a gap. A log without an effort column
+    /// has the gradient alone.
+    fn impulses(&self) -> Vec<Option<(usize, f64)>> {
+        let with_effort = self.run.samples.iter().any(|s| s.effort_n_per_kg.is_some());
+        let gradient = |sample: &Sample| {
+            let late_m = self.run.recorded.location_lag_s * sample.speed_mps?;
+            Some(self.line.gradient_n_per_kg(sample.location_m? + self.line.direction.sign() * late_m))
+        };
+        let given = |index: usize| {
+            let effort = match self.efforts.mean(index - 1, index) {
+                Some((mean, _)) => mean,
+                None if with_effort => return None,
+                None => 0.0,
+            };
+            let (before, now) = (&self.run.samples[index - 1], &self.run.samples[index]);
+            let gradient = 0.5 * (gradient(before)? + gradient(now)?);
+            Some((effort - gradient) * (now.time_s - before.time_s))
+        };
+        let mut impulses = vec![None; self.run.samples.len()];
+        let (mut stretch, mut sum_mps) = (0, 0.0);
+        for index in 1..self.run.samples.len() {
+            match given(index) {
+                Some(impulse_mps) => {
+                    impulses[index - 1].get_or_insert((stretch, sum_mps));
+                    sum_mps += impulse_mps;
+                    impulses[index] = Some((stretch, sum_mps));
+                }
+                None => stretch += 1,
+            }
+        }
+        impulses
+    }
+
+    /// Speed of a fast log: a straight line through the readings around the moment. What effort and gradient give between them is taken out first where it is known:
+    /// a line is then right beside a switch of the regime too, and a change of the gradient is not smeared, which would look like a longer train.
+    fn read_speed(&self, with_speed: &[(usize, f64)], impulses: &[Option<(usize, f64)>], place: usize) -> f64 {
+        let (here, reading) = with_speed[place];
+        let at_s = self.run.samples[here].time_s;
+        // A train that stands is held, and what effort and gradient give does not move it.
+        let near = |&&(sample, speed): &&(usize, f64)| {
+            (self.run.samples[sample].time_s - at_s).abs() <= self.config.reading_s + 1e-6
+                && speed > self.config.departed_mps
+        };
+        let before = with_speed[..place].iter().rev().take_while(near);
+        let after = with_speed[place..].iter().take_while(near);
+        let around: Vec<(usize, f64)> = before.chain(after).copied().collect();
+        let given = |sample: usize| {
+            let (own, zero) = impulses[here]?;
+            let (stretch, sum) = impulses[sample]?;
+            (stretch == own).then_some(sum - zero)
+        };
+        let known = around.iter().all(|(sample, _)| given(*sample).is_some());
+        let (mut n, mut t1, mut t2, mut v0, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for &(sample, speed) in &around {
+            let t = self.run.samples[sample].time_s - at_s;
+            let speed = if known { speed - given(sample).unwrap_or(0.0) } else { speed };
+            n += 1.0;
+            t1 += t;
+            t2 += t * t;
+            v0 += speed;
+            v1 += speed * t;
+        }
+        let determinant = n * t2 - t1 * t1;
+        if n < 3.0 || determinant <= 0.0 || reading == 0.0 {
+            return reading;
+        }
+        ((t2 * v0 - t1 * v1) / determinant).max(0.0)
+    }
+
+    /// Gives each node a location: the distance by speed, shifted by what the location readings around it say.
+    fn locate(&self, with_speed: &[(usize, f64)], nodes: &mut [Node]) {
+        let around_s = self.config.located_s;
+        let sign = self.line.direction.sign();
+        // Distance by speed at each sample that has one.
+        let mut distance_m = vec![f64::NAN; self.run.samples.len()];
+        let mut speed_of = vec![0.0; self.run.samples.len()];
+        let mut sum = 0.0;
+        let mut last: Option<(usize, f64)> = None;
+        for &(sample, speed) in with_speed {
+            if let Some((before, slower)) = last {
+                let dt = self.run.samples[sample].time_s - self.run.samples[before].time_s;
+                sum += 0.5 * dt * (speed + slower);
+            }
+            distance_m[sample] = sum;
+            speed_of[sample] = speed;
+            last = Some((sample, speed));
+        }
+        let shifts: Vec<(f64, f64)> = self
+            .run
+            .samples
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| !distance_m[*index].is_nan())
+            .filter_map(|(index, sample)| {
+                let late_m = speed_of[index] * self.run.recorded.location_lag_s;
+                Some((sample.time_s, sample.location_m? - sign * (distance_m[index] - late_m)))
+            })
+            .collect();
+        if shifts.is_empty() {
+            return;
+        }
+        for node in nodes {
+            let from = shifts.partition_point(|s| s.0 < node.time_s - around_s);
+            let to = shifts.partition_point(|s| s.0 <= node.time_s + around_s);
+            let around = if from < to {
+                &shifts[from..to]
+            } else {
+                let nearest = from.min(shifts.len() - 1);
+                &shifts[nearest..=nearest]
+            };
+            let mut values: Vec<f64> = around.iter().map(|s| s.1).collect();
+            values.sort_by(f64::total_cmp);
+            // The mean of the middle half: neither outliers nor single readings count much.
+            let (low, high) = (values.len() / 4, values.len() - values.len() / 4);
+            let middle = &values[low..high];
+            node.location_m = sign * distance_m[node.sample] + middle.iter().sum::<f64>() / middle.len() as f64;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::data::cut::all;
+    use crate::data::interval::Interval;
+    use crate::data::runs::{EffortReading, Run};
+    use rundown_files::sample::Sample;
+
+    /// Of a train that is held until a time, while its effort is there already, then gains so many m/s²: read every `step_s`.
+    fn start(step_s: f64, with_effort: bool, held_s: f64, gains: f64) -> Vec<Interval> {
+        on_a_level_line(1, |context| {
+            let train = context.believed.train();
+            let sample = |row: i32| {
+                let time_s = f64::from(row) * step_s;
+                let moving_s = (time_s - held_s).max(0.0);
+                let speed_mps = gains * moving_s;
+                let effort = gains + train.davis().resistance_n_per_kg(speed_mps);
+                Sample {
+                    time_s,
+                    location_m: Some(100.0 + 0.5 * gains * moving_s * moving_s),
+                    speed_mps: Some(speed_mps),
+                    effort_n_per_kg: with_effort.then_some(effort),
+                    ..Sample::default()
+                }
+            };
+            let run = Run { samples: (0..=(50.0 / step_s) as i32).map(sample).collect(), ..Run::default() };
+            all(context, &[run], EffortReading::Momentary).concat()
+        })
+    }
+
+    /// Lengths of the intervals of a train that moves, s.
+    fn lengths(intervals: &[Interval]) -> Vec<f64> {
+        intervals.iter().filter(|i| i.speed_mps[0] >= 2.0).map(|i| i.dt_s).collect()
+    }
+
+    #[test]
+    fn a_start_is_seen_in_intervals_of_3_s_where_an_effort_column_shows_it() {
+        // The first row at 2 m/s and above is 4 s after the start.
+        assert_eq!(lengths(&start(1.0, true, 20.0, 0.6)), [3.0, 3.0, 3.0, 3.0, 10.0]);
+        assert_eq!(lengths(&start(1.0, false, 20.0, 0.6)), [10.0, 10.0]);
+        assert_eq!(lengths(&start(5.0, true, 20.0, 0.6)), [10.0, 10.0]);
+    }
+
+    #[test]
+    fn a_train_that_stands_is_in_no_straight_line_of_one_that_starts() {
+        let intervals = start(1.0, true, 20.5, 1.5);
+        for interval in intervals.iter().filter(|i| i.speed_mps[0] >= 2.0) {
+            assert!((interval.acceleration_mps2() - 1.5).abs() < 2e-3, "{interval:?}");
+        }
+    }
+}
