@@ -73,6 +73,7 @@ impl Group {
         notes.extend(seen.clock(columns, mapping)?);
         notes.extend(seen.exchanged(columns, mapping)?);
         notes.extend(seen.positions(columns));
+        notes.extend(seen.signed(columns, mapping));
         notes.extend(seen.unit_alone(columns));
         if let Some(first) = sources.first() {
             needed(columns, first).map_err(|missing| format!("{missing}; {}", notes.join("; ")))?;

@@ -65,6 +65,8 @@ pub struct Columns {
     pub zone_name: Option<String>,
     /// The times have their zones.
     pub has_zone: bool,
+    /// Speeds below zero are those of a train that goes back.
+    pub is_signed: bool,
     pub decimal: char,
     pub rotating_mass_kg: Option<f64>,
     pub unit_name: Option<String>,
@@ -137,6 +139,7 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
         zone,
         zone_name,
         has_zone: false,
+        is_signed: mapping.columns.get(&Meaning::Speed).and_then(|speed| speed.signed).unwrap_or(false),
         decimal,
         rotating_mass_kg,
         unit_name,
@@ -296,6 +299,7 @@ impl Columns {
                 unit: unit.map(|unit| unit.name.to_owned()),
                 kind: is_time.then_some(self.kind),
                 order: is_dated.then_some(self.order),
+                signed: (*meaning == Meaning::Speed && self.is_signed).then_some(true),
             };
             (*meaning, column)
         };

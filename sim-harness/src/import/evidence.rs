@@ -1,6 +1,7 @@
 //! Clock and units by what the readings say: the units whose distance by speed agrees with the distance by location.
 
 mod exchanged;
+mod signed;
 
 use super::clock::{self, ClockKind, DateOrder, Orders, WrittenTime};
 use super::columns::{Columns, How};
@@ -76,7 +77,11 @@ impl SeenRows {
                     let angle = number::angle(text, columns.decimal).map(|(angle, _)| angle);
                     read[position] = angle.or(read[position]);
                 }
-                self.rows.push(WrittenRow { numbers: read, time, date });
+                let mut row = WrittenRow { numbers: read, time, date };
+                if columns.is_signed {
+                    row.leave_out_sign();
+                }
+                self.rows.push(row);
                 for (meaning, index) in EXPECTED.into_iter().zip(numbers) {
                     if let Some(unit) = unit_behind(meaning, at(index), columns.decimal) {
                         self.behind.entry(meaning).or_insert(unit);

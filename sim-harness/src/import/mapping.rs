@@ -119,6 +119,9 @@ pub struct ColumnMapping {
     /// Of a date.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<DateOrder>,
+    /// Of a speed: below zero the train goes back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub signed: Option<bool>,
 }
 
 impl Mapping {

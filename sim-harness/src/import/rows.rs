@@ -91,6 +91,9 @@ impl<'a> Converter<'a> {
                 account.count(NO_PLACE, 1);
             }
         }
+        if self.columns.is_signed {
+            sample.speed_mps = sample.speed_mps.map(f64::abs);
+        }
         self.beyond(&mut sample, account);
         sample.speed_mps = sample.speed_mps.filter(|mps| {
             if *mps < 0.0 {

@@ -361,3 +361,47 @@ fn a_column_that_stands_twice_or_has_no_part_is_said_as_it_is() {
     let line = "not used, for another column has the speed (\"speed_kmh\"): \"gps speed [km/h]\"";
     assert!(said.contains(line) && !said.contains("no name of theirs"), "{said}");
 }
+
+#[test]
+fn a_speed_that_is_signed_by_direction_is_read_without_its_sign_and_single_ones_are_wrong() {
+    let there = drive(&STOPS_M, 30.0);
+    let end_s = there.last().unwrap().0 + 1.0;
+    let back = there.iter().map(|(t, x, v)| (end_s + t, 11_900.0 - x, -v));
+    let both: Vec<(f64, f64, f64)> = there.iter().copied().chain(back.clone()).collect();
+    let back: Vec<(f64, f64, f64)> = back.collect();
+    let glitches: Vec<(f64, f64, f64)> =
+        there.iter().map(|(t, x, v)| (*t, *x, if t % 97.0 == 50.0 { -v } else { *v })).collect();
+    // An odometer counts on; the units are found by evidence, too.
+    let counts_on: Vec<(f64, f64, f64)> =
+        both.iter().map(|(t, x, v)| (*t, if *t < end_s { *x } else { 23_800.0 - x }, *v)).collect();
+    let text =
+        |header: &str, rows: &[(f64, f64, f64)]| table(header, rows, |t, x, v| format!("{t},{x:.1},{:.1}", 3.6 * v));
+    let named = "time_s,location_m,speed_kmh";
+    for (header, rows, runs) in
+        [(named, &both, 2), ("time_s,Weg,v", &both, 2), (named, &back, 1), (named, &counts_on, 1)]
+    {
+        let folder = Folder::new().with("a.csv", &text(header, rows));
+        let said = folder.done(&["import", "a.csv"]);
+        assert!(
+            said.err.contains("is taken for the direction of travel") && !said.out.contains("below zero"),
+            "{said:?}"
+        );
+        let last_run = csv(&folder, &format!("runs/a_{runs:02}.csv"));
+        near(last_run.iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
+        assert!(last_run.iter().all(|row| row[2] >= 0.0), "{runs}");
+        folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+        assert_eq!(folder.read("runs/a_01.csv"), folder.read("again/a_01.csv"));
+        assert!(folder.read("again/import.toml").contains("signed = true"));
+    }
+    let denied = "[[source]]\ncolumns.speed = { name = \"speed_kmh\", signed = false }\n";
+    let folder =
+        Folder::new().with("g.csv", &text(named, &glitches)).with("b.csv", &text(named, &both)).with("m.toml", denied);
+    for arguments in [&["import", "g.csv", "--out", "g"][..], &["import", "b.csv", "--out", "b", "--mapping", "m.toml"]]
+    {
+        let said = folder.done(arguments);
+        assert!(
+            !said.err.contains("direction of travel") && said.out.contains("below zero, taken as missing"),
+            "{said:?}"
+        );
+    }
+}
