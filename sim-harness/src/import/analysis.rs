@@ -82,6 +82,8 @@ impl Group {
         let repeated = columns.repeated(sources.first().map_or(&[], |first| &first.headers));
         let also: String = repeated.iter().map(|note| format!("; {note}")).collect();
         notes.extend(seen.units(columns).map_err(|why| why + &also)?);
+        // The way by a location of which nothing named the unit is known now.
+        notes.extend(seen.exchanged(columns, mapping)?);
         doubts.extend(seen.doubt(columns));
         *denied = seen.denied(columns);
         notes.extend(notes_of(columns, sources.first().map_or(&[], |first| &first.headers)));

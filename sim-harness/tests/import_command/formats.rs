@@ -96,6 +96,26 @@ fn positions_under_each_others_names_are_put_right_with_the_figure() {
         assert_eq!(found.len(), right.len());
         found.iter().zip(&right).for_each(|(a, b)| near(a[1], b[1], 2.0));
     }
+    // Nor does it take a unit: no unit of trains agrees with the names.
+    for (header, note) in [
+        ("time [s],lon,lat,speed", Some("in km/h, and no other unit agrees,")),
+        ("time [s],lat,lon,speed", None),
+        ("time,lon,lat,location,speed", Some("of that by location as")),
+        ("time,lat,lon,location,speed", None),
+    ] {
+        let text = table(header, &rows, |t, x, v| {
+            let (latitude, longitude) = place(x, 0.0);
+            let located = if header.contains("location") { format!("{x:.1},") } else { String::new() };
+            format!("{t},{latitude:.7},{longitude:.7},{located}{:.1}", 3.6 * v)
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv", "--chainage", "line"]).err;
+        assert_eq!(said.contains("is taken for the latitude"), note.is_some(), "{header}: {said}");
+        assert!(note.is_none_or(|note| said.contains(note)), "{header}: {said}");
+        let found = csv(&folder, "runs/a_01.csv");
+        near(found.iter().map(|row| row[2]).fold(0.0, f64::max), 90.0, 0.1);
+        near(last(&found)[1] - found[0][1], last(&right)[1] - right[0][1], 2.0);
+    }
     // What a person said is not turned, but refused.
     let folder = folder_of("a,b,c,speed [km/h]", 0.0);
     let mapping = "[[source]]\n[source.columns]\ntime = { name = \"a\", unit = \"s\" }\nlatitude = { name = \"c\" }\nlongitude = { name = \"b\" }\n";

@@ -1,11 +1,11 @@
 //! Latitude and longitude under each other's name.
 
-use super::{SeenRows, WrittenRow};
+use super::{FASTEST_MPS, NEAR, Passing, SeenRows, WrittenRow, usual};
 use crate::import::columns::Columns;
 use crate::import::geo;
 use crate::import::mapping::{SAY_IT, SourceMapping, line};
 use crate::import::meaning::Meaning;
-use crate::import::units::Unit;
+use crate::import::units::{self, Unit};
 use rundown_files::statistics::median;
 
 /// Ways by positions are compared in chords of so many metres, of which so many decide.
@@ -29,12 +29,9 @@ impl SeenRows {
         let are_degrees = fixes().all(|(first, second)| first.abs() <= 180.0 && second.abs() <= 90.0);
         let why = match beyond.filter(|_| are_degrees) {
             Some((first, _)) => format!("{first} is no latitude"),
-            None => match self.ways(columns) {
-                Some([named, other]) if is_other_way(named, other) => format!(
-                    "the way by positions is {named:.4} of that by {} as the columns are named, and {other:.4} once they are exchanged",
-                    if columns.has(Meaning::Location) { "location" } else { "speed" }
-                ),
-                _ => return Ok(None),
+            None => match self.exchanged_ways(columns) {
+                Some(why) => why,
+                None => return Ok(None),
             },
         };
         let [first, second] = [&latitude.header, &longitude.header].map(Clone::clone);
@@ -50,18 +47,41 @@ impl SeenRows {
         Ok(Some(format!("column {second:?} is taken for the latitude and {first:?} for the longitude: {why}")))
     }
 
-    /// The way by positions over that by location, or by speed, as the columns are named and once they are exchanged: medians over chords. None where the
-    /// units of the other are not known, or too few rows show it.
-    fn ways(&self, columns: &Columns) -> Option<[f64; 2]> {
-        let si = |meaning, value: f64| columns.unit(meaning).map(|unit| unit.to_si(value));
+    /// How the ways say that they are exchanged. Where nothing names the unit of the speed, beside which alone they go: no unit of trains agrees with the
+    /// positions as they are named, and one only once they are exchanged.
+    fn exchanged_ways(&self, columns: &Columns) -> Option<String> {
+        let by = if columns.has(Meaning::Location) { Meaning::Location } else { Meaning::Speed };
+        let figures = |[named, other]: [f64; 2], unit: &str| {
+            format!(
+                "the way by positions is {named:.4} of that by {}{unit} as the columns are named, and {other:.4} once they are exchanged",
+                by.key()
+            )
+        };
+        if let Some(unit) = columns.unit(by) {
+            return self.ways(columns, unit).filter(|ways| is_other_way(*ways)).map(|ways| figures(ways, ""));
+        }
+        // Of a location without a unit its speed decides that first.
+        let rows: Vec<Option<Passing>> = self.rows.iter().map(|row| row.passing(columns)).collect();
+        let (fastest, _) = usual(&rows).filter(|_| by == Meaning::Speed)?;
+        let of_trains = units::candidates(by).iter().filter(|unit| FASTEST_MPS.contains(&unit.to_si(fastest)));
+        let tried: Vec<(&Unit, [f64; 2])> =
+            of_trains.filter_map(|unit| Some((unit, self.ways(columns, *unit)?))).collect();
+        let is_named_rightly = tried.iter().any(|(_, [named, _])| (named - 1.0).abs() < NEAR);
+        let mut agree = tried.iter().filter(|(_, ways)| is_other_way(*ways));
+        let (unit, ways) = agree.next().filter(|_| !is_named_rightly)?;
+        agree.next().is_none().then(|| figures(*ways, &format!(" in {}, and no other unit agrees,", unit.name)))
+    }
+
+    /// The way by positions over that by location, or by speed, in this unit, as the columns are named and once they are exchanged: medians over chords. None
+    /// where too few rows show it.
+    fn ways(&self, columns: &Columns, unit: Unit) -> Option<[f64; 2]> {
         let located = columns.has(Meaning::Location);
         let passing = |row: &WrittenRow| {
             let [_, location, speed, latitude, longitude] = row.numbers;
             let fix = latitude.zip(longitude).filter(|fix| *fix != (0.0, 0.0))?;
             let time = row.time(columns)?;
-            let time_s = if columns.kind.has_unit() { si(Meaning::Time, time)? } else { time };
-            let other = if located { si(Meaning::Location, location?)? } else { si(Meaning::Speed, speed?)? };
-            Some((time_s, fix, other))
+            let time_s = if columns.kind.has_unit() { columns.unit(Meaning::Time)?.to_si(time) } else { time };
+            Some((time_s, fix, unit.to_si(if located { location? } else { speed? })))
         };
         let mut ratios: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
         let mut begin: Option<((f64, f64), f64)> = None;
@@ -91,7 +111,7 @@ impl SeenRows {
 }
 
 /// Exchanged positions go the way, and those as they are named do not.
-fn is_other_way(named: f64, exchanged: f64) -> bool {
+fn is_other_way([named, exchanged]: [f64; 2]) -> bool {
     let [off, left] = [named, exchanged].map(|ratio| (ratio - 1.0).abs());
     left < WAY_NEAR && off > WAY_NEAR && off > FARTHER * left
 }
