@@ -24,6 +24,8 @@ const STEPS: usize = 20;
 /// The same where rows are far apart and stops near.
 const FEW_STEPS: usize = 5;
 const LEAST_STRETCHES: usize = 4;
+/// A train moves above this share of the speed that is hardly ever exceeded.
+const MOVES: f64 = 0.25;
 /// Speed and location are of one train where so many stretches have the usual ratio within that.
 const LEAST_ALIKE: f64 = 0.8;
 const ALIKE: f64 = 0.2;
@@ -398,7 +400,7 @@ fn without_numbers<'a>(rows: &[WrittenRow], columns: &'a Columns) -> Option<&'a 
 fn ratios(rows: &[Option<Passing>], columns: &Columns, (fastest, step): (f64, f64), steps: usize) -> Vec<f64> {
     let located = columns.has(Meaning::Location);
     let goes_on = |(a, b): &(Passing, Passing)| {
-        a.speed.min(b.speed) > 0.25 * fastest && b.time > a.time && b.time - a.time < 10.0 * step
+        a.speed.min(b.speed) > MOVES * fastest && b.time > a.time && b.time - a.time < 10.0 * step
     };
     let mut ratios = Vec::new();
     let (mut by_speed, mut by_place, mut count) = (0.0, 0.0, 0);

@@ -404,4 +404,17 @@ fn a_speed_that_is_signed_by_direction_is_read_without_its_sign_and_single_ones_
             "{said:?}"
         );
     }
+    // A few steps between stops a street apart say nothing; a person does.
+    let hops_m: Vec<f64> = (0..20).map(|stop| 90.0 * f64::from(stop)).collect();
+    let hops: Vec<(f64, f64, f64)> =
+        drive(&hops_m, 20.0).into_iter().step_by(4).map(|(t, x, v)| (t, 1710.0 - x, -v)).collect();
+    let folder = Folder::new().with("h.csv", &text(named, &hops));
+    let said = folder.done(&["import", "h.csv"]);
+    assert!(said.err.contains("does not show that the train goes back"), "{said:?}");
+    folder.write("m.toml", &to_write(&said.err));
+    let said = folder.done(&["import", "h.csv", "--mapping", "m.toml", "--out", "said"]);
+    assert!(
+        !said.out.contains("below zero") && csv(&folder, "said/h_01.csv").iter().all(|row| row[2] >= 0.0),
+        "{said:?}"
+    );
 }

@@ -1,37 +1,53 @@
 //! Speeds that are signed by the direction of travel.
 
-use super::{ALIKE, FEW_STEPS, LEAST_ALIKE, Passing, STEPS, SeenRows, Stretches, WrittenRow, ratios, usual};
+use super::{ALIKE, FEW_STEPS, LEAST_ALIKE, MOVES, Passing, STEPS, SeenRows, Stretches, WrittenRow, ratios, usual};
 use crate::import::columns::Columns;
-use crate::import::mapping::SourceMapping;
+use crate::import::mapping::{SAY_IT, SourceMapping, line};
 use crate::import::meaning::Meaning;
+
+/// Of the readings of a moving train a larger share below zero is no matter of single wrong ones.
+const MOST_WRONG: f64 = 0.2;
 
 impl SeenRows {
     /// Speeds below zero that make the way of the locations are those of a train that goes back, and lose their sign; single wrong readings make none.
-    /// Out: that they do, with the figures.
+    /// Out: that they do, with the figures; or that too many for wrong readings are undecided.
     pub fn signed(&mut self, columns: &mut Columns, mapping: &SourceMapping) -> Option<String> {
         let said = mapping.columns.get(&Meaning::Speed).and_then(|column| column.signed);
         if said.is_some() || !columns.has(Meaning::Speed) {
             return None;
         }
-        let alike = self.go_back(columns)?;
-        let below = self.rows.iter().filter_map(|row| row.numbers[2]).filter(|speed| *speed < 0.0).count();
+        let pace = usual(&self.side(columns, |_| true))?;
+        let moving = self.rows.iter().filter_map(|row| row.numbers[2]).filter(|speed| speed.abs() > MOVES * pace.0);
+        let (below, above): (Vec<f64>, Vec<f64>) = moving.partition(|speed| *speed < 0.0);
+        let header = columns.header(Meaning::Speed).to_owned();
+        let Some(alike) = self.go_back(columns, pace) else {
+            let is_large = below.len() as f64 > MOST_WRONG * (below.len() + above.len()) as f64;
+            return is_large.then(|| {
+                let remedy = line([(Meaning::Speed, &*header, "signed = true".to_owned())]);
+                format!(
+                    "column {header:?} is below zero in {} rows of a moving train, and the way by location does not show that the train goes back in them: they are missing; if it does, {SAY_IT}: {remedy}",
+                    below.len()
+                )
+            });
+        };
         columns.is_signed = true;
         self.rows.iter_mut().for_each(WrittenRow::leave_out_sign);
         Some(format!(
-            "the sign of column {:?} is taken for the direction of travel: its distance below zero ({below} rows) is that by location in {:.0} % of the stretches",
-            columns.header(Meaning::Speed),
+            "the sign of column {header:?} is taken for the direction of travel: its distance below zero ({} rows) is that by location in {:.0} % of the stretches",
+            below.len(),
             100.0 * alike
         ))
     }
 
+    /// Rows of a moving train on one side of zero, without their sign.
+    fn side(&self, columns: &Columns, is_of: fn(f64) -> bool) -> Vec<Option<Passing>> {
+        let passing = self.rows.iter().map(|row| row.passing(columns).filter(|row| is_of(row.speed)));
+        passing.map(|row| row.map(|row| Passing { speed: row.speed.abs(), ..row })).collect()
+    }
+
     /// The share of the stretches below zero whose distance is as long as it is above zero; none where too few say so.
-    fn go_back(&self, columns: &Columns) -> Option<f64> {
-        let side = |is_of: fn(f64) -> bool| -> Vec<Option<Passing>> {
-            let passing = self.rows.iter().map(|row| row.passing(columns).filter(|row| is_of(row.speed)));
-            passing.map(|row| row.map(|row| Passing { speed: row.speed.abs(), ..row })).collect()
-        };
-        let pace = usual(&side(|_| true))?;
-        let [back, on] = [side(|speed| speed < 0.0), side(|speed| speed > 0.0)];
+    fn go_back(&self, columns: &Columns, pace: (f64, f64)) -> Option<f64> {
+        let [back, on] = [self.side(columns, |speed| speed < 0.0), self.side(columns, |speed| speed > 0.0)];
         [STEPS, FEW_STEPS].into_iter().find_map(|steps| {
             let of = |rows: &[Option<Passing>]| Stretches::new(ratios(rows, columns, pace, steps), pace.0, pace.1);
             let back = of(&back)?;
