@@ -125,7 +125,7 @@ pub fn of_digits(value: f64) -> Option<f64> {
 }
 
 /// So many seconds behind the midnight of a day.
-fn later(day: Date, of_day_s: f64) -> Option<DateTime> {
+pub fn later(day: Date, of_day_s: f64) -> Option<DateTime> {
     let nanoseconds = (of_day_s.fract() * 1e9).round() as i32;
     day.to_datetime(Time::midnight()).checked_add(jiff::SignedDuration::new(of_day_s as i64, nanoseconds)).ok()
 }

@@ -43,7 +43,12 @@ pub const UNREADABLE: &str = "fields that cannot be read, taken as missing";
 const BEYOND: &str = "values beyond what trains do, taken as missing";
 const NO_PLACE: &str = "positions that are no place on Earth, taken as missing";
 pub const MIDNIGHT: &str = "midnights, joined";
+const DATE_LAGS: &str = "rows whose date turned before or after midnight, put right";
 const DAY_S: f64 = 86_400.0;
+/// A date that is copied from another clock turns within so much of midnight, s: receivers and networks tell it each minute, or few.
+const MOST_DATE_LAG_S: f64 = 600.0;
+/// Rows so near to each other by the time of the day are of one recording, s.
+const GOES_ON_S: f64 = 60.0;
 
 impl<'a> Converter<'a> {
     pub fn new(path: &Path, columns: &'a Columns) -> Self {
@@ -196,7 +201,7 @@ impl<'a> Converter<'a> {
                 match written {
                     WrittenTime::Instant(seconds) => (seconds, true),
                     WrittenTime::Civil(civil) => (clock::in_zone(civil, &self.columns.zone, self.last_s)?, true),
-                    WrittenTime::OfDay(seconds) => self.of_day(seconds, fields, account)?,
+                    WrittenTime::OfDay(seconds) => self.of_day(line, seconds, fields, account)?,
                 }
             }
         };
@@ -204,14 +209,41 @@ impl<'a> Converter<'a> {
         Some((time_s, is_dated))
     }
 
+    /// The time where a date turned too late or too early: just behind midnight it is a day too small, just before it a day too large, and the time of the day
+    /// goes on from row to row.
+    fn of_turned_date(&self, of_day_s: f64, dated_s: f64, beside: impl Fn() -> Option<[f64; 2]>) -> Option<f64> {
+        let last_s = self.last_s.filter(|last_s| (dated_s - last_s).abs() > 0.5 * DAY_S)?;
+        let [tomorrow_s, yesterday_s] = beside()?;
+        let turned_s = if of_day_s < MOST_DATE_LAG_S {
+            tomorrow_s
+        } else if of_day_s > DAY_S - MOST_DATE_LAG_S {
+            yesterday_s
+        } else {
+            return None;
+        };
+        (0.0..GOES_ON_S).contains(&(turned_s - last_s)).then_some(turned_s)
+    }
+
     /// A time of the day with the date of its row, or after the midnights so far.
-    fn of_day(&mut self, seconds: f64, fields: &[RowField], account: &mut Account) -> Option<(f64, bool)> {
+    fn of_day(&mut self, line: u64, seconds: f64, fields: &[RowField], account: &mut Account) -> Option<(f64, bool)> {
         if let Some(index) = self.columns.index(Meaning::Date) {
             let text = evidence::text(fields.get(index)?)?;
             let day = clock::parse_date(clock::day_of(&text), self.columns.order)?;
-            let nanoseconds = (seconds.fract() * 1e9).round() as i32;
-            let civil = day.at(0, 0, 0, 0).checked_add(jiff::SignedDuration::new(seconds as i64, nanoseconds)).ok()?;
-            return Some((clock::in_zone(civil, &self.columns.zone, self.last_s)?, true));
+            let on = |day| clock::in_zone(clock::later(day, seconds)?, &self.columns.zone, self.last_s);
+            let time_s = on(day)?;
+            let turned =
+                self.of_turned_date(seconds, time_s, || Some([on(day.tomorrow().ok()?)?, on(day.yesterday().ok()?)?]));
+            if let Some(turned_s) = turned {
+                account.place(DATE_LAGS, || {
+                    format!(
+                        "{}:{line}: {}: expected another day, found {text:?}",
+                        self.place,
+                        self.columns.header(Meaning::Date)
+                    )
+                });
+                return Some((turned_s, true));
+            }
+            return Some((time_s, true));
         }
         let mut time_s = seconds + self.days_s;
         if self.last_s.is_some_and(|last| time_s < last - 0.5 * DAY_S) {

@@ -418,3 +418,33 @@ fn a_speed_that_is_signed_by_direction_is_read_without_its_sign_and_single_ones_
         "{said:?}"
     );
 }
+
+#[test]
+fn a_date_that_turns_beside_midnight_is_put_right() {
+    let rows = drive(&STOPS_M, 30.0);
+    let begin_s = 86_400.0 - 200.0;
+    let text = |lag_s: f64| {
+        table("Datum;Uhrzeit;Weg [m];v [km/h]", &rows, |t, x, v| {
+            let day = if begin_s + t < 86_400.0 + lag_s { "30.03.2024" } else { "31.03.2024" };
+            format!("{day};{};{x:.0};{:.1}", clock(begin_s + t), 3.6 * v).replace('.', ",").replace(",03,", ".03.")
+        })
+    };
+    let written = |lag_s: f64, zone: &str| {
+        let folder = Folder::new().with("a.csv", &text(lag_s));
+        folder.write("z.toml", &format!("[[source]]\nzone = {zone:?}\n"));
+        let said = folder.done(&["import", "a.csv", "--mapping", "z.toml"]).out;
+        (folder.read("runs/a_01.csv"), folder.read("runs/runs.csv"), said)
+    };
+    for zone in ["UTC", "Europe/Berlin"] {
+        let (log, index, said) = written(0.0, zone);
+        assert!(!said.contains("whose date turned"), "{said}");
+        for lag_s in [3.0, 80.0, -3.0, -80.0] {
+            let (found, found_index, said) = written(lag_s, zone);
+            assert!(
+                said.contains(&format!("whose date turned before or after midnight, put right: {:.0}\n", lag_s.abs())),
+                "{said}"
+            );
+            assert_eq!((found, found_index), (log.clone(), index.clone()), "{lag_s} {zone}");
+        }
+    }
+}
