@@ -24,6 +24,10 @@ const STUCK_SHARE: f64 = 0.2;
 const MOST_WHEEL: f64 = 0.06;
 /// Rows in a row that say the same.
 const LEAST_STUCK: usize = 4;
+/// Fewer show it where the location then makes up for what it missed but for this share.
+const MADE_UP: f64 = 0.5;
+/// Locations scatter by less, m.
+const LEAST_OLD_M: f64 = 15.0;
 /// A speed that stood still for so long shows it as well by the leap with which it goes on: so many rows, s, and distance that it misses, m.
 const LEAST_LEAPT: usize = 8;
 const LEAST_LEAPT_S: f64 = 10.0;
@@ -184,10 +188,43 @@ pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 
 /// Locations that stand still while the train does not: left out.
 pub fn stuck_locations(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let (least, least_m) = least_held_m(rows).map_or((LEAST_STUCK, LEAST_STUCK_M), |metres| (2, metres));
-    let tells = |stuck: &StuckRows| stuck.metres > least_m && stuck.metres > STUCK_SHARE * stuck.way_m;
-    let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, tells, least);
+    let (sign, held_m) = (heading(rows), least_held_m(rows));
+    let few_m = LEAST_STUCK_M.max(HELD_STEPS * steps::of_location_m(rows.iter()).unwrap_or(0.0));
+    let is_far = |stuck: &StuckRows| match held_m {
+        Some(least_m) => stuck.metres > least_m,
+        None if stuck.count >= LEAST_STUCK => stuck.metres > LEAST_STUCK_M,
+        None => stuck.metres > few_m && makes_up(rows, stuck, sign),
+    };
+    let tells = |stuck: &StuckRows| stuck.metres > STUCK_SHARE * stuck.way_m && is_far(stuck);
+    let mut places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, tells, 2);
+    places.iter_mut().for_each(|stuck| stuck.begins_old = last_new(rows, stuck.from, sign) < stuck.from);
     leave_out(rows, &places, Kind::StuckLocation, findings);
+}
+
+/// The location leaps to where the train is by then: one that stood still for few rows may else be that of a train that stands beside a wrong speed.
+fn makes_up(rows: &[Sample], stuck: &StuckRows, sign: f64) -> bool {
+    let Some(next) = (stuck.to + 1..rows.len()).find(|i| rows[*i].location_m.is_some()) else { return false };
+    let from = last_new(rows, stuck.from, sign);
+    let [way_m, by_speed_m] = ways_m(rows, from..=next, sign);
+    // The speed may stand still, too, while the train brakes.
+    let fastest_mps = rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max);
+    let is_reached = reaches(&rows[from], &rows[next], fastest_mps).is_some_and(|reach| reach.contains(&way_m));
+    (way_m - by_speed_m).abs() < MADE_UP * stuck.metres || is_reached
+}
+
+/// The row before one whose location is no new one: the way to it is too short. Else that row.
+fn last_new(rows: &[Sample], from: usize, sign: f64) -> usize {
+    let Some(before) = (0..from).rev().find(|i| rows[*i].location_m.is_some()) else { return from };
+    let [way_m, by_speed_m] = ways_m(rows, before..=from, sign);
+    if by_speed_m - way_m > LEAST_OLD_M.max(STUCK_SHARE * by_speed_m) { before } else { from }
+}
+
+/// From the first to the last of these rows: the way by location and that by speed, m.
+fn ways_m(rows: &[Sample], of: RangeInclusive<usize>, sign: f64) -> [f64; 2] {
+    let rows = &rows[of];
+    let ends = rows.first().zip(rows.last());
+    let by_location_m = ends.and_then(|(a, b)| Some(sign * (b.location_m? - a.location_m?)));
+    [by_location_m.unwrap_or(0.0), rows.windows(2).map(|pair| between(&pair[0], &pair[1])).sum()]
 }
 
 /// The distance that shows a location to be an old one, m, where a receiver holds it between its fixes.
@@ -241,10 +278,10 @@ fn leave_out(rows: &mut [Sample], stretches: &[StuckRows], kind: Kind, findings:
     };
     let metres = stretches.iter().map(|stretch| stretch.metres.abs()).sum();
     findings.push(finding(kind, metres, stretches.len(), rows[first.from].line, Done::LeftOut));
-    for StuckRows { from, to, .. } in stretches {
+    for StuckRows { from, to, begins_old, .. } in stretches {
         if kind == Kind::StuckLocation {
-            // The first of them was read while the sensor still worked.
-            rows[from + 1..=*to].iter_mut().for_each(|row| row.location_m = None);
+            // The first of them was mostly read while the sensor still worked.
+            rows[from + usize::from(!begins_old)..=*to].iter_mut().for_each(|row| row.location_m = None);
         } else {
             rows[*from..=*to].iter_mut().for_each(|row| row.speed_mps = None);
         }
@@ -255,6 +292,10 @@ fn leave_out(rows: &mut [Sample], stretches: &[StuckRows], kind: Kind, findings:
 struct StuckRows {
     from: usize,
     to: usize,
+    /// How many of them have the reading.
+    count: usize,
+    /// The first has an old one already.
+    begins_old: bool,
     metres: f64,
     /// The distance in these rows, by speed or by location.
     way_m: f64,
@@ -289,7 +330,8 @@ fn stretches(
             let by_speed: f64 = rows[first..=last].windows(2).map(|pair| between(&pair[0], &pair[1])).sum();
             let by_location = rows[first].location_m.zip(rows[last].location_m).map_or(0.0, |(a, b)| (b - a).abs());
             let metres = missing(by_speed, by_location);
-            found.extend(Some(StuckRows { from, to, metres, way_m: by_speed.max(by_location) }).filter(&tells));
+            let (begins_old, way_m) = (false, by_speed.max(by_location));
+            found.extend(Some(StuckRows { from, to, count: same, begins_old, metres, way_m }).filter(&tells));
         }
         from = to + 1;
     }

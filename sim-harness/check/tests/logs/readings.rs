@@ -154,3 +154,23 @@ fn rows_far_apart_tell_nothing_of_the_speed() {
         assert!(rows.into_iter().all(|(is, was)| is.speed_mps == was.speed_mps));
     }
 }
+
+/// For 25 s a receiver says its last fix, in rows 10 s apart two or three times; then it is where the train is.
+#[test]
+fn a_receiver_that_stands_still_for_two_rows_begins_nowhere_again() {
+    for late in 0..10 {
+        let (findings, run) = spoilt(Recorder { step_s: 1.0, ..Recorder::default() }, |rows| {
+            let from = fast(rows, 240) + 20;
+            let last = rows[from];
+            for row in &mut rows[from..from + 25] {
+                (row.location_m, row.speed_mps) = (last.location_m, last.speed_mps);
+            }
+            *rows = rows.iter().skip((from + late) % 10).step_by(10).copied().collect();
+        });
+        let line = one(&findings, Kind::StuckLocation).line;
+        let first = run.rows.iter().position(|row| row.line == line).unwrap();
+        // What is written a fifth of the step after the last fix and later is no place of the train.
+        assert!(late == 2 || run.rows[first].location_m.is_none() == (late > 2), "{late}: {findings:?}");
+        assert!(run.rows[first + 1].location_m.is_none() && run.rows[first + 3].location_m.is_some(), "{late}");
+    }
+}
