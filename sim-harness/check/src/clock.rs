@@ -28,6 +28,8 @@ const FAST_MPS: f64 = 5.0;
 /// Rows before and after a step of the clock that say how far the train went.
 const SIDE: usize = 3;
 
+/// A location that misses so many times its noise stands still.
+const LEAST_MISSED: f64 = 5.0;
 /// Ways that differ by no more than this share are one.
 const SAME_WAY: f64 = 1e-9;
 
@@ -170,6 +172,10 @@ fn step_of_clock(rows: &[Sample], i: usize, dt: f64, usual: &UsualRows) -> Optio
     if dt <= -LEAST_MIDNIGHT_S {
         return Some((Kind::Midnight, exactly(DAY_S)));
     }
+    // Of a receiver that says its last fix nobody knows how far the train went meanwhile.
+    if dt > step_s && [i - 1, i + 1].into_iter().any(|at| stands_still(rows, at, usual.noise_m)) {
+        return None;
+    }
     if let Some(change_s) = clock_set::by(rows, i, dt, usual.step_s, usual.noise_m) {
         return Some((if change_s.value > 0.0 { Kind::ClockSetForward } else { Kind::ClockSetBack }, change_s));
     }
@@ -188,6 +194,18 @@ fn step_of_clock(rows: &[Sample], i: usize, dt: f64, usual: &UsualRows) -> Optio
     let passed_s = passed_s.filter(|_| dt > LEAST_BACK_S.max(20.0 * step_s))?;
     let is_set = !may_have_stopped(rows, i, [dt, passed_s]) && clock_set::goes_on(rows, i, dt - passed_s);
     is_set.then(|| (Kind::ClockSetForward, exactly(dt - passed_s)))
+}
+
+/// Location and speed are those of the row before, and the train moves.
+fn stands_still(rows: &[Sample], at: usize, noise_m: f64) -> bool {
+    let Some(pair) = at.checked_sub(1).and_then(|before| rows.get(before..=at)) else { return false };
+    let [(Some(before_m), Some(before_mps)), (Some(at_m), Some(at_mps))] =
+        [pair[0], pair[1]].map(|row| (row.location_m, row.speed_mps))
+    else {
+        return false;
+    };
+    let missed_m = at_mps * (pair[1].time_s - pair[0].time_s);
+    before_m == at_m && before_mps == at_mps && at_mps > FAST_MPS && missed_m > LEAST_MISSED * noise_m
 }
 
 /// Rows that are missing while the train stands, and while it moves.
@@ -241,6 +259,34 @@ mod tests {
         let (mut rows, mut findings) = ((0..60).map(row).collect::<Vec<Sample>>(), Vec::new());
         put_right(&mut rows, &mut findings);
         findings.iter().map(|finding| finding.kind).collect()
+    }
+
+    /// A tunnel behind two rows of one fix: the way over it looked like that of 10 s.
+    #[test]
+    fn a_receiver_that_says_its_last_fix_before_a_gap_is_no_clock() {
+        let read = [
+            (4063.13, 95.63),
+            (4327.76, 95.93),
+            (4595.81, 96.14),
+            (4864.64, 97.65),
+            (5148.98, 106.93),
+            (5451.36, 102.68),
+            (5699.81, 77.09),
+            (5699.81, 77.09),
+            (6027.16, 22.83),
+            (6124.11, 47.22),
+            (6282.58, 66.53),
+            (6488.78, 80.24),
+            (6728.38, 87.61),
+            (6970.18, 87.93),
+        ];
+        let row = |(i, (location_m, kmh)): (usize, &(f64, f64))| {
+            let time_s = 10.0 * i as f64 + if i < 8 { 0.0 } else { 40.0 };
+            Sample { time_s, location_m: Some(*location_m), speed_mps: Some(kmh / 3.6), ..Sample::default() }
+        };
+        let (mut rows, mut findings) = (read.iter().enumerate().map(row).collect::<Vec<Sample>>(), Vec::new());
+        put_right(&mut rows, &mut findings);
+        assert_eq!(findings, []);
     }
 
     #[test]
