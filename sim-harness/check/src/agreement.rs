@@ -73,6 +73,8 @@ pub struct Agreement {
     with_other_bends: Option<[Equations; 2]>,
     /// What bends usually make of the runs beside it, of 1/s - 1 and o/s in m/s: in a single one that may vanish by chance.
     usual_bends: Matrix2<f64>,
+    /// By how much the speeds were moved before they were compared, s: the skew is what is left of it.
+    moved_s: f64,
 }
 
 impl Compared {
@@ -92,6 +94,11 @@ impl Compared {
         Some((figure, 0.5 * score * score.max(0.0) / (left * fit.variance)))
     }
 
+    /// By how much the speed is older than the location, s, with scale and offset as they come out beside it.
+    pub(crate) fn skew_s(&self) -> Figure {
+        Figure { value: self.fit.beta[2], sd: (self.inverse[(2, 2)] * self.fit.variance).sqrt() }
+    }
+
     /// Speed and location of the run.
     pub(crate) fn agreement(&self) -> Agreement {
         let fit = &self.fit;
@@ -105,6 +112,7 @@ impl Compared {
             held: Vec::new(),
             equations: Equations::of(self, self.independent()),
             usual_bends: Matrix2::zeros(),
+            moved_s: 0.0,
             with_other_bends: self
                 .with_other_bends()
                 .map(|all| all.map(|other| Equations::of(&other, self.independent()))),
@@ -127,6 +135,11 @@ impl Agreement {
             (self.values, self.information, self.held) = (solved.values, solved.information, solved.held);
         }
         self
+    }
+
+    /// The speeds were moved by so much, s, before they were compared.
+    pub(crate) fn after_moving(self, moved_s: f64) -> Self {
+        Self { moved_s, ..self }
     }
 
     /// What it is once the speeds are divided by so much.
@@ -153,7 +166,7 @@ impl Agreement {
         let cross = Vector2::new(self.information[(0, 2)], self.information[(1, 2)]) / information;
         let off = scale_and_offset - self.values.xy();
         let variance = information.recip() + cross.dot(&(covariance * cross));
-        Figure { value: self.values[2] - cross.dot(&off), sd: variance.sqrt() }
+        Figure { value: self.moved_s + self.values[2] - cross.dot(&off), sd: variance.sqrt() }
     }
 }
 

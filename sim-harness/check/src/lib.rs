@@ -73,6 +73,7 @@ pub mod finding;
 pub mod gradients;
 pub mod held;
 mod interpolated;
+mod late_rows;
 pub mod limits;
 pub mod line_scale;
 pub mod lost_seconds;

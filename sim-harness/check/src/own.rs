@@ -83,6 +83,9 @@ pub(crate) fn of(
     let put = if known.scale { Grown::NOT } else { grown };
     let mut own = Own { grown: put, correction: recorder.correction, skew_s: 0.0 };
     let Some(agreement) = agreement else {
+        // A run that does not say how late its speeds are has those of its recorder.
+        let usual_s = recorder.skew_s.filter(|_| known.moves_locations && recorder.has(Kind::Skew));
+        own.skew_s = usual_s.map_or(0.0, |skew| skew.value);
         return own;
     };
     match wheel(recorder, agreement) {

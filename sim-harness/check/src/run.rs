@@ -5,7 +5,7 @@ use crate::compared::{Compared, Differences, Row};
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
-use crate::{chainage, clock, interpolated, places, readings, row_step, stairs, wheel_change};
+use crate::{chainage, clock, interpolated, late_rows, places, readings, row_step, stairs, wheel_change};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::units;
@@ -198,8 +198,10 @@ impl OfSpeed {
         if step_s > MOST_STEP_S {
             return None;
         }
-        let compared = Compared::fitted(differences(rows, step_s))?;
-        Some(Self { agreement: compared.agreement(), change: wheel_change::within(&compared) })
+        let parts = parts(rows, step_s);
+        let differences = Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let (compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(differences)?)?;
+        Some(Self { agreement: compared.agreement().after_moving(moved_s), change: wheel_change::within(&compared) })
     }
 }
 

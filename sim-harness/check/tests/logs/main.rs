@@ -5,6 +5,7 @@ mod clock_set;
 mod effort_age;
 mod effort_zero;
 mod held_speeds;
+mod late_rows;
 mod limits;
 mod perturbed;
 mod readings;
