@@ -6,7 +6,7 @@
 //! The ways between the rows are bent as the speeds of the wrong rows say, which no skew to first order makes up for: with truncated speeds 10 s late in rows of
 //! 10 s twice as many runs were needed to see the truncation. Near rows are not bent that much.
 
-use crate::compared::{Compared, Differences, Row, STRAIGHT_S};
+use crate::compared::{Compared, Differences, Row};
 
 /// A skew that is known no better, in standard deviations, moves nothing.
 const SURE: f64 = 6.0;
@@ -17,7 +17,7 @@ const REGULAR: f64 = 0.25;
 pub(crate) fn moved(parts: &[Vec<Row>], step_s: f64, compared: Compared) -> Option<(Compared, f64)> {
     let skew = compared.skew_s();
     let late = (skew.value / step_s).round();
-    if step_s <= STRAIGHT_S || late == 0.0 || skew.away_from(0.0) < SURE {
+    if late == 0.0 || skew.away_from(0.0) < SURE {
         return Some((compared, 0.0));
     }
     let parts: Vec<Vec<Row>> = parts.iter().flat_map(|part| beside(part, late as isize, step_s)).collect();

@@ -13,7 +13,6 @@
 use crate::agreement::{Figure, HALF_95};
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::usual_step_s;
-use crate::steps;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, spread};
 
@@ -25,8 +24,8 @@ const STEPS: f64 = 1.9;
 const LEAST_KMH: f64 = 0.4;
 /// Of the changes after repeats such a share has a repeat behind it, too: a train that was held goes on changing.
 const BETWEEN: f64 = 0.3;
-/// Share of the moving rows that repeat: fewer are a display that was late now and then.
-const LEAST_SHARE: f64 = 0.05;
+/// Share of the moving rows that repeat: fewer are chance, and a receiver that stood still for a while.
+const LEAST_SHARE: f64 = 0.15;
 
 /// What of a run stands still.
 #[derive(Default)]
@@ -48,7 +47,7 @@ pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let Some(usual_kmh) = median(between_kmh.iter().copied()).filter(|_| count >= LEAST_STAIRS) else {
         return;
     };
-    let step_kmh = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0);
+    let step_kmh = level_kmh(rows);
     let is_some = repeats.len() as f64 > LEAST_SHARE * moving as f64;
     if !is_some || usual_kmh < LEAST_KMH.max(STEPS * step_kmh) || (count as f64) < BETWEEN * after as f64 {
         return;
@@ -59,6 +58,14 @@ pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let (count, line) = (repeats.len(), rows[repeats[0]].line);
     findings.push(Finding { kind: Kind::Stairs, figure, unit: "km/h", count, line, done: Done::LeftOut });
     repeats.into_iter().for_each(|row| rows[row].speed_mps = None);
+}
+
+/// Usual distance between neighbouring speeds that are ever shown, km/h: the step, whatever scale and offset it has.
+fn level_kmh(rows: &[Sample]) -> f64 {
+    let mut levels: Vec<f64> = rows.iter().filter_map(|row| row.speed_mps).filter(|mps| *mps > 0.0).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    median(levels.windows(2).map(|pair| 3.6 * (pair[1] - pair[0]))).unwrap_or(0.0)
 }
 
 impl Stairs {
@@ -154,8 +161,11 @@ mod tests {
 
     #[test]
     fn rounded_speeds_and_those_that_a_controller_holds_stay() {
-        for step_kmh in [0.1, 1.0, 2.0] {
-            assert_eq!(left_out(shown(|_, kmh| to(step_kmh, kmh))).0, []);
+        // Also with a wheel, and off by half a step.
+        for (step_kmh, scale, offset_kmh) in
+            [(0.1, 1.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 1.0), (1.0, 1.013, 0.0), (1.0, 1.0, 0.5)]
+        {
+            assert_eq!(left_out(shown(|_, kmh| scale * to(step_kmh, kmh) + offset_kmh)).0, []);
         }
         // Held at 50, at 85 and at 100 km/h, between which it changes at once by 1 km/h a second.
         let held = [50.0, 85.0, 100.0, 85.0];
