@@ -97,7 +97,12 @@ impl Candidate for This {
                 }
             })],
             Shape::Table(which, knots) => hats(*which, knots, rows),
-            Shape::Law | Shape::Powers(_) | Shape::Number(_) | Shape::Numbers(..) | Shape::Runs(_) | Shape::NumberInRuns(..) => {
+            Shape::Law
+            | Shape::Powers(_)
+            | Shape::Number(_)
+            | Shape::Numbers(..)
+            | Shape::Runs(_)
+            | Shape::NumberInRuns(..) => {
                 vec![along(context, rows, |_, _, p| p.speed_mps.powi(3))]
             }
         }
@@ -107,9 +112,12 @@ impl Candidate for This {
         match shape {
             Shape::Section(_) | Shape::Step(..) => penalty.coefficient + penalty.section + penalty.unnamed,
             Shape::Table(_, knots) => knots.len() as f64 * penalty.coefficient + penalty.unnamed,
-            Shape::Law | Shape::Powers(_) | Shape::Number(_) | Shape::Numbers(..) | Shape::Runs(_) | Shape::NumberInRuns(..) => {
-                penalty.coefficient + penalty.unnamed_law
-            }
+            Shape::Law
+            | Shape::Powers(_)
+            | Shape::Number(_)
+            | Shape::Numbers(..)
+            | Shape::Runs(_)
+            | Shape::NumberInRuns(..) => penalty.coefficient + penalty.unnamed_law,
         }
     }
 
@@ -144,7 +152,12 @@ impl Candidate for This {
                 table(*which, ends, &values)
             }
             Shape::Table(which, knots) => table(*which, knots, &fitted.beta),
-            Shape::Law | Shape::Powers(_) | Shape::Number(_) | Shape::Numbers(..) | Shape::Runs(_) | Shape::NumberInRuns(..) => {
+            Shape::Law
+            | Shape::Powers(_)
+            | Shape::Number(_)
+            | Shape::Numbers(..)
+            | Shape::Runs(_)
+            | Shape::NumberInRuns(..) => {
                 let b = one("n_per_kg_at_1_mps");
                 let fastest = naming.rows.iter().map(|row| row.interval.speed_mps[0]);
                 let step_mps = fastest.fold(1.0, f64::max) / f64::from(CUBE - 1);
