@@ -120,7 +120,7 @@ mod tests {
         (kmh / step_kmh).round() * step_kmh
     }
 
-    /// Shows a speed anew once it has changed by so much.
+    /// Shows a speed again once it has changed by so much.
     fn dead_band(band_kmh: f64, step_kmh: f64) -> Vec<Sample> {
         let mut last = 0.0_f64;
         shown(|_, kmh| {
