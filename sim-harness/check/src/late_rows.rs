@@ -1,10 +1,10 @@
 //! A speed that is late by whole rows, compared with the locations that it belongs to.
 //!
-//! In: rows far apart, and what they say as they are. Out: the same with the speeds moved by the rows that they are late, and by how much; as they are where that
+//! In: rows, and what they say as they are. Out: the same with the speeds moved by the rows that they are late, and by how much; as they are where that
 //! fits no better.
 //!
 //! The ways between the rows are bent as the speeds of the wrong rows say, which no skew to first order makes up for: with truncated speeds 10 s late in rows of
-//! 10 s twice as many runs were needed to see the truncation. Near rows are not bent that much.
+//! 10 s twice as many runs were needed to see the truncation, and trams in rows of 1 s whose speed was 3 s late got an offset of 0.9 km/h.
 
 use crate::compared::{Compared, Differences, Row};
 

@@ -24,6 +24,17 @@ fn truncation_and_wheels_are_seen_beside_speeds_that_are_rows_late() {
 }
 
 #[test]
+fn a_tram_whose_speeds_are_seconds_late_has_no_other_offset_and_no_wheel() {
+    for (seed, skew_s) in [(1, 3.0), (2, -3.0), (3, 2.0)] {
+        let late = Recorder { quantum_kmh: 0.1, noise_m: 0.3, drift_m: 0.0, skew_s, ..Recorder::default() };
+        let found = check_beside(&mut late.trams(34_000 + seed, 8, 15), &Known::default());
+        assert!(!kinds(&found).iter().any(|kind| WRONG.contains(kind)), "{skew_s}: {:?}", all(&found));
+        let skew = found.recorders[0].skew_s.unwrap();
+        assert!((skew.value - skew_s).abs() < 0.05, "{skew_s}: {skew:?}");
+    }
+}
+
+#[test]
 fn a_run_too_short_to_say_how_late_its_speeds_are_has_those_of_its_recorder() {
     let late = Recorder { step_s: 10.0, noise_m: 0.5, quantum_kmh: 0.1, skew_s: 10.0, ..Recorder::default() };
     let mut recordings = late.runs(33_000, 7, 6);
