@@ -86,7 +86,7 @@ pub(crate) struct Differences {
 
 impl Differences {
     /// `parts`: rows without a gap or a shift of the location between them.
-    pub(crate) fn of(parts: &[&[Row]]) -> Self {
+    pub(crate) fn of(parts: &[Vec<Row>]) -> Self {
         let mut all = Self::default();
         for part in parts {
             all.take(part);
@@ -153,7 +153,7 @@ impl Differences {
 }
 
 /// Beside a start or a stop rows farther apart are not compared: a bend of 1 m/s² makes a third of a metre in 2 s, 8 m in 10 s.
-pub(crate) const STRAIGHT_S: f64 = 2.0;
+const STRAIGHT_S: f64 = 2.0;
 
 /// A smaller change of the acceleration is no driver's hand but power that fades, m/s².
 const TURN_MPS2: f64 = 0.32;

@@ -21,7 +21,7 @@ pub(crate) fn moved(parts: &[Vec<Row>], step_s: f64, compared: Compared) -> Opti
         return Some((compared, 0.0));
     }
     let parts: Vec<Vec<Row>> = parts.iter().flat_map(|part| beside(part, late as isize, step_s)).collect();
-    let differences = Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let differences = Differences::of(&parts);
     // Of a log whose rows are not regular hardly any are left.
     if 2 * differences.y.len() < compared.differences.y.len() {
         return Some((compared, 0.0));

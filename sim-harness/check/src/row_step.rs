@@ -9,6 +9,11 @@ pub fn usual_step_s(rows: &[Sample]) -> f64 {
     median(steps.filter(|step| *step > 0.0)).unwrap_or(1.0)
 }
 
+/// Rows follow each other, none between them missing, where no more passes, s.
+pub(crate) fn next_row_s(rows: &[Sample]) -> f64 {
+    1.5 * usual_step_s(rows)
+}
+
 /// Rows are missing where more passes between two of them, s.
 pub(crate) fn longest_step_s(usual_s: f64) -> f64 {
     (3.5 * usual_s).max(10.0)

@@ -199,15 +199,13 @@ impl OfSpeed {
             return None;
         }
         let parts = parts(rows, step_s);
-        let differences = Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let (compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(differences)?)?;
+        let (compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(Differences::of(&parts))?)?;
         Some(Self { agreement: compared.agreement().after_moving(moved_s), change: wheel_change::within(&compared) })
     }
 }
 
 pub(crate) fn differences(rows: &[Sample], step_s: f64) -> Differences {
-    let parts = parts(rows, step_s);
-    Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    Differences::of(&parts(rows, step_s))
 }
 
 /// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as usual.

@@ -12,9 +12,9 @@
 
 use crate::agreement::{Figure, HALF_95};
 use crate::finding::{Done, Finding, Kind};
-use crate::row_step::usual_step_s;
+use crate::row_step::next_row_s;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::{median, spread};
+use rundown_files::statistics::{median, sd_of_median, spread};
 
 /// Fewer changes between repeats say nothing.
 const LEAST_STAIRS: usize = 20;
@@ -53,7 +53,7 @@ pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         return;
     }
     let spread_kmh = spread(between_kmh.iter().map(|kmh| kmh - usual_kmh));
-    let sd = (1.2533 * spread_kmh / (count as f64).sqrt()).max(0.5 * step_kmh / HALF_95);
+    let sd = sd_of_median(spread_kmh, count).max(0.5 * step_kmh / HALF_95);
     let figure = Figure { value: usual_kmh, sd };
     let (count, line) = (repeats.len(), rows[repeats[0]].line);
     findings.push(Finding { kind: Kind::Stairs, figure, unit: "km/h", count, line, done: Done::LeftOut });
@@ -70,7 +70,7 @@ fn level_kmh(rows: &[Sample]) -> f64 {
 
 impl Stairs {
     fn of(rows: &[Sample]) -> Self {
-        let longest_s = 1.5 * usual_step_s(rows);
+        let longest_s = next_row_s(rows);
         // From the row before to this one, m/s; none at a stand, and where rows or speeds are missing.
         let change_mps = |i: usize| {
             let pair = [rows.get(i.checked_sub(1)?)?, rows.get(i)?];

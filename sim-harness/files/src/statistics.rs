@@ -30,6 +30,11 @@ pub fn spread(off: impl IntoIterator<Item = f64>) -> f64 {
     median(off.into_iter().map(f64::abs)).map_or(0.0, |size| 1.4826 * size)
 }
 
+/// Standard deviation of the median of so many values with this [`spread`].
+pub fn sd_of_median(spread: f64, count: usize) -> f64 {
+    1.2533 * spread / (count as f64).sqrt()
+}
+
 /// Correlation of x and y; none without spread.
 pub fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     let n = pairs.len() as f64;

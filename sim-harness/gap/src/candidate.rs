@@ -530,6 +530,7 @@ pub trait Candidate: Sync {
     fn penalty(&self, shape: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
         let chosen = match shape {
             Shape::Section(_) => penalty.section,
+            Shape::Numbers(..) => 2.0 * penalty.shape,
             _ if self.dial(shape).is_some() => penalty.shape,
             _ => 0.0,
         };

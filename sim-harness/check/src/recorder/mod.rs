@@ -14,7 +14,7 @@ use crate::{Known, LEAST_SCALE, SURE, dead_zone, held, lost_seconds, own, put_ri
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::spread;
+use rundown_files::statistics::{sd_of_median, spread};
 use std::cmp::Ordering;
 
 /// A smaller skew is not named, s.
@@ -289,8 +289,8 @@ impl RecorderCheck {
             return;
         };
         let spread_s = spread(skews.iter().map(|skew| skew.value - middle.value));
-        let n = (skews.len() as f64).sqrt();
-        let skew_s = Figure { value: middle.value, sd: (1.2533 * spread_s / n).max(middle.sd / n) };
+        let sd = sd_of_median(spread_s, skews.len()).max(middle.sd / (skews.len() as f64).sqrt());
+        let skew_s = Figure { value: middle.value, sd };
         (self.skew_s, self.skew_spread_s) = (Some(skew_s), Some(spread_s));
         // Few runs that differ leave their median uncertain, and each may be beyond doubt by itself.
         let late = |sign: f64| {

@@ -4,7 +4,9 @@ use crate::candidates::kit::*;
 use rundown::model::effects::StartingResistance;
 
 /// Times of standing after which 63 % of it may be back, tried first, min. Judgement: stops of a minute bring all of it or a tenth.
-const STANDING_MIN: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
+const STANDING_MIN: [f64; 4] = [0.3, 1.0, 3.0, HIDDEN_STANDING_MIN];
+/// What the bench hides.
+const HIDDEN_STANDING_MIN: f64 = 10.0;
 
 pub struct This;
 
@@ -52,11 +54,6 @@ impl Candidate for This {
         (0.0..size.largest()).contains(&size.beta[0]) && size.most() > size.least()
     }
 
-    /// The time of standing is chosen, too.
-    fn penalty(&self, _: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
-        penalty.coefficient + 2.0 * penalty.shape
-    }
-
     /// 4 to 50 km/h; 12 s to half an hour.
     fn dial(&self, _: &Shape) -> Option<Dial> {
         let range = ((4.0_f64 / 3.6).ln(), (50.0_f64 / 3.6).ln());
@@ -89,6 +86,6 @@ impl Candidate for This {
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         let (amplitude, decay_kmh) = (hide.of([0.12, 0.06, 0.03]), hide.rng.random_range(12.0..25.0));
-        Some(json!({ "amplitude": amplitude, "decay_kmh": decay_kmh, "standing_min": STANDING_MIN[3] }))
+        Some(json!({ "amplitude": amplitude, "decay_kmh": decay_kmh, "standing_min": HIDDEN_STANDING_MIN }))
     }
 }

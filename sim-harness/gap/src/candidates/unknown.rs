@@ -15,6 +15,31 @@ const CUBE: u32 = 20;
 
 pub struct This;
 
+/// What a term without a name is.
+enum Form<'a> {
+    Section([f64; 2]),
+    Step(Coordinate, [f64; 2], Side),
+    Table(Coordinate, &'a [f64]),
+    /// v³.
+    Cube,
+}
+
+impl<'a> Form<'a> {
+    fn of(shape: &'a Shape) -> Self {
+        match shape {
+            Shape::Section(section) => Self::Section(*section),
+            Shape::Step(which, ends, side) => Self::Step(*which, *ends, *side),
+            Shape::Table(which, knots) => Self::Table(*which, knots),
+            Shape::Law
+            | Shape::Powers(_)
+            | Shape::Number(_)
+            | Shape::Numbers(..)
+            | Shape::Runs(_)
+            | Shape::NumberInRuns(..) => Self::Cube,
+        }
+    }
+}
+
 fn term(shape: Shape) -> Term {
     Term { of: &This, shape }
 }
@@ -84,10 +109,10 @@ impl Candidate for This {
 
     /// A section acts in both directions alike; v³ is hard to separate from wrong Davis coefficients.
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
-        match shape {
-            Shape::Section(section) => vec![along(context, rows, |line, _, p| share(line, p.location_m, *section))],
-            Shape::Step(which, [below, above], side) => vec![along(context, rows, |_, row, p| {
-                let Some(at) = coordinate(*which, &row.interval, p) else {
+        match Form::of(shape) {
+            Form::Section(section) => vec![along(context, rows, |line, _, p| share(line, p.location_m, section))],
+            Form::Step(which, [below, above], side) => vec![along(context, rows, |_, row, p| {
+                let Some(at) = coordinate(which, &row.interval, p) else {
                     return 0.0;
                 };
                 let up = ((at - below) / (above - below)).clamp(0.0, 1.0);
@@ -96,28 +121,18 @@ impl Candidate for This {
                     Side::Above => up,
                 }
             })],
-            Shape::Table(which, knots) => hats(*which, knots, rows),
-            Shape::Law
-            | Shape::Powers(_)
-            | Shape::Number(_)
-            | Shape::Numbers(..)
-            | Shape::Runs(_)
-            | Shape::NumberInRuns(..) => {
+            Form::Table(which, knots) => hats(which, knots, rows),
+            Form::Cube => {
                 vec![along(context, rows, |_, _, p| p.speed_mps.powi(3))]
             }
         }
     }
 
     fn penalty(&self, shape: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
-        match shape {
-            Shape::Section(_) | Shape::Step(..) => penalty.coefficient + penalty.section + penalty.unnamed,
-            Shape::Table(_, knots) => knots.len() as f64 * penalty.coefficient + penalty.unnamed,
-            Shape::Law
-            | Shape::Powers(_)
-            | Shape::Number(_)
-            | Shape::Numbers(..)
-            | Shape::Runs(_)
-            | Shape::NumberInRuns(..) => penalty.coefficient + penalty.unnamed_law,
+        match Form::of(shape) {
+            Form::Section(_) | Form::Step(..) => penalty.coefficient + penalty.section + penalty.unnamed,
+            Form::Table(_, knots) => knots.len() as f64 * penalty.coefficient + penalty.unnamed,
+            Form::Cube => penalty.coefficient + penalty.unnamed_law,
         }
     }
 
@@ -137,27 +152,22 @@ impl Candidate for This {
             intervals.push(interval);
             value
         };
-        let effect = match &fitted.term.shape {
-            Shape::Section([from_m, to_m]) => {
+        let effect = match Form::of(&fitted.term.shape) {
+            Form::Section([from_m, to_m]) => {
                 let n_per_kg = one("n_per_kg");
-                let knots = [from_m - 1.0, *from_m, *to_m, to_m + 1.0];
+                let knots = [from_m - 1.0, from_m, to_m, to_m + 1.0];
                 table(Coordinate::Location, &knots, &[0.0, n_per_kg, n_per_kg, 0.0])
             }
-            Shape::Step(which, ends, side) => {
+            Form::Step(which, ends, side) => {
                 let n_per_kg = one("n_per_kg");
                 let values = match side {
                     Side::Below => [n_per_kg, 0.0],
                     Side::Above => [0.0, n_per_kg],
                 };
-                table(*which, ends, &values)
+                table(which, &ends, &values)
             }
-            Shape::Table(which, knots) => table(*which, knots, &fitted.beta),
-            Shape::Law
-            | Shape::Powers(_)
-            | Shape::Number(_)
-            | Shape::Numbers(..)
-            | Shape::Runs(_)
-            | Shape::NumberInRuns(..) => {
+            Form::Table(which, knots) => table(which, knots, &fitted.beta),
+            Form::Cube => {
                 let b = one("n_per_kg_at_1_mps");
                 let fastest = naming.rows.iter().map(|row| row.interval.speed_mps[0]);
                 let step_mps = fastest.fold(1.0, f64::max) / f64::from(CUBE - 1);

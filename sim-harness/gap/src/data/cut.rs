@@ -36,7 +36,7 @@ struct Cut<'a> {
 impl Cut<'_> {
     fn intervals(&self, index: usize) -> Vec<Interval> {
         let usual_s = usual_step_s(self.run);
-        let nodes = Nodes { run: self.run, line: self.line, efforts: self.efforts, config: self.config }.read(usual_s);
+        let nodes = Nodes { run: self.run, line: self.line, efforts: self.efforts }.read(usual_s);
         let Some(departure_s) = self.departure_s() else {
             return Vec::new();
         };

@@ -14,6 +14,11 @@ pub(super) struct Efforts<'a> {
 }
 
 impl Efforts<'_> {
+    /// The log has such a column.
+    pub(super) fn are_there(&self) -> bool {
+        self.samples.iter().any(|sample| sample.effort_n_per_kg.is_some())
+    }
+
     /// 0 where it is not known.
     pub(super) fn at(&self, sample: usize) -> f64 {
         self.samples[sample].effort_n_per_kg.unwrap_or(0.0)

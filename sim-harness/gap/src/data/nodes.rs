@@ -3,7 +3,6 @@
 //! Faster logs are thinned to intervals of 10 s, for within less the rounding of the speed hides everything; but where an effort column shows a start second by second
 //! its first intervals are shorter.
 
-use crate::config::IntervalConfig;
 use crate::data::efforts::Efforts;
 use crate::data::runs::Run;
 use rundown::model::line::Line;
@@ -23,11 +22,11 @@ pub(super) struct Nodes<'a> {
     pub(super) run: &'a Run,
     pub(super) line: &'a Line<'a>,
     pub(super) efforts: Efforts<'a>,
-    pub(super) config: &'a IntervalConfig,
 }
 
 impl Nodes<'_> {
     pub(super) fn read(&self, usual_s: f64) -> Vec<Node> {
+        let config = self.efforts.config;
         let with_speed: Vec<(usize, f64)> = self
             .run
             .samples
@@ -35,22 +34,22 @@ impl Nodes<'_> {
             .enumerate()
             .filter_map(|(index, sample)| Some((index, sample.speed_mps?)))
             .collect();
-        let every_s = if usual_s > 0.5 * self.config.length_s { 0.0 } else { self.config.length_s };
+        let every_s = if usual_s > 0.5 * config.length_s { 0.0 } else { config.length_s };
         let impulses = self.impulses();
         let fine = self.sees_starts(usual_s);
         let mut nodes: Vec<Node> = Vec::new();
         let (mut next_s, mut stands, mut started_s) = (f64::NEG_INFINITY, false, f64::NEG_INFINITY);
         for (place, &(sample, speed_mps)) in with_speed.iter().enumerate() {
             let time_s = self.run.samples[sample].time_s;
-            stands |= speed_mps <= self.config.departed_mps;
-            let starts = fine && stands && speed_mps >= self.config.slowest_mps;
+            stands |= speed_mps <= config.departed_mps;
+            let starts = fine && stands && speed_mps >= config.slowest_mps;
             if starts {
                 (stands, started_s) = (false, time_s);
             } else if time_s < next_s {
                 continue;
             }
-            let fresh = time_s + self.config.start_length_s <= started_s + self.config.start_s + 1e-6;
-            let length_s = if fresh { self.config.start_length_s } else { every_s };
+            let fresh = time_s + config.start_length_s <= started_s + config.start_s + 1e-6;
+            let length_s = if fresh { config.start_length_s } else { every_s };
             next_s = time_s + length_s - 0.25 * usual_s;
             let speed_mps = if every_s > 0.0 { self.read_speed(&with_speed, &impulses, place) } else { speed_mps };
             nodes.push(Node { time_s, location_m: f64::NAN, speed_mps, sample });
@@ -61,14 +60,13 @@ impl Nodes<'_> {
 
     /// An effort is known from row to row, so that a start is seen as it goes.
     fn sees_starts(&self, usual_s: f64) -> bool {
-        usual_s <= 0.5 * self.config.start_length_s
-            && self.run.samples.iter().any(|sample| sample.effort_n_per_kg.is_some())
+        usual_s <= 0.5 * self.efforts.config.start_length_s && self.efforts.are_there()
     }
 
     /// What effort and gradient have given since the begin, m/s, with the number of the stretch in which they are known without a gap. A log without an effort column
     /// has the gradient alone.
     fn impulses(&self) -> Vec<Option<(usize, f64)>> {
-        let with_effort = self.run.samples.iter().any(|s| s.effort_n_per_kg.is_some());
+        let with_effort = self.efforts.are_there();
         let gradient = |sample: &Sample| {
             let late_m = self.run.recorded.location_lag_s * sample.speed_mps?;
             Some(self.line.gradient_n_per_kg(sample.location_m? + self.line.direction.sign() * late_m))
@@ -105,8 +103,8 @@ impl Nodes<'_> {
         let at_s = self.run.samples[here].time_s;
         // A train that stands is held, and what effort and gradient give does not move it.
         let near = |&&(sample, speed): &&(usize, f64)| {
-            (self.run.samples[sample].time_s - at_s).abs() <= self.config.reading_s + 1e-6
-                && speed > self.config.departed_mps
+            (self.run.samples[sample].time_s - at_s).abs() <= self.efforts.config.reading_s + 1e-6
+                && speed > self.efforts.config.departed_mps
         };
         let before = with_speed[..place].iter().rev().take_while(near);
         let after = with_speed[place..].iter().take_while(near);
@@ -136,7 +134,7 @@ impl Nodes<'_> {
 
     /// Gives each node a location: the distance by speed, shifted by what the location readings around it say.
     fn locate(&self, with_speed: &[(usize, f64)], nodes: &mut [Node]) {
-        let around_s = self.config.located_s;
+        let around_s = self.efforts.config.located_s;
         let sign = self.line.direction.sign();
         // Distance by speed at each sample that has one.
         let mut distance_m = vec![f64::NAN; self.run.samples.len()];

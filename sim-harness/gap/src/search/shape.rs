@@ -43,13 +43,13 @@ impl Turned {
         })
     }
 
-    /// How one number is turned while the other stays.
-    fn climb(step: f64) -> Climb<1> {
+    /// How numbers are turned, by these steps at first.
+    fn climb<const N: usize>(steps: [f64; N]) -> Climb<N> {
         Climb {
-            steps: [step],
+            steps,
             shrink: 0.5,
             rounds: 0,
-            least: 0.04 * step,
+            least: 0.04 * steps[0],
             better: 0.0,
             first: -1.0,
             both: true,
@@ -71,21 +71,15 @@ pub fn refined(search: &Search<'_>, base: &Base, term: Term) -> Term {
         return term;
     };
     let at = |value: f64, second: Option<f64>| turned.term(&term, value, second);
+    let gain = |value: f64, second: Option<f64>| Some(gain(search, base, &at(value, second)));
     let step = turned.dial.step;
-    let Climb { shrink, rounds, better, first, both, range, .. } = Turned::climb(step);
-    let climb = Climb { steps: [step, SECOND_STEP], shrink, rounds, least: 0.04 * step, better, first, both, range };
-    match turned.second {
-        Some(second) => {
-            let ([value, second], _) = climb
-                .from([turned.value, second], |[value, second]| Some(gain(search, base, &at(value, Some(second)))));
-            at(value, Some(second))
-        }
-        None => {
-            let ([value], _) =
-                Turned::climb(step).from([turned.value], |[value]| Some(gain(search, base, &at(value, None))));
-            at(value, None)
-        }
+    if let Some(second) = turned.second {
+        let climb = Turned::climb([step, SECOND_STEP]);
+        let ([value, second], _) = climb.from([turned.value, second], |[value, second]| gain(value, Some(second)));
+        return at(value, Some(second));
     }
+    let ([value], _) = Turned::climb([step]).from([turned.value], |[value]| gain(value, None));
+    at(value, None)
 }
 
 /// A step that is not steep: both ends moved as long as it fits better.
@@ -158,12 +152,12 @@ pub fn limits(base: &Base, search: &Search<'_>, term: &Term, half: f64) -> Optio
     let start = at(turned.value, turned.second)?;
     let number = Profile::of((turned.value, &start), half, 0.01 * step, range, |value| {
         let second =
-            turned.second.map(|second| Turned::climb(SECOND_STEP).from([second], |[at]| of(value, Some(at))).0[0]);
+            turned.second.map(|second| Turned::climb([SECOND_STEP]).from([second], |[at]| of(value, Some(at))).0[0]);
         at(value, second)
     });
     let second = turned.second.map(|second| {
         Profile::of((second, &start), half, 0.01 * SECOND_STEP, second_range, |second| {
-            let ([value], _) = Turned::climb(step).from([turned.value], |[at]| of(at, Some(second)));
+            let ([value], _) = Turned::climb([step]).from([turned.value], |[at]| of(at, Some(second)));
             at(value, Some(second))
         })
     });
