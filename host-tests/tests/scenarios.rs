@@ -584,3 +584,29 @@ fn a_speed_that_sticks_in_the_middle_of_a_segment_freezes_the_resistance() {
         measurement.speed_mps = last.speed_mps;
     });
 }
+
+/// Means over a second in rows 1 and 2 s apart, and in every fifth row: of a tick longer than the shortest one nothing was known, and nothing learned.
+#[test]
+fn efforts_in_rows_that_are_not_evenly_spaced_teach() {
+    let sensors = Sensors { sampling_s: 1.0, effort_noise_share: 0.02, ..Sensors::default() };
+    let scenario = Scenario { sensors, ..Scenario::default() };
+    let run = simulate(&scenario, SEED);
+    let estimator = estimator(Config::with_mode(Mode::Measured), &scenario);
+    let rows_are_lost = |log: Vec<Measurement>| -> Vec<Measurement> {
+        log.into_iter().enumerate().filter(|(index, _)| index % 3 != 0).map(|(_, row)| row).collect()
+    };
+    let sparse = |mut log: Vec<Measurement>| {
+        log.iter_mut().enumerate().filter(|(index, _)| index % 5 != 0).for_each(|(_, row)| row.effort_n_per_kg = None);
+        log
+    };
+    let (_, expected) = replay(&estimator, &measurements(&run));
+    for (name, log) in
+        [("rows are lost", rows_are_lost(measurements(&run))), ("efforts are sparse", sparse(measurements(&run)))]
+    {
+        let (_, found) = replay(&estimator, &log);
+        assert!(found.learned_s > 0.9 * expected.learned_s, "{name}: {} s of {}", found.learned_s, expected.learned_s);
+        for kmh in [60.0, 100.0, 140.0] {
+            assert!(error_sd(&found, &run, kmh).abs() < 2.5, "{name}: {} at {kmh}", error_sd(&found, &run, kmh));
+        }
+    }
+}

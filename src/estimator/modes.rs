@@ -112,16 +112,7 @@ pub(super) fn learning_tick(
             run.waits = None;
             learn_coasting(config, run, line, acting, judged, &recognition, are_short)
         }
-        Mode::Measured => {
-            let usual = read && now.speed_mps > SLOWEST_MEASURED_MPS && judged.contradiction.is_none();
-            let learned = learn_measured(config, run, line, acting, read_effort);
-            run.waits = usual.then(|| (tick(config, run, line, judged), run.kinematics.belief()));
-            // Where no tick waits the segment would stay one behind.
-            if run.waits.is_none() {
-                run.learner.end();
-            }
-            learned
-        }
+        Mode::Measured => learn_measured(config, run, line, acting, judged, read_effort),
         Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, are_short),
     };
     let (innovation, validity) = match learned {
@@ -220,7 +211,8 @@ fn recognise(
 ) -> Recognition {
     let belief = run.learner.provisional();
     let [r0, r1, r2] = belief.mean.into();
-    let over = |anchor| (anchor, effort::over_interval(line, acting, &Davis { r0, r1, r2 }, &anchor, now));
+    let davis = Davis { r0, r1, r2 };
+    let over = |anchor| (anchor, effort::over_interval(line, acting, &davis, &anchor, now));
     let over = run.anchor.filter(|_| read).map(over);
     let mut recognition = Recognition {
         effort: over.map(|(_, effort)| effort),
@@ -265,6 +257,7 @@ fn recognise(
         run.anchor = Some(*now);
         if config.mode == Mode::Measured && anchor.speed_mps.min(now.speed_mps) > SLOWEST_MEASURED_MPS {
             let sd = [evidence.acceleration_sd_mps2 * evidence.interval_s, evidence.resistance_sd_n_per_kg];
+            let effort = effort::over_steps(line, acting, &davis, [&anchor, now], config.learning.sub_step_s);
             run.effort_reading.compare(&config.effort_reading, evidence.interval_s, &effort, sd, run.learner.gain());
         } else {
             run.effort_reading.begin_interval();
@@ -310,8 +303,37 @@ fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Ti
     }
 }
 
-/// Begins, continues or ends a segment of measured effort with the tick that waits, of which the `effort` is known now. Out: the innovation of a step of it.
+/// One row of measured effort: the tick that waits teaches, of which the `effort` is known now, and the one that ends here waits. Rows without an effort lie
+/// within a tick. Out: the innovation of a step of the segment.
 fn learn_measured(
+    config: &Config,
+    run: &mut RunState,
+    line: &Line<'_>,
+    acting: &Acting<'_>,
+    judged: &Judged,
+    effort: Option<MeanEffort>,
+) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
+    // A speed that is missing says nothing; one that is not believed may be a slip.
+    let read = judged.speed_mps.is_ok() || judged.speed_mps == Err(Cause::NoSpeed);
+    let runs = run.kinematics.belief().mean[SPEED] > SLOWEST_MEASURED_MPS;
+    let usual = read && runs && judged.contradiction.is_none();
+    let within = run.effort_reading.waits();
+    let learned = if within { Ok(None) } else { learn_waiting(config, run, line, acting, effort) };
+    if !usual {
+        run.waits = None;
+    } else if !within {
+        let ends = Tick { dt_s: run.effort_reading.tick_s(), ..tick(config, run, line, judged) };
+        run.waits = Some((ends, run.kinematics.belief()));
+    }
+    // Where no tick waits the segment would stay one behind.
+    if run.waits.is_none() {
+        run.learner.end();
+    }
+    learned
+}
+
+/// Begins, continues or ends a segment of measured effort with the tick that waits. Out: the innovation of a step of it.
+fn learn_waiting(
     config: &Config,
     run: &mut RunState,
     line: &Line<'_>,
@@ -323,7 +345,9 @@ fn learn_measured(
             tick.effort = effort;
             return run.learner.step(&config.learning, &config.sensor, line, acting, tick, &usual(config, 0.0));
         }
-        (Some((tick, moving)), Some(_)) if tick.location_m.is_some() => run.learner.begin(tick.time_s, moving, true),
+        (Some((tick, moving)), Some(_)) if tick.location_m.is_some() && tick.speed_mps.is_some() => {
+            run.learner.begin(tick.time_s, moving, true);
+        }
         (Some(_), Some(_)) => {}
         _ => run.learner.end(),
     }

@@ -6,7 +6,8 @@
 //! u = (v[k] - v[j]) / Δt + r(v) + g(s) + X         Eq. (1) solved for u; X of the named effects
 //! ```
 //!
-//! The paper takes r and g at the end of the interval ([`of_paper`]); the other modes take their mean over it ([`over_interval`]).
+//! The paper takes r and g at the end of the interval ([`of_paper`]); the other modes take their mean over it ([`over_interval`]),
+//! and where it is compared with what an effort column says, in short steps ([`over_steps`]).
 
 use crate::Real;
 use crate::model::effects::Acting;
@@ -31,6 +32,48 @@ pub fn of_paper(line: &Line<'_>, acting: &Acting<'_>, davis: &Davis, acceleratio
     acting.effort_n_per_kg(resultant + acting.extra_n_per_kg(line, davis, at, 0.0))
 }
 
+/// Means over the interval from `from` to `to`, at an even acceleration and in steps of at most `step_s`. [`over_interval`] sees slopes that
+/// change within 10 s at three places only: on lines of 25 to 40 permille the speed that it expects was up to 0.4 m/s off.
+pub fn over_steps(
+    line: &Line<'_>,
+    acting: &Acting<'_>,
+    davis: &Davis,
+    [from, to]: [&Point; 2],
+    step_s: Real,
+) -> Effort {
+    let interval_s = to.time_s - from.time_s;
+    let steps = libm::ceil(interval_s / step_s).clamp(1.0, MOST_STEPS);
+    let mean_mps = 0.5 * (from.speed_mps + to.speed_mps);
+    let at = |step: Real| {
+        let share = step / steps;
+        let speed_mps = from.speed_mps + share * (to.speed_mps - from.speed_mps);
+        // Of the way; as that of the time where the train stands.
+        let run = if mean_mps > 0.0 { share * 0.5 * (from.speed_mps + speed_mps) / mean_mps } else { share };
+        Point {
+            time_s: from.time_s + share * interval_s,
+            location_m: from.location_m + run * (to.location_m - from.location_m),
+            speed_mps,
+        }
+    };
+    let mut effort = over_interval(line, acting, davis, from, &at(1.0));
+    let mut begin = at(1.0);
+    for step in 2..=steps as u32 {
+        let end = at(step.into());
+        let more = over_interval(line, acting, davis, &begin, &end);
+        effort.effort_n_per_kg += more.effort_n_per_kg;
+        effort.resistance_n_per_kg += more.resistance_n_per_kg;
+        begin = end;
+    }
+    Effort {
+        effort_n_per_kg: effort.effort_n_per_kg / steps,
+        acceleration_mps2: (to.speed_mps - from.speed_mps) / interval_s,
+        resistance_n_per_kg: effort.resistance_n_per_kg / steps,
+    }
+}
+
+/// Of an interval that has no length to speak of.
+const MOST_STEPS: Real = 100.0;
+
 /// Means over the interval from `from` to `to`, which is later; the gradient by Simpson's rule.
 pub fn over_interval(line: &Line<'_>, acting: &Acting<'_>, davis: &Davis, from: &Point, to: &Point) -> Effort {
     let acceleration_mps2 = (to.speed_mps - from.speed_mps) / (to.time_s - from.time_s);
@@ -46,5 +89,33 @@ pub fn over_interval(line: &Line<'_>, acting: &Acting<'_>, davis: &Davis, from: 
         effort_n_per_kg: acting.effort_n_per_kg(acceleration_mps2 + resistance_n_per_kg),
         acceleration_mps2,
         resistance_n_per_kg,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::direction::Direction;
+    use crate::model::effects::{Effects, Journey};
+    use crate::model::track::{Gradient, Track};
+    use crate::model::train::{Train, TrainDescription};
+
+    /// Three places see a slope that begins after a quarter of the way over five sixths of it.
+    #[test]
+    fn a_slope_that_begins_within_an_interval_is_seen_from_where_it_begins() {
+        let train = Train::try_new(TrainDescription { length_m: 1.0, ..TrainDescription::CASE_STUDY }).unwrap();
+        let gradients = [(0.0, 0.0), (1050.0, 40.0)].map(|(from_m, permille)| Gradient { from_m, permille });
+        let track = Track::try_new(5e3, gradients).unwrap();
+        let line = Line { train: &train, track: &track, direction: Direction::Up };
+        let effects = Effects::default();
+        let acting = Acting::new(&effects, Journey::default());
+        let davis = Davis { r0: 0.0, r1: 0.0, r2: 0.0 };
+        let at = |time_s: Real| Point { time_s, location_m: 1000.0 + 20.0 * time_s, speed_mps: 20.0 };
+        let of_slope = |step_s| {
+            let effort = over_steps(&line, &acting, &davis, [&at(0.0), &at(10.0)], step_s);
+            effort.effort_n_per_kg / line.gradient_n_per_kg(1100.0)
+        };
+        assert!((of_slope(10.0) - 5.0 / 6.0).abs() < 1e-6, "{}", of_slope(10.0));
+        assert!((of_slope(2.5) - 0.75).abs() < 0.05, "{}", of_slope(2.5));
     }
 }

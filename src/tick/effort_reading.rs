@@ -19,9 +19,15 @@
 //!
 //! A momentary column that is late by half a tick has the `s` of a mean in time, and is believed as one.
 //!
-//! `s` is the same for all rows of a recorder. It is a normal belief that each interval updates by how far `e` alone misses the effort that the change of
-//! speed asks for; where the effort hardly changes it says nothing and matters nothing.
+//! `s` is the same for all rows of a recorder that are as far apart; of a tick of another length it is known less well (`share.rs`). It is a normal belief
+//! that each interval updates by how far `e` alone misses the effort that the change of speed asks for; where the effort hardly changes it says nothing and
+//! matters nothing.
+//!
+//! A tick goes from one row with an effort to the next one: rows between them that have none, as where the column is sparse, wait for it.
 
+mod share;
+
+use self::share::Share;
 use crate::Real;
 use crate::model::effort::Effort;
 use crate::plain::plain;
@@ -47,10 +53,6 @@ const WANDER: f32 = 0.02;
 /// How long it stays so, s: as long as a train powers in one piece. Rows within that time say no more than one.
 const WANDER_S: f32 = 60.0;
 
-/// Before the first interval a mean and a momentary value are as likely as each other.
-const SHARE: f32 = 0.25;
-/// Standard deviation of `s` for a column that is in time.
-const SHARE_SD: f32 = 0.25;
 /// An interval in which the effort changes by less says nothing of `s`, N/kg: gains and gusts would.
 const LEAST_CHANGE_N_PER_KG: f32 = 0.02;
 
@@ -60,21 +62,22 @@ in_place! {
     pub struct EffortReading {
         /// Efforts of the last two rows, N/kg, where they are known.
         rows: [Option<f32>; 2] = ([None; 2]);
-        /// Shortest time between two rows, s: what `s` is of; 0 before the first.
+        /// Length of the tick that ended with the last of them, s.
+        tick_s: Real = (0.0);
+        /// Since then, where rows have no effort, s.
+        waited_s: Real = (0.0);
+        /// Usual time between two rows with an effort, s; 0 before the first.
         usual_s: f32 = (0.0);
         /// Since the interval began; none where one of its ticks has no effort that is known.
         interval: Option<Window> = (None);
         /// Since the last interval in which the effort hardly changed, that one included.
         window: Option<Window> = (None);
-        /// What is known of `s`: mean and variance; nothing where that is 0.
-        share: (f32, f32) = ((0.0, 0.0));
-        /// Tick that this is of, s.
-        share_tick_s: f32 = (0.0);
+        share: Share = (Share::UNKNOWN);
     }
 }
 
-/// Sums over ticks: effort, its change, and what the speed asks for, times the length of the tick, m/s; time, s.
-type Window = [f32; 4];
+/// Sums over ticks, m/s: effort, what `s` is multiplied by, and what the speed asks for; time, s; what the kind of the column is multiplied by, m/s.
+type Window = [f32; 5];
 
 /// The mean effort of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -107,9 +110,9 @@ plain! {
 impl Column {
     /// After a run.
     pub(crate) fn of_run((gain, gain_sd): (Real, Real), reading: &EffortReading) -> Self {
-        let (share, variance) = reading.share;
+        let Share { mean: share, variance, tick_s } = reading.share;
         // A doubt is rounded up. A number that is none becomes the largest, as one that is too large.
-        let tick = 1e2 * reading.share_tick_s;
+        let tick = 1e2 * tick_s;
         let steps = [1e4 * (gain as f32 - 1.0), 1e4 * gain_sd as f32, 1e3 * share, 1e3 * root(variance), tick];
         Self { steps: steps.map(|steps| (steps + 0.999).min(MOST_STEPS) as i16 as u16) }
     }
@@ -150,15 +153,23 @@ impl Column {
 }
 
 impl EffortReading {
-    /// The belief of `s`: mean and variance. The same age is another share of another tick.
-    fn share(&self, config: &EffortReadingConfig) -> (f32, f32) {
-        let late = config.late_sd_s as f32 / self.usual_s;
-        let is_of_this_tick = (self.share_tick_s - self.usual_s).abs() < SAME_TICK * self.usual_s;
-        if is_of_this_tick && self.share.1 > 0.0 { self.share } else { (SHARE, SHARE_SD * SHARE_SD + late * late) }
+    /// The belief of `s` at the usual tick, or before anything is known of it.
+    fn share(&self, config: &EffortReadingConfig) -> Share {
+        if self.share.is_known() { self.share } else { Share::unknown(config, self.usual_s) }
     }
 
-    /// A row, `dt_s` after the last one. Out: the mean effort of the tick that ended with the row before, for what comes next says how far that one had
-    /// seen it; unless one of the three is missing or a brake acts, whose effort has another gain.
+    /// The last row has no effort, and waits for the next one that has one.
+    pub fn waits(&self) -> bool {
+        self.waited_s > 0.0
+    }
+
+    /// Length of the tick that ended with the last row that has an effort, s.
+    pub fn tick_s(&self) -> Real {
+        self.tick_s
+    }
+
+    /// A row, `dt_s` after the last one. Out: the mean effort of the tick that ended with the row with an effort before, for what comes next says how far
+    /// that one had seen it; unless one of the three is missing or a brake acts, whose effort has another gain.
     /// `change_share`: of a change, what stays uncertain, for efforts change within a tick as they like.
     pub fn read(
         &mut self,
@@ -167,57 +178,111 @@ impl EffortReading {
         dt_s: Real,
         effort_n_per_kg: Option<Real>,
     ) -> Option<MeanEffort> {
-        let dt_s = dt_s as f32;
-        let [before, last] = self.rows;
-        self.usual_s = if self.usual_s > 0.0 { self.usual_s.min(dt_s) } else { dt_s };
-        // `s` is a share of the usual tick: after a gap nothing is known of the mean.
-        let last = last.filter(|_| dt_s < LONGEST_TICK * self.usual_s);
-        let now = effort_n_per_kg.map(|now| now as f32).filter(|now| *now > BRAKE_N_PER_KG);
-        self.rows = [last, now];
-        let Some((last, now)) = last.zip(now) else {
+        let Some(now) = effort_n_per_kg.map(|now| now as f32) else {
+            self.wait(dt_s);
+            return None;
+        };
+        if now <= BRAKE_N_PER_KG {
+            self.interrupt();
+            return None;
+        }
+        let tick_s = self.waited_s + dt_s;
+        let is_tick = (tick_s as f32) < self.longest_s();
+        let ([before, last], of_last_s) = (self.rows, self.tick_s as f32);
+        // After a gap nothing is known of the mean.
+        let last = last.filter(|_| is_tick);
+        self.rows = [last, Some(now)];
+        self.become_usual(tick_s as f32);
+        (self.tick_s, self.waited_s) = (tick_s, 0.0);
+        let Some(last) = last else {
             self.interval = None;
             return None;
         };
-        if let Some([read, change, ..]) = &mut self.interval {
-            *read += now * dt_s;
-            *change += (last - now) * dt_s;
+        self.sum(config, [last, now], dt_s as f32);
+        Some(self.mean(config, change_share as f32, of_last_s, [before?, last, now]))
+    }
+
+    /// A row without an effort: until the next one that has one, the last one goes on.
+    fn wait(&mut self, dt_s: Real) {
+        let waited_s = self.waited_s + dt_s;
+        let last = self.rows[1].filter(|_| (waited_s as f32) < self.longest_s());
+        let Some(last) = last else {
+            self.interrupt();
+            return;
+        };
+        self.waited_s = waited_s;
+        if let Some([read, ..]) = &mut self.interval {
+            *read += last * dt_s as f32;
         }
-        let (share, share_variance) = self.share(config);
+    }
+
+    /// Longest time between two rows with an effort of which the mean is known, s.
+    fn longest_s(&self) -> f32 {
+        (LONGEST_TICK * self.usual_s).max(LONGEST_S)
+    }
+
+    /// The usual tick follows those of the log, a gap hardly.
+    fn become_usual(&mut self, tick_s: f32) {
+        let most_s = if self.usual_s > 0.0 { LONGEST_TICK * self.usual_s } else { tick_s };
+        let usual_s = if self.usual_s > 0.0 { self.usual_s } else { tick_s };
+        self.usual_s = usual_s + (tick_s.min(most_s) - usual_s) / USUAL_ROWS;
+    }
+
+    /// Takes the tick that ends now into the interval, of which rows without an effort have taken the last one so far. `dt_s` after the last row.
+    fn sum(&mut self, config: &EffortReadingConfig, [last, now]: [f32; 2], dt_s: f32) {
+        let tick_s = self.tick_s as f32;
+        let [of_share_s, of_kind_s] = self.share(config).weights_s(config, tick_s);
+        if let Some([read, change, .., kind]) = &mut self.interval {
+            *read += now * dt_s + (now - last) * (tick_s - dt_s);
+            *change += (last - now) * of_share_s;
+            *kind += (last - now) * of_kind_s;
+        }
+    }
+
+    /// The mean effort of a tick of `tick_s` that ended with the row `last`.
+    fn mean(
+        &self,
+        config: &EffortReadingConfig,
+        change_share: f32,
+        tick_s: f32,
+        [before, last, now]: [f32; 3],
+    ) -> MeanEffort {
+        let Share { mean: share, variance: share_variance, .. } = self.share(config).at(config, tick_s);
         let (late, momentary) = ((-share).max(0.0), share.max(0.0));
         // What is not seen of a late column's tick is taken from the rows on both sides of its end, so it is as much too little before a change as it is
         // too much after it, and gone with the next row. It is a doubt of the reading of the speed.
-        let (behind, ahead) = (before? - last, last - now);
+        let (behind, ahead) = (before - last, last - now);
         // Of a column in time the change is taken around the row, by which it is doubted: with that up to the row a mean whose noise hides the change of a
         // falling effort would be believed more than one whose noise adds to it, and r become too large.
         let seen = if late > 0.0 { 0.5 + 0.5 * late.min(1.0) } else { (0.5 - momentary).max(0.0) };
         let change = behind + seen * (ahead - behind);
         // A momentary value misses what happened within the tick. Power is turned off at the same places in each run, so what is missed of a large change
         // is no noise: such a row hardly teaches.
-        let within = change_share as f32 + MISSED * momentary * (1.0 + change.abs() / SMALL_CHANGE_N_PER_KG);
+        let within = change_share + MISSED * momentary * (1.0 + change.abs() / SMALL_CHANGE_N_PER_KG);
         let noise = config.noise_share as f32 * last + config.noise_n_per_kg as f32;
-        let wander = square(WANDER * last) * (WANDER_S / dt_s).max(1.0);
-        Some(MeanEffort {
+        let wander = square(WANDER * last) * (WANDER_S / tick_s).max(1.0);
+        MeanEffort {
             n_per_kg: last + share * change,
             variance: square(noise) + wander + (share_variance + square(within)) * square(change),
-            unseen: square(late * dt_s) * (square(UNSEEN_N_PER_KG) + square(MISSED * ahead)),
-        })
+            unseen: square(late * tick_s) * (square(UNSEEN_N_PER_KG) + square(MISSED * ahead)),
+        }
     }
 
     /// A run begins with what is known of `s`: mean and variance, and the column that holds its tick.
     pub(crate) fn begin_run(&mut self, share: (f32, f32), column: Column) {
-        self.share = share;
-        self.share_tick_s = 1e-2 * f32::from(column.steps[4]);
+        self.share = Share { mean: share.0, variance: share.1, tick_s: 1e-2 * f32::from(column.steps[4]) };
     }
 
-    /// The log begins again after a pause: what was learned of the column stays.
+    /// The log begins again after a pause, or a brake acts: what was learned of the column stays.
     pub fn interrupt(&mut self) {
         self.rows = [None; 2];
+        self.waited_s = 0.0;
         self.interval = None;
     }
 
     /// An interval begins, which no other one comes before.
     pub fn begin_interval(&mut self) {
-        self.interval = Some([0.0; 4]);
+        self.interval = Some([0.0; 5]);
         self.window = None;
     }
 
@@ -235,13 +300,13 @@ impl EffortReading {
         [speed_sd_mps, resistance_sd]: [Real; 2],
         (gain, gain_sd): (Real, Real),
     ) {
-        let interval = self.interval.replace([0.0; 4]);
-        let Some([read, change, ..]) = interval else {
+        let interval = self.interval.replace([0.0; 5]);
+        let Some([read, change, _, _, kind]) = interval else {
             self.window = None;
             return;
         };
         let time_s = interval_s as f32;
-        let interval = [read, change, effort.effort_n_per_kg as f32 * time_s, time_s];
+        let interval = [read, change, effort.effort_n_per_kg as f32 * time_s, time_s, kind];
         let steady = change.abs() < LEAST_CHANGE_N_PER_KG * self.usual_s;
         let window = self.window.map(|mut window| {
             window.iter_mut().zip(interval).for_each(|(sum, more)| *sum += more);
@@ -252,16 +317,33 @@ impl EffortReading {
             return;
         }
         self.window = Some(interval);
-        let Some([read, change, asked, time_s]) = window else {
+        let Some(window) = window else {
             return;
         };
-        let (share, share_variance) = self.share(config);
-        let (gain, gain_sd) = (gain as f32, gain_sd as f32);
+        self.learn(config, window, [speed_sd_mps as f32, resistance_sd as f32], (gain as f32, gain_sd as f32));
+        if self.share.is_known() && !self.share.is_of(self.usual_s) {
+            self.share = self.share.at(config, self.usual_s);
+            // Its sums are of the tick before.
+            self.window = None;
+        }
+    }
+
+    /// What a window says of `s`.
+    fn learn(
+        &mut self,
+        config: &EffortReadingConfig,
+        [read, change, asked, time_s, kind]: Window,
+        [speed_sd_mps, resistance_sd]: [f32; 2],
+        (gain, gain_sd): (f32, f32),
+    ) {
+        let believed = self.share(config);
+        let Share { mean: share, variance: share_variance, tick_s } = believed;
+        let (kind_mean, kind_variance) = believed.kind_beyond(config);
         let column = gain * change;
         // Resistance and gain are off alike in each window, and what they have in common with `s` is not carried: where the effort falls in all of them, as
         // where trains power from a stop and then brake, no number of windows says more of `s` than one that knows its own errors.
-        let common = square(resistance_sd as f32 * time_s) + square(gain_sd * read);
-        let own = square(speed_sd_mps as f32)
+        let common = square(resistance_sd * time_s) + square(gain_sd * read) + kind_variance * square(gain * kind);
+        let own = square(speed_sd_mps)
             + square(config.noise_share as f32 * read) * self.usual_s / time_s
             + square(MISSED * share.max(0.0) * column);
         let expected = share_variance * square(column) + common + own;
@@ -271,9 +353,8 @@ impl EffortReading {
             return;
         }
         let limit = GATE * root(expected);
-        let missed = (asked - gain * read - share * column).min(limit).max(-limit);
-        self.share = (share + (1.0 - after / share_variance) / column * missed, after);
-        self.share_tick_s = self.usual_s;
+        let missed = (asked - gain * (read + kind_mean * kind) - share * column).min(limit).max(-limit);
+        self.share = Share { mean: share + (1.0 - after / share_variance) / column * missed, variance: after, tick_s };
     }
 }
 
@@ -291,10 +372,12 @@ const MISSED: f32 = 0.5;
 const UNSEEN_N_PER_KG: f32 = 0.02;
 /// A change of a momentary effort beyond which its row teaches less, N/kg.
 const SMALL_CHANGE_N_PER_KG: f32 = 0.05;
-/// Ticks that differ by less, as a share, are the same: clocks do.
-const SAME_TICK: f32 = 0.1;
 /// Longest tick that is a usual one, in usual ones.
 const LONGEST_TICK: f32 = 1.5;
+/// A tick up to this is none too long whatever is usual, s: rows 10 s apart teach, and one that is late by half of that.
+const LONGEST_S: f32 = 15.0;
+/// Rows by which the usual tick follows those of the log. Judgement: fewer than a run has in a minute at 1 s, and no single gap moves it by a tenth.
+const USUAL_ROWS: f32 = 32.0;
 /// Standard deviations beyond which a window is not believed as it is.
 const GATE: f32 = 4.0;
 /// Twice the standard deviations of resistance and gain, squared: those are known beside an `s` that is taken for right.
@@ -376,7 +459,7 @@ mod tests {
             }
             reading.interrupt();
         }
-        let (share, variance) = reading.share;
+        let Share { mean: share, variance, .. } = reading.share;
         assert!(share.abs() < 2.0 * root(variance) && root(variance) < 0.4, "{share} {}", root(variance));
     }
 
@@ -390,7 +473,7 @@ mod tests {
         ];
         for (name, column, expected) in cases {
             let (reading, deviations) = learned(column, TICK_S);
-            let (share, variance) = (Real::from(reading.share.0), Real::from(reading.share.1));
+            let (share, variance) = (Real::from(reading.share.mean), Real::from(reading.share.variance));
             let off = (share - expected) / variance.sqrt();
             assert!(
                 (share - expected).abs() < 0.05 && off.abs() < 2.5,
@@ -400,13 +483,83 @@ mod tests {
         }
     }
 
+    /// Times between rows with an effort, in turn, s.
+    const UNEVEN: [(&str, &[Real]); 3] = [
+        ("1 and 2 s in turn", &[1.0, 2.0]),
+        ("jittered by 0.2 s", &[1.1, 0.7, 1.2, 0.9]),
+        ("2 to 8 s", &[2.0, 8.0, 3.0, 5.0]),
+    ];
+
+    /// Nothing was known of a tick of more than one and a half times the shortest: of such columns that was every one, or every other one.
+    #[test]
+    fn rows_that_are_not_evenly_spaced_say_what_their_means_are() {
+        type UnevenRow = fn(Real, Real) -> Real;
+        let columns: [(&str, UnevenRow); 3] = [
+            ("mean", |before_s, time_s| mean_n_per_kg(before_s, time_s)),
+            ("moment", |_, time_s| effort_n_per_kg(time_s)),
+            ("mean, 1 s late", |before_s, time_s| mean_n_per_kg(before_s - 1.0, time_s - 1.0)),
+        ];
+        let config = EffortReadingConfig::default();
+        for ((spacing, ticks_s), (column, row)) in UNEVEN.into_iter().flat_map(|one| columns.map(|two| (one, two))) {
+            let mut reading = EffortReading::ZEROED;
+            reading.begin_interval();
+            let (mut time_s, mut anchor_s) = (0.0, 0.0);
+            let (mut square, mut known, mut last) = (0.0, 0, [0.0; 2]);
+            for tick in 0..2000 {
+                let before_s = time_s;
+                time_s += ticks_s[tick % ticks_s.len()];
+                let mean = reading.read(&config, 0.05, time_s - before_s, Some(row(before_s, time_s)));
+                if time_s - anchor_s >= 9.5 {
+                    let effort_n_per_kg = mean_n_per_kg(anchor_s, time_s);
+                    let effort = Effort { effort_n_per_kg, acceleration_mps2: 0.0, resistance_n_per_kg: 0.0 };
+                    reading.compare(&config, time_s - anchor_s, &effort, [0.1, 2e-3], (1.0, 0.01));
+                    anchor_s = time_s;
+                }
+                if let Some(mean) = mean.filter(|_| tick >= 1000) {
+                    let tick_s = last[1] - last[0];
+                    let error = Real::from(mean.n_per_kg) - mean_n_per_kg(last[0], last[1]);
+                    let variance = Real::from(mean.variance) + 2.0 * Real::from(mean.unseen) / (tick_s * tick_s);
+                    square += error * error / variance;
+                    known += 1;
+                }
+                last = [before_s, time_s];
+            }
+            let deviations = libm::sqrt(square / Real::from(known));
+            assert!(known > 990, "{column}, {spacing}: {known} of 1000 are known");
+            assert!(deviations < 2.0, "{column}, {spacing}: errors of {deviations} standard deviations");
+        }
+    }
+
+    /// Between two efforts the mean is that of the later one, and what rows without an effort have taken of the last one is given back.
+    #[test]
+    fn rows_without_an_effort_wait_for_the_next_one() {
+        let config = EffortReadingConfig::default();
+        let mut reading = EffortReading::ZEROED;
+        let mut known = 0;
+        for second in 0..60 {
+            let effort = (second % 3 == 0).then_some(if second < 30 { 0.3 } else { 0.1 });
+            known += usize::from(reading.read(&config, 0.05, 1.0, effort).is_some());
+            assert_eq!(reading.waits(), effort.is_none(), "{second}");
+            if second == 0 {
+                reading.begin_interval();
+            }
+        }
+        assert_eq!(known, 18, "ticks end with 19 of the rows, and the first two have none before them");
+        let [read, ..] = reading.interval.unwrap();
+        assert!((read - (27.0 * 0.3 + 32.0 * 0.1)).abs() < 1e-4, "{read}");
+        for _ in 0..20 {
+            reading.read(&config, 0.05, 1.0, None);
+        }
+        assert!(!reading.waits(), "what no effort has ended for long is not known");
+    }
+
     /// Row by row a late column is off by what a change of the effort makes; over the change it is not.
     #[test]
     fn what_a_late_column_has_not_seen_comes_with_the_next_rows() {
         let config = EffortReadingConfig::default();
         let late = |t: Real| mean_n_per_kg(t - TICK_S - 1.0, t - 1.0);
         let (mut reading, _) = learned(late, TICK_S);
-        reading.share = (-0.1, 1e-6);
+        (reading.share.mean, reading.share.variance) = (-0.1, 1e-6);
         // Power is on from 2075 s on; before and long after the effort is steady.
         let (mut error, mut largest, mut unseen) = (0.0_f64, 0.0_f64, 0.0_f64);
         for tick in 200..213 {
@@ -427,7 +580,7 @@ mod tests {
         let unknown = Column::of_run((1.0312, 0.004), &reading).next_run();
         assert!(unknown[0].1 > 0.0 && unknown[1].1 == 0.0, "{unknown:?}");
         for share in [-0.1, 0.0, 0.5, -7.25, 16.3] {
-            (reading.share, reading.share_tick_s) = ((share, 1e-8), TICK_S as f32);
+            reading.share = Share { mean: share, variance: 1e-8, tick_s: TICK_S as f32 };
             let [gain, found] = Column::of_run((1.0312, 0.004), &reading).next_run();
             assert!((gain.0 - 1.0312).abs() < 1e-4 && (gain.1.sqrt() - 0.004_f32.hypot(GAIN_DRIFT_SD)).abs() < 1.1e-4);
             assert!((found.0 - share).abs() < 1e-3 && (found.1.sqrt() - SHARE_DRIFT_SD).abs() < 1e-3, "{found:?}");

@@ -9,10 +9,13 @@ pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
 use rundown::estimator::config::Mode;
+use rundown::tick::measurement::Measurement;
 use rundown_files::replay::ReplayedRun;
 use std::collections::BTreeMap;
 
 const NAMED: usize = 3;
+/// A tick of the measured mode ends with a row that has an effort, and there it compares speed and location.
+const EFFORT_BESIDE_BOTH: &str = "effort, speed and location in one row, and no row has all three";
 /// A described resistance that is not seen at this speed is seen at none, km/h.
 const MOST_KMH: u16 = 400;
 
@@ -26,6 +29,8 @@ pub struct Advice {
     without_speed: NamedRuns,
     without_effort: NamedRuns,
     with_effort: NamedRuns,
+    /// A row has an effort beside a speed and a location.
+    effort_beside_both: bool,
     /// By unit.
     vehicles: BTreeMap<String, vehicle::After>,
     foreseen: foreseen::Foreseen,
@@ -46,6 +51,7 @@ impl Advice {
             self.without_speed.add(run, rows().all(|measurement| measurement.speed_mps.is_none()));
             self.without_effort.add(run, rows().all(|measurement| measurement.effort_n_per_kg.is_none()));
             self.with_effort.add(run, rows().any(|measurement| measurement.effort_n_per_kg.is_some()));
+            self.effort_beside_both |= rows().any(has_effort_beside_both);
             self.taught.extend(unlike::Taught::of(run).filter(|_| run.is_used));
             vehicle::After::add(&mut self.vehicles, run);
         }
@@ -75,6 +81,7 @@ impl Advice {
         if !self.learned {
             let what = match config.mode {
                 Mode::Gated => self.coasting(estimator),
+                _ if self.with_effort.count > 0 && !self.effort_beside_both => EFFORT_BESIDE_BOTH.to_owned(),
                 _ => effort_in_one_piece(estimator),
             };
             let doubt = config.track_doubt.gradient_sd_permille;
@@ -103,6 +110,10 @@ impl Advice {
             3.6 * self.fastest_mps
         )
     }
+}
+
+fn has_effort_beside_both(row: &Measurement) -> bool {
+    row.effort_n_per_kg.is_some() && row.speed_mps.is_some() && row.location_m.is_some()
 }
 
 /// The efforts that the measured mode learns from. Those of short hops it does not, whatever the column has: they show
@@ -190,6 +201,24 @@ mod tests {
             let is_said = advice.notes(&estimator, false).iter().any(|note| note.starts_with("nothing was learned"));
             assert_eq!(is_said, !is_used);
         }
+    }
+
+    /// Speed and effort each have rows of their own: of the effort there is a minute in one piece, and that was asked for.
+    #[test]
+    fn efforts_without_a_speed_in_their_rows_are_said() {
+        let mut replayed = replayed();
+        let mut said = |apart: bool| {
+            replayed.runs[0].summary.learned_s = 0.0;
+            for (index, row) in replayed.runs[0].measurements.iter_mut().enumerate() {
+                row.effort_n_per_kg = (!apart || index % 2 == 0).then_some(0.1);
+                row.speed_mps = (!apart || index % 2 == 1).then_some(20.0);
+            }
+            let mut advice = Advice::default();
+            advice.add(&replayed.runs);
+            advice.notes(&estimator(Config::with_mode(Mode::Measured)), false).join("\n")
+        };
+        assert!(said(true).contains("it takes effort, speed and location in one row, and no row has all three"));
+        assert!(said(false).contains("it takes 60 s of known effort without braking in one piece"));
     }
 
     /// The gated mode takes efforts to be unknown, though the analyst may think that they were used.
