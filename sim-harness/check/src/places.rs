@@ -327,7 +327,7 @@ fn stretches(
         if same >= least {
             let located = (from..=to).filter(|i| rows[*i].location_m.is_some());
             let [first, last] = [located.clone().min().unwrap_or(from), located.max().unwrap_or(from)];
-            let by_speed: f64 = rows[first..=last].windows(2).map(|pair| between(&pair[0], &pair[1])).sum();
+            let by_speed = run_m(&rows[from..=to], [first, last].map(|i| rows[i].time_s));
             let by_location = rows[first].location_m.zip(rows[last].location_m).map_or(0.0, |(a, b)| (b - a).abs());
             let metres = missing(by_speed, by_location);
             let (begins_old, way_m) = (false, by_speed.max(by_location));
@@ -336,6 +336,23 @@ fn stretches(
         from = to + 1;
     }
     found
+}
+
+/// Distance by speed from one time to another: between two rows with a speed their mean, whatever rows stand between them, before the first and after the last of
+/// them that speed.
+fn run_m(rows: &[Sample], [from_s, to_s]: [f64; 2]) -> f64 {
+    let read: Vec<(f64, f64)> = rows.iter().filter_map(|row| Some((row.time_s, row.speed_mps?))).collect();
+    let (Some(first), Some(last)) = (read.first(), read.last()) else { return 0.0 };
+    let all = [&[(from_s.min(first.0), first.1)], &read[..], &[(to_s.max(last.0), last.1)]].concat();
+    let way = |pair: &[(f64, f64)]| {
+        let [(a_s, a_mps), (b_s, b_mps)] = [pair[0], pair[1]];
+        let long_s = b_s - a_s;
+        // The part of it between the two times.
+        let [begins_s, ends_s] = [a_s.max(from_s), b_s.min(to_s)];
+        let at = |time_s: f64| if long_s > 0.0 { a_mps + (b_mps - a_mps) * (time_s - a_s) / long_s } else { a_mps };
+        0.5 * (at(begins_s) + at(ends_s)) * (ends_s - begins_s).max(0.0)
+    };
+    all.windows(2).map(way).sum()
 }
 
 /// Rows at each end whose median is the end: one wild row is none.
@@ -476,5 +493,19 @@ mod tests {
             stuck_speeds(&mut driven(acceleration_mps2), &mut findings);
             assert_eq!(findings.len(), 1);
         }
+    }
+
+    /// The distance between two rows without a speed was taken to be none, so the locations of a steady train ran away from it.
+    #[test]
+    fn a_steady_speed_that_stands_in_every_fifth_row_is_no_sensor_that_stands_still() {
+        let mut rows = read_at(|_| 20.0);
+        rows.iter_mut().enumerate().filter(|(i, _)| i % 5 != 0).for_each(|(_, row)| row.speed_mps = None);
+        let mut findings = Vec::new();
+        stuck_speeds(&mut rows, &mut findings);
+        assert_eq!(findings, []);
+        // One that is off by a half is found as in full columns.
+        rows.iter_mut().for_each(|row| row.speed_mps = row.speed_mps.map(|mps| 0.5 * mps));
+        stuck_speeds(&mut rows, &mut findings);
+        assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::StuckSpeed]);
     }
 }
