@@ -5,6 +5,7 @@ use super::cubic;
 use super::geo;
 use super::mapping::RunCuts;
 use super::rows::Record;
+use super::speeds;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_check::{clock, places, row_step};
 use rundown_files::sample::{MOST_LOCATION_M, Sample};
@@ -468,7 +469,8 @@ impl Stretch {
     /// Rows in which the train stands; a pause of the recorder at one place counts.
     fn standing_ranges(&self) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
-        let slow = |row: &Sample| row.speed_mps.is_some_and(|mps| mps < STANDS_MPS);
+        let speeds = speeds::at_rows(&self.rows);
+        let slow = |i: usize| speeds[i].is_some_and(|mps| mps < STANDS_MPS);
         for i in 0..self.rows.len() {
             let paused = i > 0 && {
                 let (a, b) = (&self.rows[i - 1], &self.rows[i]);
@@ -477,7 +479,7 @@ impl Stretch {
                 seconds > 15.0 && moved.is_some_and(|metres| metres < 60.0 && metres < STANDS_MPS * seconds)
             };
             let from = if paused { i - 1 } else { i };
-            if slow(&self.rows[i]) || paused {
+            if slow(i) || paused {
                 match ranges.last_mut() {
                     Some(last) if last.end >= from => last.end = i + 1,
                     _ => ranges.push(from..i + 1),
@@ -549,10 +551,12 @@ impl Stretch {
             let seconds = self.rows[range.end - 1].time_s - self.rows[range.start].time_s;
             median(places).map(|place| (place, seconds))
         };
-        let end = |row: Option<&Sample>| {
-            row.and_then(|row| row.location_m.filter(|_| row.speed_mps.is_some_and(|mps| mps < WALKS_MPS)))
+        let speeds = speeds::at_rows(&self.rows);
+        let end = |located: Option<(&Sample, &Option<f64>)>| {
+            located.and_then(|(row, mps)| row.location_m.filter(|_| mps.is_some_and(|mps| mps < WALKS_MPS)))
         };
-        let ends = [end(self.rows.first()), end(self.rows.last())].into_iter().flatten().map(|at_m| (at_m, STOP_S));
+        let located = || self.rows.iter().zip(&speeds).filter(|(row, _)| row.location_m.is_some());
+        let ends = [end(located().next()), end(located().next_back())].into_iter().flatten().map(|at_m| (at_m, STOP_S));
         self.standing_ranges().iter().filter_map(place).chain(ends).collect()
     }
 }

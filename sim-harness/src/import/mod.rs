@@ -30,6 +30,7 @@ mod results;
 mod rows;
 mod skeleton;
 mod source;
+mod speeds;
 mod staged;
 mod units;
 mod write;

@@ -2,6 +2,7 @@
 
 use super::cut::{Stretch, fix};
 use super::geo::Fix;
+use super::speeds;
 use rundown_files::sample::{COLUMNS, Sample};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
@@ -159,12 +160,32 @@ impl Mark {
 
 fn marks(piece: &Stretch) -> Vec<Mark> {
     let mut marks: Vec<Mark> = Vec::new();
-    for (row, altitude_m) in piece.rows.iter().zip(&piece.altitudes_m) {
-        let (Some(at_m), Some(speed_mps)) = (row.location_m, row.speed_mps) else { continue };
+    for ((row, speed_mps), altitude_m) in piece.rows.iter().zip(speeds::at_rows(&piece.rows)).zip(&piece.altitudes_m) {
+        let (Some(at_m), Some(speed_mps)) = (row.location_m, speed_mps) else { continue };
         let last = marks.last();
         if last.is_none_or(|last| (at_m - last.at_m).abs() >= MARKS_M) {
             marks.push(Mark { at_m, speed_mps, fix: fix(row), altitude_m: *altitude_m });
         }
     }
     marks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without a mark a run had no place, and began at 0 as all the others did.
+    #[test]
+    fn locations_that_have_rows_of_their_own_are_marked_with_the_speed_between_the_readings() {
+        let row = |second: u32| {
+            let (time_s, mps) = (f64::from(second), 10.0 + 0.1 * f64::from(second));
+            let own = |of: u32, value: f64| (second % 3 == of).then_some(value);
+            Sample { time_s, location_m: own(1, 500.0 + 15.0 * time_s), speed_mps: own(0, mps), ..Sample::default() }
+        };
+        let rows: Vec<Sample> = (0..60).map(row).collect();
+        let found = marks(&Stretch { altitudes_m: vec![None; rows.len()], rows, ..Stretch::default() });
+        assert_eq!(found.len(), 20, "each location");
+        assert_eq!(found[0].at_m, 515.0);
+        assert!((found[3].speed_mps - 11.0).abs() < 1e-9, "{}", found[3].speed_mps);
+    }
 }
