@@ -1,11 +1,12 @@
 //! Clock and units by what the readings say: the units whose distance by speed agrees with the distance by location.
 
 mod exchanged;
+mod ratios;
 mod signed;
 
+use self::ratios::{Passing, longest, ratios, usual};
 use super::clock::{self, ClockKind, DateOrder, Orders, WrittenTime};
 use super::columns::{Columns, How};
-use super::geo;
 use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::number;
@@ -24,8 +25,6 @@ const STEPS: usize = 20;
 /// The same where rows are far apart and stops near.
 const FEW_STEPS: usize = 5;
 const LEAST_STRETCHES: usize = 4;
-/// A train moves above this share of the speed that is hardly ever exceeded.
-const MOVES: f64 = 0.25;
 /// Speed and location are of one train where so many stretches have the usual ratio within that.
 const LEAST_ALIKE: f64 = 0.8;
 const ALIKE: f64 = 0.2;
@@ -358,14 +357,21 @@ fn ratio_of(rows: &[WrittenRow], columns: &Columns) -> Option<f64> {
 /// # Errors
 /// Why they cannot be compared.
 fn stretches(all: &[WrittenRow], columns: &Columns) -> Result<Stretches, String> {
-    let rows: Vec<Option<Passing>> = all.iter().map(|row| row.passing(columns)).collect();
-    let together = rows.iter().flatten().count();
+    let pieces = pieces(all, columns);
+    let together = pieces.iter().flatten().count();
     let (mut long, mut short) = (None, None);
-    if let Some((fastest, step)) = usual(&rows).filter(|_| columns.has(Meaning::Speed)) {
-        let of = |steps| Stretches::new(ratios(&rows, columns, (fastest, step), steps), fastest, step);
+    if let Some((fastest, step)) = usual(&pieces).filter(|_| columns.has(Meaning::Speed)) {
+        let longest = longest(&pieces, step);
+        let counted = |steps, of_place| {
+            Stretches::new(ratios(&pieces, columns, [fastest, longest], (steps, of_place)), fastest, step)
+        };
+        let of = |steps| counted(steps, true);
         long = of(STEPS);
         // A few steps of a location with few digits say nothing.
-        short = long.is_none().then(|| of(FEW_STEPS)).flatten().filter(|short| short.alike >= LEAST_ALIKE);
+        let alike = |found: &Stretches| found.alike >= LEAST_ALIKE;
+        short = long.is_none().then(|| of(FEW_STEPS)).flatten().filter(alike);
+        // Between near stops a place in large steps hardly takes so many.
+        short = short.or_else(|| long.is_none().then(|| counted(STEPS, false)).flatten().filter(alike));
     }
     long.or(short).ok_or_else(|| match without_numbers(all, columns) {
         Some(header) => format!("column {header:?} holds no number that can be read"),
@@ -374,18 +380,16 @@ fn stretches(all: &[WrittenRow], columns: &Columns) -> Result<Stretches, String>
             format!("time, speed and location stand together in {} only", counted(together, "row", "rows"))
         }
         None => format!(
-            "in {together} rows with speed and location the train hardly ever keeps moving for {STEPS} rows on end"
+            "in {together} rows with speed and location the train hardly ever keeps moving for {FEW_STEPS} locations on end"
         ),
     })
 }
 
-/// The speed that is hardly ever exceeded, and the usual step of the clock.
-fn usual(rows: &[Option<Passing>]) -> Option<(f64, f64)> {
-    let mut speeds: Vec<f64> = rows.iter().flatten().map(|row| row.speed).collect();
-    speeds.sort_by(f64::total_cmp);
-    let fastest = *speeds.get(speeds.len() * 99 / 100)?;
-    let steps = rows.windows(2).filter_map(|pair| Some(pair[1]?.time - pair[0]?.time));
-    Some((fastest, median(steps.filter(|step| *step > 0.0))?))
+/// Rows of each file that have time, place and speed: where columns are sparse others stand between them.
+fn pieces(all: &[WrittenRow], columns: &Columns) -> Vec<Vec<Passing>> {
+    let begins = |row: &WrittenRow| row.time.is_none() && row.numbers[0].is_none();
+    let of_file = |rows: &[WrittenRow]| rows.iter().filter_map(|row| row.passing(columns)).collect();
+    all.split(begins).map(of_file).collect()
 }
 
 /// A column that says where the train is or how fast, without a number in any row.
@@ -396,44 +400,12 @@ fn without_numbers<'a>(rows: &[WrittenRow], columns: &'a Columns) -> Option<&'a 
     found.map(|(_, meaning)| columns.header(*meaning))
 }
 
-/// Of stretches of so many steps of a moving train.
-fn ratios(rows: &[Option<Passing>], columns: &Columns, (fastest, step): (f64, f64), steps: usize) -> Vec<f64> {
-    let located = columns.has(Meaning::Location);
-    let goes_on = |(a, b): &(Passing, Passing)| {
-        a.speed.min(b.speed) > MOVES * fastest && b.time > a.time && b.time - a.time < 10.0 * step
-    };
-    let mut ratios = Vec::new();
-    let (mut by_speed, mut by_place, mut count) = (0.0, 0.0, 0);
-    for pair in rows.windows(2) {
-        let Some((a, b)) = pair[0].zip(pair[1]).filter(goes_on) else {
-            (by_speed, by_place, count) = (0.0, 0.0, 0);
-            continue;
-        };
-        by_speed += 0.5 * (a.speed + b.speed) * (b.time - a.time);
-        by_place += if located { b.place.0 - a.place.0 } else { geo::distance_m(a.place, b.place) };
-        count += 1;
-        if count == steps {
-            ratios.push(by_place.abs() / by_speed);
-            (by_speed, by_place, count) = (0.0, 0.0, 0);
-        }
-    }
-    ratios
-}
-
 #[derive(Debug, Default)]
 struct WrittenRow {
     /// Time as a number, location, speed, latitude, longitude.
     numbers: [Option<f64>; 5],
     time: Option<String>,
     date: Option<String>,
-}
-
-/// A row of a moving train: time in s where it is no number; location, or latitude and longitude.
-#[derive(Clone, Copy)]
-struct Passing {
-    time: f64,
-    place: (f64, f64),
-    speed: f64,
 }
 
 impl WrittenRow {

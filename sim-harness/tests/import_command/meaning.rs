@@ -136,11 +136,34 @@ fn speed_and_location_every_ten_seconds_decide_a_unit_and_where_none_does_the_re
     near(csv(&folder, "runs/thin_01.csv").iter().map(|row| row[2]).fold(0.0, f64::max), 72.0, 0.1);
     for (name, why) in [
         ("short.csv", "time, speed and location stand together in 60 rows only"),
-        ("hops.csv", "the train hardly ever keeps moving for 20 rows on end"),
+        ("hops.csv", "the train hardly ever keeps moving for 5 locations on end"),
         ("posts.csv", "column \"location\" holds no number that can be read"),
     ] {
         let said = folder.rundown(&["import", name, "--out", "none"]);
         assert!(said.code == Some(6) && said.err.contains(why), "{name}: {}", said.err);
+    }
+}
+
+/// A location in every fifth row, rows that come five at a time, and a location that is held for 30 s: none has twenty even rows that go on.
+#[test]
+fn sparse_held_and_burst_columns_decide_units_as_even_ones_do() {
+    let rows = drive(&[0.0, 20e3, 45e3, 70e3], 30.0);
+    let sparse = table("time_s,location,speed", &rows, |t, x, v| {
+        let place = if t % 5.0 == 0.0 { format!("{x:.0}") } else { String::new() };
+        format!("{t},{place},{:.1}", 3.6 * v)
+    });
+    let burst = table("time_s,location,speed", &rows, |t, x, v| {
+        let sent = 5.0 * (t / 5.0).floor() + 0.02 * (t % 5.0);
+        format!("{sent:.2},{x:.1},{:.1}", 3.6 * v)
+    });
+    let read_m = |t: f64| rows.iter().rfind(|row| row.0 <= t && (row.0 % 30.0 == 0.0 || row.2 < 10.0)).unwrap().1;
+    let held =
+        table("time_s,location [m],speed [km/h]", &rows, |t, _, v| format!("{t},{:.0},{:.1}", read_m(t), 3.6 * v));
+    let folder = Folder::new().with("sparse.csv", &sparse).with("burst.csv", &burst).with("held.csv", &held);
+    for name in ["sparse", "burst", "held"] {
+        folder.done(&["import", &format!("{name}.csv"), "--out", name]);
+        let speeds = csv(&folder, &format!("{name}/{name}_01.csv"));
+        near(speeds.iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Latitude and longitude under each other's name.
 
-use super::{FASTEST_MPS, NEAR, Passing, SeenRows, WrittenRow, usual};
+use super::ratios::usual;
+use super::{FASTEST_MPS, NEAR, SeenRows, WrittenRow, pieces};
 use crate::import::columns::Columns;
 use crate::import::geo;
 use crate::import::mapping::{SAY_IT, SourceMapping, line};
@@ -61,8 +62,7 @@ impl SeenRows {
             return self.ways(columns, unit).filter(|ways| is_other_way(*ways)).map(|ways| figures(ways, ""));
         }
         // Of a location without a unit its speed decides that first.
-        let rows: Vec<Option<Passing>> = self.rows.iter().map(|row| row.passing(columns)).collect();
-        let (fastest, _) = usual(&rows).filter(|_| by == Meaning::Speed)?;
+        let (fastest, _) = usual(&pieces(&self.rows, columns)).filter(|_| by == Meaning::Speed)?;
         let of_trains = units::candidates(by).iter().filter(|unit| FASTEST_MPS.contains(&unit.to_si(fastest)));
         let tried: Vec<(&Unit, [f64; 2])> =
             of_trains.filter_map(|unit| Some((unit, self.ways(columns, *unit)?))).collect();

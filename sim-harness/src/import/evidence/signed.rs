@@ -1,6 +1,7 @@
 //! Speeds that are signed by the direction of travel.
 
-use super::{ALIKE, FEW_STEPS, LEAST_ALIKE, MOVES, Passing, STEPS, SeenRows, Stretches, WrittenRow, ratios, usual};
+use super::ratios::{MOVES, Passing, longest, ratios, usual};
+use super::{ALIKE, FEW_STEPS, LEAST_ALIKE, STEPS, SeenRows, Stretches, WrittenRow, pieces};
 use crate::import::columns::Columns;
 use crate::import::mapping::{SAY_IT, SourceMapping, line};
 use crate::import::meaning::Meaning;
@@ -39,17 +40,21 @@ impl SeenRows {
         ))
     }
 
-    /// Rows of a moving train on one side of zero, without their sign.
-    fn side(&self, columns: &Columns, is_of: fn(f64) -> bool) -> Vec<Option<Passing>> {
-        let passing = self.rows.iter().map(|row| row.passing(columns).filter(|row| is_of(row.speed)));
-        passing.map(|row| row.map(|row| Passing { speed: row.speed.abs(), ..row })).collect()
+    /// Rows of a moving train on one side of zero, without their sign; a row on the other side ends a piece.
+    fn side(&self, columns: &Columns, is_of: fn(f64) -> bool) -> Vec<Vec<Passing>> {
+        let pieces = pieces(&self.rows, columns);
+        let of_side = pieces.iter().flat_map(|piece| piece.split(|row| !is_of(row.speed)));
+        of_side.map(|rows| rows.iter().map(|row| Passing { speed: row.speed.abs(), ..*row }).collect()).collect()
     }
 
     /// The share of the stretches below zero whose distance is as long as it is above zero; none where too few say so.
     fn go_back(&self, columns: &Columns, pace: (f64, f64)) -> Option<f64> {
         let [back, on] = [self.side(columns, |speed| speed < 0.0), self.side(columns, |speed| speed > 0.0)];
         [STEPS, FEW_STEPS].into_iter().find_map(|steps| {
-            let of = |rows: &[Option<Passing>]| Stretches::new(ratios(rows, columns, pace, steps), pace.0, pace.1);
+            let of = |rows: &[Vec<Passing>]| {
+                let longest = longest(rows, pace.1);
+                Stretches::new(ratios(rows, columns, [pace.0, longest], (steps, true)), pace.0, pace.1)
+            };
             let back = of(&back)?;
             let is_as_far = of(&on).is_none_or(|on| (back.ratio / on.ratio - 1.0).abs() < ALIKE);
             (is_as_far && back.alike >= LEAST_ALIKE).then_some(back.alike)
