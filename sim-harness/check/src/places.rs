@@ -16,6 +16,11 @@ const SHIFT_OVER_NOISE: f64 = 20.0;
 const LEAST_SHIFT_M: (f64, f64) = (100.0, 400.0);
 /// How far a turn may be off, m, beyond a share of the distance since the last row.
 const NEAR_M: f64 = 60.0;
+/// An odometer that has gone so far, m, and reads less than that, has begun again at zero.
+const BEGINS_AGAIN_M: (f64, f64) = (1000.0, 100.0);
+/// One that has gone less has where it does so often, as at each stop: so many times, and it reads less than this, m.
+const OFTEN: usize = 3;
+const ZERO_M: f64 = 10.0;
 /// A sensor that stands still over less is not said to, m.
 const LEAST_STUCK_M: f64 = 150.0;
 /// ... nor over less than this share of the distance.
@@ -61,6 +66,7 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     // Locations that go on at a pace of their own beside a speed that stands still begin nowhere again.
     let mut was_off = false;
     let fastest_mps = rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max);
+    let is_often = begins_often(rows);
     for i in 0..rows.len() {
         let Some(read_m) = rows[i].location_m.filter(|m| m.is_finite()) else {
             continue;
@@ -79,7 +85,9 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
                 // An odometer that goes on where it was has not turned over: a clock was set, or the location stood still.
                 let turned = |turn_m: f64| (read_m - last_read_m).abs() > 0.5 * turn_m;
                 let turn = TURNS_M.iter().find(|turn| (jump_m.abs() - **turn).abs() < allowed_m && turned(**turn));
-                let zero = read_m.abs() < 100.0 && before.location_m.is_some_and(|m| (m - shift_m).abs() > 1000.0);
+                let gone_m = before.location_m.map_or(0.0, |m| (m - shift_m).abs());
+                let zero = (read_m.abs() < BEGINS_AGAIN_M.1 && gone_m > BEGINS_AGAIN_M.0)
+                    || (is_often && read_m.abs() < ZERO_M);
                 let (kind, change_m) = match turn {
                     Some(turn) => (Kind::Wrap, -turn.copysign(jump_m)),
                     None => (Kind::Reset, -jump_m),
@@ -94,6 +102,16 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         rows[i].location_m = Some(read_m + shift_m);
         (last, last_read_m) = (Some(rows[i]), read_m);
     }
+}
+
+/// The odometer begins again at zero at each stop: short hops, too, bring it there again and again.
+fn begins_often(rows: &[Sample]) -> bool {
+    let mut last_m: f64 = 0.0;
+    let begins = rows.iter().filter_map(|row| row.location_m).filter(|now_m| {
+        let before_m = std::mem::replace(&mut last_m, *now_m);
+        now_m.abs() < ZERO_M && before_m.abs() > LEAST_SHIFT_M.0
+    });
+    begins.count() >= OFTEN
 }
 
 /// The ways that a train may go from one row to the other, whatever it does between them, m.
@@ -418,6 +436,31 @@ mod tests {
         let (rows, findings) = joined(rows(|i| (7_000.0 + 100.0 * i as f64) % 10_000.0, time_s));
         assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::Wrap]);
         assert!(rows.windows(2).all(|pair| pair[1].location_m > pair[0].location_m));
+    }
+
+    /// Hops of 600 m at 10 m/s, and stands of 30 s between them: each was cut off as a run of its own, too short for one.
+    #[test]
+    fn an_odometer_that_begins_again_at_each_stop_of_a_tram_is_joined() {
+        let hops = |count: usize| {
+            let row = |second: usize| {
+                let at = second % 90;
+                let (metres, mps) = if at < 60 { (10 * at, 10.0) } else { (600, 0.0) };
+                Sample {
+                    time_s: second as f64,
+                    location_m: Some(metres as f64),
+                    speed_mps: Some(mps),
+                    line: second as u64 + 2,
+                    ..Sample::default()
+                }
+            };
+            joined((0..90 * count).map(row).collect())
+        };
+        let (rows, findings) = hops(5);
+        assert_eq!(findings.len(), 4);
+        assert!(findings.iter().all(|finding| finding.done == Done::PutRight), "{findings:?}");
+        assert!(rows.windows(2).all(|pair| pair[1].location_m >= pair[0].location_m));
+        // Once is another chainage.
+        assert!(hops(2).1.iter().all(|finding| finding.done == Done::Said));
     }
 
     #[test]
