@@ -85,6 +85,7 @@ kinds! {
     HeldSpeeds "the speed repeats its last value in some rows and catches up after them";
     Stairs "the speed stands still from row to row and then changes at once, by"
         => "record the speed of each row; of a coast a few readings are left";
+    EffortStairs "the effort stands still from row to row and then changes at once, by" => "record the effort of each row";
     OutOfOrder "rows are out of order";
     CoarseClock "rows have the time of the row before, and other readings" => "write the times as fine as the rows";
     Interpolated "rows lie on straight lines between readings so far apart" => "export the rows of the recorder";

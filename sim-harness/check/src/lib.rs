@@ -18,6 +18,7 @@
 //! | what does the rounding of held speeds do? | `rounding` |
 //! | does the speed repeat old values? | [`held`] |
 //! | does the speed change in stairs? | `stairs` |
+//! | and the effort? | `effort_stairs` |
 //! | are rows no readings, but between them? | `interpolated` |
 //! | does the effort stand still? | `effort_held` |
 //! | do speeds trail behind the train in a filter? | `trailing` |
@@ -67,6 +68,7 @@ mod diagnosis;
 pub mod effort;
 mod effort_age;
 mod effort_held;
+mod effort_stairs;
 mod effort_unlike;
 mod effort_zero;
 pub mod finding;

@@ -5,7 +5,9 @@ use crate::compared::{Compared, Differences, Row};
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
-use crate::{chainage, clock, interpolated, late_rows, places, readings, row_step, stairs, wheel_change};
+use crate::{
+    chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs, wheel_change,
+};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::units;
@@ -181,6 +183,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
         // Only beside locations that are right is a speed known to stand still.
         places::stuck_speeds(rows, &mut findings);
         stairs::leave_out(rows, &mut findings);
+        effort_stairs::put_right(rows, &mut findings);
         places::two_directions(rows, &mut findings);
     }
     clock::gaps(rows, &mut findings);

@@ -24,73 +24,101 @@ const STEPS: f64 = 1.9;
 const LEAST_KMH: f64 = 0.4;
 /// Of the changes after repeats such a share has a repeat behind it, too: a train that was held goes on changing.
 const BETWEEN: f64 = 0.3;
-/// Share of the moving rows that repeat: fewer are chance, and a receiver that stood still for a while.
+/// Share of the rows that repeat: fewer are chance, and a receiver that stood still for a while.
 const LEAST_SHARE: f64 = 0.15;
 
-/// What of a run stands still.
+/// What of a column stands still.
 #[derive(Default)]
-struct Stairs {
-    /// Rows that repeat the speed of the row before.
-    repeats: Vec<usize>,
-    /// Rows of a moving train.
-    moving: usize,
+pub(crate) struct Stairs {
+    /// Rows that repeat the reading of the row before.
+    pub(crate) repeats: Vec<usize>,
+    /// Rows that have a reading other than 0, as has the row before.
+    readings: usize,
     /// Changes after repeats.
     after: usize,
-    /// Those of them with a repeat behind, km/h, not negative.
-    between_kmh: Vec<f64>,
+    /// Those of them with a repeat behind, not negative.
+    between: Vec<f64>,
+    /// How many rows the reading before each of these was repeated.
+    long: Vec<usize>,
 }
 
 /// Leaves out the speeds that repeat the one before, where they are stairs.
 pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let Stairs { repeats, moving, after, between_kmh } = Stairs::of(rows);
-    let count = between_kmh.len();
-    let Some(usual_kmh) = median(between_kmh.iter().copied()).filter(|_| count >= LEAST_STAIRS) else {
+    let speed_kmh = |row: &Sample| Some(3.6 * row.speed_mps?);
+    let stairs = Stairs::of(rows, speed_kmh);
+    let Some(figure) = stairs.usual(level(rows, speed_kmh)).filter(|usual| usual.value >= LEAST_KMH) else {
         return;
     };
-    let step_kmh = level_kmh(rows);
-    let is_some = repeats.len() as f64 > LEAST_SHARE * moving as f64;
-    if !is_some || usual_kmh < LEAST_KMH.max(STEPS * step_kmh) || (count as f64) < BETWEEN * after as f64 {
-        return;
-    }
-    let spread_kmh = spread(between_kmh.iter().map(|kmh| kmh - usual_kmh));
-    let sd = sd_of_median(spread_kmh, count).max(0.5 * step_kmh / HALF_95);
-    let figure = Figure { value: usual_kmh, sd };
+    let Stairs { repeats, .. } = stairs;
     let (count, line) = (repeats.len(), rows[repeats[0]].line);
     findings.push(Finding { kind: Kind::Stairs, figure, unit: "km/h", count, line, done: Done::LeftOut });
     repeats.into_iter().for_each(|row| rows[row].speed_mps = None);
 }
 
-/// Usual distance between neighbouring speeds that are ever shown, km/h: the step, whatever scale and offset it has.
-fn level_kmh(rows: &[Sample]) -> f64 {
-    let mut levels: Vec<f64> = rows.iter().filter_map(|row| row.speed_mps).filter(|mps| *mps > 0.0).collect();
+/// Usual distance between neighbouring readings that are ever shown: the step, whatever scale and offset it has.
+pub(crate) fn level(rows: &[Sample], reading: impl Fn(&Sample) -> Option<f64>) -> f64 {
+    let mut levels: Vec<f64> = rows.iter().filter_map(reading).filter(|reading| *reading != 0.0).collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
-    median(levels.windows(2).map(|pair| 3.6 * (pair[1] - pair[0]))).unwrap_or(0.0)
+    median(levels.windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(0.0)
 }
 
 impl Stairs {
-    fn of(rows: &[Sample]) -> Self {
+    pub(crate) fn of(rows: &[Sample], reading: impl Fn(&Sample) -> Option<f64>) -> Self {
         let longest_s = next_row_s(rows);
-        // From the row before to this one, m/s; none at a stand, and where rows or speeds are missing.
-        let change_mps = |i: usize| {
+        // From the row before to this one; none at a stand, or without an effort, and where rows or readings are missing.
+        let change = |i: usize| {
             let pair = [rows.get(i.checked_sub(1)?)?, rows.get(i)?];
-            let [before, now] = [pair[0].speed_mps?, pair[1].speed_mps?];
-            (before > 0.0 && now > 0.0 && pair[1].time_s - pair[0].time_s <= longest_s).then_some(now - before)
+            let [before, now] = [reading(pair[0])?, reading(pair[1])?];
+            (before != 0.0 && now != 0.0 && pair[1].time_s - pair[0].time_s <= longest_s).then_some(now - before)
         };
-        let mut stairs = Self::default();
+        let (mut stairs, mut long) = (Self::default(), 0);
         for i in 1..rows.len() {
-            let Some(change) = change_mps(i) else { continue };
-            stairs.moving += 1;
-            if change == 0.0 {
+            let Some(changed) = change(i) else {
+                long = 0;
+                continue;
+            };
+            stairs.readings += 1;
+            if changed == 0.0 {
                 stairs.repeats.push(i);
-            } else if change_mps(i - 1) == Some(0.0) {
+                long += 1;
+                continue;
+            }
+            if long > 0 {
                 stairs.after += 1;
-                if change_mps(i + 1) == Some(0.0) {
-                    stairs.between_kmh.push(3.6 * change.abs());
+                if change(i + 1) == Some(0.0) {
+                    stairs.between.push(changed.abs());
+                    stairs.long.push(long);
                 }
             }
+            long = 0;
         }
         stairs
+    }
+
+    /// The usual change, where the column stands still and then changes by several steps at once.
+    pub(crate) fn usual(&self, step: f64) -> Option<Figure> {
+        let count = self.between.len();
+        let value = median(self.between.iter().copied()).filter(|_| count >= LEAST_STAIRS)?;
+        let is_some = self.repeats.len() as f64 > LEAST_SHARE * self.readings as f64;
+        let spread = spread(self.between.iter().map(|change| change - value));
+        let sd = sd_of_median(spread, count).max(0.5 * step / HALF_95);
+        let are_stairs = is_some && value >= STEPS * step && count as f64 >= BETWEEN * self.after as f64;
+        are_stairs.then_some(Figure { value, sd })
+    }
+
+    /// Share of the changes between repeats before which the reading stood still for as many rows as before most others.
+    pub(crate) fn share_as_long(&self) -> f64 {
+        let mut long = self.long.clone();
+        long.sort_unstable();
+        let most = long.chunk_by(|a, b| a == b).map(<[usize]>::len).max().unwrap_or(0);
+        most as f64 / long.len() as f64
+    }
+
+    /// Share of the changes between repeats that are within `range` of so much.
+    pub(crate) fn share_near(&self, value: f64, range: std::ops::Range<f64>) -> f64 {
+        let near = self.between.iter().filter(|change| range.contains(&(*change / value)));
+        near.count() as f64 / self.between.len() as f64
     }
 }
 
