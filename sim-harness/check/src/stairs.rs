@@ -24,6 +24,8 @@ const STEPS: f64 = 1.9;
 const LEAST_KMH: f64 = 0.4;
 /// Of the changes after repeats such a share has a repeat behind it, too: a train that was held goes on changing.
 const BETWEEN: f64 = 0.3;
+/// No larger share of the readings stands still for longer than until a recorder writes them in any case.
+const LONGER: f64 = 0.15;
 /// Share of the rows that repeat: fewer are chance, and a receiver that stood still for a while.
 const LEAST_SHARE: f64 = 0.15;
 
@@ -107,12 +109,21 @@ impl Stairs {
         are_stairs.then_some(Figure { value, sd })
     }
 
-    /// Share of the changes between repeats before which the reading stood still for as many rows as before most others.
-    pub(crate) fn share_as_long(&self) -> f64 {
+    /// Without the changes after which a recorder writes a reading again in any case: those that come after as many rows as most others, and hardly one later.
+    pub(crate) fn without_beats(mut self) -> Self {
         let mut long = self.long.clone();
         long.sort_unstable();
-        let most = long.chunk_by(|a, b| a == b).map(<[usize]>::len).max().unwrap_or(0);
-        most as f64 / long.len() as f64
+        let Some(beat) = long.chunk_by(|a, b| a == b).max_by_key(|alike| alike.len()).map(|alike| alike[0]) else {
+            return self;
+        };
+        let longer = long.iter().filter(|long| **long > beat).count();
+        if longer as f64 <= LONGER * long.len() as f64 {
+            let before = self.between.len();
+            let mut is_sooner = self.long.iter().map(|long| *long < beat);
+            self.between.retain(|_| is_sooner.next().unwrap_or_default());
+            self.after -= before - self.between.len();
+        }
+        self
     }
 
     /// Share of the changes between repeats that are within `range` of so much.
