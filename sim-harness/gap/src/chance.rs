@@ -1,6 +1,6 @@
 //! What chance alone would make of a column: sign-flip test over runs, and for probes that know no law what drivers do alike drawn beside them.
 
-use crate::config::GapConfig;
+use crate::config::{EvidenceConfig, GapConfig};
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::Base;
 use crate::noise::calibrate::Calibrated;
@@ -45,6 +45,21 @@ fn driven_less(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> 
     for (spread, wider) in calibrated.spread.iter_mut().zip(habits::wider(rows, &context.config.evidence)) {
         *spread *= wider;
     }
+    calibrated
+}
+
+/// Where the effort changes within an interval its mean is a guess, and the guess is wrong in the same way in all runs.
+fn is_steady(row: &Row, config: &EvidenceConfig) -> bool {
+    row.interval.effort_change_n_per_kg <= config.steady_n_per_kg
+}
+
+/// Other rows hardly count. They do so in the fit of what a column is tried beside, too: were only the column none in them, a lag of the locations, say, would take from these
+/// rows what a train length does, and then from all of them.
+fn steady(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> Calibrated {
+    let config = &context.config.evidence;
+    let mut calibrated = driven_less(context, rows, calibrated);
+    let unsteady = calibrated.spread.iter_mut().zip(rows).filter(|(_, row)| !is_steady(row, config));
+    unsteady.for_each(|(spread, _)| *spread *= config.unsteady_wider);
     calibrated
 }
 
@@ -114,7 +129,7 @@ fn within(run: &core::ops::Range<usize>, a: &DVector<f64>, b: &DVector<f64>) -> 
 impl<'a> Ground<'a> {
     /// For the evidence: what drivers do alike is drawn beside the signs, so no probe is more than it.
     pub fn of_probes(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
-        let whitening = driven_less(context, rows, calibrated).for_probes(context, rows);
+        let whitening = steady(context, rows, calibrated).for_probes(context, rows);
         let habits = habits::forces(rows, &calibrated.driven_n_per_kg, &context.config.evidence);
         let drawn = |(column, sd): &(Vec<f64>, f64)| whitening.whiten(column) * *sd;
         let habits = habits.iter().filter(|(_, sd)| *sd > 0.0).map(drawn).collect();
@@ -123,7 +138,7 @@ impl<'a> Ground<'a> {
 
     /// For the trial of a law that is known: what drivers do alike is a random effect beside it, which leaves what only the law explains.
     pub fn of_terms(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
-        Self::on(context, rows, driven_less(context, rows, calibrated).for_trials(context, rows))
+        Self::on(context, rows, steady(context, rows, calibrated).for_trials(context, rows))
     }
 
     /// For comparing runs by what all have alike in part: the gain of all is no random effect, which would take its share from each run.
@@ -146,13 +161,10 @@ impl<'a> Ground<'a> {
     /// A column by what the base leaves of the residuals. `None`: it acts in too few runs.
     pub fn probe(&self, base: &Base, column: &[f64]) -> Option<Probe> {
         let config = &self.context.config;
-        // Where the effort changes within an interval its mean is a guess, and the guess is wrong in the same way in all runs.
-        let steady = |row: &Row| row.interval.effort_change_n_per_kg <= config.evidence.steady_n_per_kg;
-        let column = column.iter().zip(self.rows).map(|(value, row)| if steady(row) { *value } else { 0.0 });
-        let column: Vec<f64> = column.collect();
-        let acts = |r: &&core::ops::Range<usize>| column[(*r).clone()].iter().any(|value| *value != 0.0);
+        let shows = |i: usize| column[i] != 0.0 && is_steady(&self.rows[i], &config.evidence);
+        let acts = |r: &&core::ops::Range<usize>| (*r).clone().any(shows);
         let acting = self.whitening.runs().iter().filter(acts).count();
-        let column: DVector<f64> = base.beside(&self.whitening.whiten(&column));
+        let column: DVector<f64> = base.beside(&self.whitening.whiten(column));
         let runs = self.whitening.runs();
         let mut of_runs = self.scores(base, &column);
         // About none, so that flipped signs have the same weights.
