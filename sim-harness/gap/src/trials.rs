@@ -97,7 +97,7 @@ mod tests {
     use crate::candidate::Shape;
     use crate::candidates;
     use crate::config::GapConfig;
-    use crate::data::believed::tests::on_a_level_line;
+    use crate::data::believed::tests::{on_a_hilly_line, on_a_level_line};
     use crate::data::runs::Recorded;
     use crate::noise::whitening::Noise;
     use rand::SeedableRng;
@@ -109,6 +109,16 @@ mod tests {
     const ROWS: usize = 60;
     /// Largest resistance of the section, N/kg.
     const DRAG_N_PER_KG: f64 = 0.01;
+
+    fn run(run: usize) -> Run {
+        Run {
+            name: run.to_string(),
+            direction: [Direction::Up, Direction::Down][run % 2],
+            day: Some(run as f64),
+            samples: Vec::new(),
+            recorded: Recorded::default(),
+        }
+    }
 
     /// The trial of a tunnel from km 20 to 25 of which so many times as much is there in each run as was found; noise of 0.01 N/kg.
     fn trial(seed: u64, multiple: fn(usize) -> f64) -> Trial {
@@ -122,13 +132,6 @@ mod tests {
                 rows.push(row);
             }
         }
-        let run = |run: usize| Run {
-            name: run.to_string(),
-            direction: directions[run % 2],
-            day: Some(run as f64),
-            samples: Vec::new(),
-            recorded: Recorded::default(),
-        };
         let runs: Vec<Run> = (0..RUNS).map(run).collect();
         let noise = Noise { acceleration_mps2: 0.01, ..Noise::default() };
         let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
@@ -157,6 +160,41 @@ mod tests {
                 assert!(figure.away_from(1.0) < 4.0, "{figure:?}");
             }
         }
+    }
+
+    /// A lag of the locations does what another length does, where all trains run as fast; it must not learn from rows that the length is not tried in.
+    #[test]
+    fn rows_whose_effort_changes_take_nothing_from_a_length_that_the_others_show() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        on_a_hilly_line(RUNS, |context| {
+            let row = |k: usize| {
+                let (run, i) = (k / 100, k % 100);
+                let at_m = 290.0 * i as f64;
+                let mut row =
+                    Row::coasting([Direction::Up, Direction::Down][run % 2], at_m, 25.0 + 0.1 * (i % 50) as f64);
+                row.interval.run = run;
+                row.interval.effort_n_per_kg = Some(0.0);
+                row.interval.effort_change_n_per_kg = if k.is_multiple_of(3) { 0.0 } else { 0.1 };
+                row
+            };
+            let mut rows: Vec<Row> = (0..RUNS * 100).map(row).collect();
+            let length_m = 0.5 * context.believed.train().length_m();
+            let term = Term { of: candidates::of(EffectKind::TrainLengthError), shape: Shape::Number(length_m) };
+            let extra = term.extra(&[1.0], context, &rows);
+            for (row, extra) in rows.iter_mut().zip(extra) {
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.residual_n_per_kg = 0.004 * noise + extra;
+            }
+            let noise = Noise { acceleration_mps2: 0.004, ..Noise::default() };
+            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let runs: Vec<Run> = (0..RUNS).map(run).collect();
+            let trial =
+                trials(context, &rows, &calibrated, &[Fitted::certain(term, vec![1.0])], &runs).remove(0).unwrap();
+            assert!(trial.is_stood(&GapConfig::default()), "{trial:?}");
+            for figure in trial.halves.iter().flat_map(|halves| halves.multiples) {
+                assert!(figure.away_from(1.0) < 3.0, "{figure:?}");
+            }
+        });
     }
 
     #[test]
