@@ -101,8 +101,8 @@ impl Weighed {
             // Changing: anywhere between.
             even(config.change_from_n_per_kg, config.change_to * most) * config.change_weight,
         ];
-        // What was found at this place must not make coasting of a speed that was held.
-        let by_the_rest = coast(effort - extra + beyond_places);
+        // What was found at this place must not make coasting of a speed that was held; where neither fits, both are as far off as they are, with the same tails.
+        let by_the_rest = student(effort - extra + beyond_places, sd) * sd;
         let moves = interval.speed_mps.iter().all(|speed| *speed >= config.slowest_mps);
         Self {
             effort_n_per_kg: effort,
@@ -300,5 +300,20 @@ mod tests {
         };
         assert!(rather(-resistance) > -0.5);
         assert!(rather(0.0) < -config.rather_not);
+    }
+
+    #[test]
+    fn a_coast_that_neither_fits_by_the_rest_nor_is_held_is_as_far_from_both_by_the_same_tails() {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
+        let track = level();
+        let believed = Believed::new(&train, &track);
+        // 1.5 permille less, readings of every second.
+        let (slope, config) = (-0.0147, CoastingConfig::default());
+        let mut coast = Row::coasting(Direction::Up, 1000.0, 25.0).interval;
+        let half = 5.0 * (slope + train.davis().resistance_n_per_kg(25.0));
+        coast.speed_mps = [25.0 + half, 25.0 - half];
+        let recognised = Recognised { noise_n_per_kg: 0.003, uncertain: 0.1, own: Own::default(), config: &config };
+        let rather = Weighed::new(believed.line(Direction::Up), &coast, [slope, 0.0], &recognised).rather;
+        assert!(rather > -1.5, "{rather}");
     }
 }
