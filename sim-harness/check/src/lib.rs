@@ -19,6 +19,7 @@
 //! | does the speed repeat old values? | [`held`] |
 //! | does the speed change in stairs? | `stairs` |
 //! | and the effort? | `effort_stairs` |
+//! | do whole km/h come late? | `dead_band` |
 //! | are rows no readings, but between them? | `interpolated` |
 //! | does the effort stand still? | `effort_held` |
 //! | do speeds trail behind the train in a filter? | `trailing` |
@@ -63,7 +64,8 @@ pub mod clock;
 mod clock_set;
 pub mod compared;
 mod correction;
-pub mod dead_zone;
+pub mod dead_band;
+mod dead_zone;
 mod diagnosis;
 pub mod effort;
 mod effort_age;

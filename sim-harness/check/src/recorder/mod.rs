@@ -10,7 +10,7 @@ use crate::of_most::OfMost;
 use crate::own::Grown;
 use crate::run::{OfSpeed, RunCheck};
 use crate::wheel_change::OfRun;
-use crate::{Known, LEAST_SCALE, SURE, dead_zone, held, lost_seconds, own, put_right, steps, wheel_change};
+use crate::{Known, LEAST_SCALE, SURE, dead_band, dead_zone, held, lost_seconds, own, put_right, steps, wheel_change};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -71,9 +71,11 @@ pub(crate) fn of(
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
+    let usable: Vec<usize> = of_unit.iter().copied().filter(|i| runs[*i].is_usable()).collect();
+    let behind = leave_out_behind(recordings, &usable, step_kmh);
     let mut judged = |i: &usize| {
         let mut of_speed = of_speeds[*i].clone()?;
-        if sought.moved {
+        if sought.moved || behind.is_some() {
             of_speed = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s)?;
         }
         of_one(of_speed, &recordings[*i].rows, &mut runs[*i], step_kmh, known)
@@ -93,6 +95,11 @@ pub(crate) fn of(
         ..RecorderCheck::default()
     };
     let usable = recorder.usable(runs);
+    if let Some((behind_kmh, rows)) = behind {
+        let band = Figure { value: step_kmh, sd: 0.0 };
+        let text = format!("{rows} rows; where it rises or falls they are {behind_kmh:.2} km/h behind");
+        recorder.found_by(Kind::Stairs, band, "km/h", Done::LeftOut, text);
+    }
     recorder.dead_zone(recordings, &usable);
     recorder.held_speeds(recordings, &usable);
     let Some(mut all) = pooled(&compared) else {
@@ -119,6 +126,13 @@ pub(crate) fn of(
         own.put_right(&mut recordings[i].rows);
     }
     recorder
+}
+
+/// Leaves out repeats of speeds that are written again only once they have changed by a step: by how much they are behind, km/h, and how many rows.
+fn leave_out_behind(recordings: &mut [Recording], usable: &[usize], step_kmh: f64) -> Option<(f64, usize)> {
+    let behind = dead_band::behind_kmh(usable.iter().map(|i| recordings[*i].rows.as_slice()), step_kmh)?;
+    let left_out = usable.iter().map(|i| dead_band::leave_out_repeats(&mut recordings[*i].rows));
+    Some((behind.value, left_out.sum()))
 }
 
 /// What a run says with the rounding of its speeds, brought to its first scale where its wheel changes.
