@@ -23,6 +23,7 @@ use crate::compared::{Row, held_shares};
 use crate::effort::least_squares;
 use crate::row_step::usual_step_s;
 use crate::run::parts;
+use crate::smoothed::WayDifference;
 use nalgebra::SVector;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
@@ -46,9 +47,6 @@ const SURE: f64 = 6.0;
 /// Half a step is what such speeds stay behind in the mean, less where the train passes several steps between two rows; others have other causes.
 const OF_STEP: core::ops::Range<f64> = 0.25..0.75;
 
-/// What explains a window, and the way by location less that by speed, m.
-type Window = (SVector<f64, 4>, f64);
-
 /// By how much the speeds of these runs stay behind, km/h; none where they are rounded, or too little shows it.
 pub(crate) fn behind_kmh<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh: f64) -> Option<Figure> {
     if step_kmh < LEAST_STEP_KMH {
@@ -58,12 +56,8 @@ pub(crate) fn behind_kmh<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh:
     if of_runs.len() < LEAST_RUNS {
         return None;
     }
-    let weight = |one: &Figure| one.sd.powi(-2);
-    let sum: f64 = of_runs.iter().map(weight).sum();
-    let mean = of_runs.iter().map(|one| weight(one) * one.value).sum::<f64>() / sum;
-    let scatter: f64 = of_runs.iter().map(|one| weight(one) * (one.value - mean).powi(2)).sum();
-    let wider = (scatter / (of_runs.len() - 1) as f64).max(1.0);
-    let behind = Figure { value: 3.6 * mean, sd: 3.6 * (wider / sum).sqrt() };
+    let Figure { value, sd } = Figure::mean_of(&of_runs);
+    let behind = Figure { value: 3.6 * value, sd: 3.6 * sd };
     let is_behind = OF_STEP.contains(&(behind.value / step_kmh)) && behind.value > SURE * behind.sd;
     is_behind.then_some(behind)
 }
@@ -88,10 +82,10 @@ fn of_run(rows: &[Sample]) -> Option<Figure> {
     if step_s > MOST_STEP_S {
         return None;
     }
-    let mut windows: Vec<Window> = parts(rows, step_s).iter().flat_map(|part| windows(part)).collect();
+    let mut windows: Vec<WayDifference> = parts(rows, step_s).iter().flat_map(|part| windows(part)).collect();
     for _ in 0..2 {
         let fit = fitted(&windows)?;
-        let off = |(x, y): &Window| (y - fit.0.dot(x)) / fit.1;
+        let off = |(x, y): &WayDifference| (y - fit.0.dot(x)) / fit.1;
         windows.retain(|window| off(window).abs() < OUTLIER);
     }
     let (coefficients, noise_m, variance) = fitted(&windows)?;
@@ -99,14 +93,14 @@ fn of_run(rows: &[Sample]) -> Option<Figure> {
 }
 
 /// Coefficients, the standard deviation of a window, m, and the variance of the first coefficient in units of its square.
-fn fitted(windows: &[Window]) -> Option<(SVector<f64, 4>, f64, f64)> {
+fn fitted(windows: &[WayDifference]) -> Option<(SVector<f64, 4>, f64, f64)> {
     let (coefficients, inverse) = least_squares(windows).filter(|_| windows.len() >= LEAST_WINDOWS)?;
     let noise_m = spread(windows.iter().map(|(x, y)| y - coefficients.dot(x)));
     (noise_m > 0.0).then_some((coefficients, noise_m, inverse[(0, 0)]))
 }
 
 /// The windows of rows without a gap.
-fn windows(part: &[Row]) -> Vec<Window> {
+fn windows(part: &[Row]) -> Vec<WayDifference> {
     let mut found = Vec::new();
     let held = held_shares(part);
     let (mut begin, mut stale, mut way_m) = (0, 0.0, 0.0);

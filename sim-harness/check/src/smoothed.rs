@@ -40,8 +40,8 @@ pub(crate) const MOST_S: f64 = 12.0;
 /// The acceleration is itself taken over some seconds, of speeds that are means: where a train powers and brakes for less than a minute L comes out a fifth too large.
 const SHAPE_SD: f64 = 0.15;
 
-/// What explains the difference of both ways in a row, and that, m.
-type WayDifference = (SVector<f64, 4>, f64);
+/// What explains the difference of both ways, and that, m.
+pub(crate) type WayDifference = (SVector<f64, 4>, f64);
 
 /// Over how long speeds are means, s; none where they are momentary, or too little shows it. A receiver whose locations trail in a filter shows the same: only the efforts
 /// decide, see [`averaged_efforts`].
@@ -54,12 +54,8 @@ pub(crate) fn of(runs: &[&[Sample]]) -> Option<Figure> {
     if found.len() < LEAST_RUNS {
         return None;
     }
-    let weight = |one: &Figure| 1.0 / (one.sd * one.sd);
-    let sum: f64 = found.iter().map(weight).sum();
-    let mean = found.iter().map(|one| weight(one) * one.value).sum::<f64>() / sum;
-    let scatter: f64 = found.iter().map(|one| weight(one) * (one.value - mean).powi(2)).sum();
     // The noise of neighbouring rows is one: what runs differ by says how sure they are.
-    let sd = (scatter / (found.len() as f64 - 1.0)).max(1.0).sqrt() / sum.sqrt();
+    let Figure { value: mean, sd } = Figure::mean_of(&found);
     let long_s = (24.0 * mean).max(0.0).sqrt();
     let figure = Figure { value: long_s, sd: (12.0 * sd / long_s).hypot(SHAPE_SD * long_s) };
     (long_s > SHORTEST_S && mean > SURE * sd).then_some(figure)
