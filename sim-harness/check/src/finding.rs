@@ -57,6 +57,8 @@ kinds! {
     Skew "the speed is older than the location";
     LocationScale "the locations are off by a factor beside the described stops: read over described"
         => "compare the wheel diameter of the recorder, or the length of the track";
+    DriftingLocation "the location drifts between corrections that bring it back, by this of the way"
+        => "look at the diameter of the wheel that counts the way";
     OtherUnit "a column holds another unit: location over speed is off by a factor"
         => "convert the column to the unit of its name; `rundown import` does with a --mapping that it prints";
     Impossible "readings are no numbers, or beyond what any train or line has";

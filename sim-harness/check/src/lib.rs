@@ -29,6 +29,7 @@
 //! | is its zero one? | `effort_zero` |
 //! | do trains exceed what is described of them? | [`limits`] |
 //! | is a log another one again, whole or in part? | [`same`] |
+//! | does the location drift between corrections? | `drifting` |
 //! | do the locations grow as the described stops have it? | [`line_scale`] |
 //! | do all runs count their locations from the same place? | [`chainage`] |
 //! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
@@ -67,6 +68,7 @@ mod correction;
 pub mod dead_band;
 mod dead_zone;
 mod diagnosis;
+mod drifting;
 pub mod effort;
 mod effort_age;
 mod effort_held;
@@ -160,6 +162,15 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
 pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen) -> Check {
     let (mut runs, mut of_speeds): (Vec<RunCheck>, Vec<Option<OfSpeed>>) =
         recordings.iter_mut().map(|recording| run::beside(recording, seen)).unzip();
+    let units = units(&runs);
+    let mut drifts = vec![None; units.len()];
+    for (unit, drift) in units.iter().zip(&mut drifts) {
+        let usable = usable_of(unit, &runs);
+        *drift = drifting::put_right(recordings, &usable);
+        if drift.is_some() {
+            usable.iter().for_each(|i| of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s));
+        }
+    }
     let described_m = if known.scale { &[] } else { known.stops_m.as_slice() };
     let stops_of = |(run, recording): (&mut RunCheck, &Recording)| {
         let stops = run.is_usable().then(|| line_scale::of_run(recording, described_m)).flatten()?;
@@ -169,22 +180,21 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         Some(stops)
     };
     let stops: Vec<Option<RunStops>> = runs.iter_mut().zip(recordings.iter()).map(stops_of).collect();
-    let units = units(&runs);
-    let of_unit = |unit: String| {
-        let usable: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit && runs[*i].is_usable()).collect();
+    let of_unit = |(unit, drift): (String, Option<drifting::Drift>)| {
+        let usable = usable_of(&unit, &runs);
         let scaled = line_scale::put_right(recordings, &usable, &stops, described_m);
         if scaled.is_some() {
             usable.iter().for_each(|i| of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s));
         }
         let located = scaled.map(|scaled| scaled.scale);
-        let mut recorder = recorder::of(unit, located, recordings, &mut runs, &of_speeds, known);
+        let mut recorder = recorder::of(unit, (located, drift), recordings, &mut runs, &of_speeds, known);
         if let Some(scaled) = scaled {
             recorder.found_by(Kind::LocationScale, scaled.scale, "", Done::PutRight, scaled.evidence());
         }
         recorder.efforts(recordings, &mut runs, known);
         recorder
     };
-    let recorders = units.into_iter().map(of_unit).collect();
+    let recorders = units.into_iter().zip(drifts).map(of_unit).collect();
     let is_usable: Vec<bool> = runs.iter().map(RunCheck::is_usable).collect();
     for (run, off) in runs.iter_mut().zip(chainage::find(recordings, &is_usable, &known.stops_m)) {
         off.into_iter().for_each(|off| run.is_off(off));
@@ -197,6 +207,11 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
 fn units(runs: &[RunCheck]) -> Vec<String> {
     let mut seen = HashSet::new();
     runs.iter().filter(|run| seen.insert(&run.unit)).map(|run| run.unit.clone()).collect()
+}
+
+/// The places of the runs of a unit that are used.
+fn usable_of(unit: &str, runs: &[RunCheck]) -> Vec<usize> {
+    (0..runs.len()).filter(|i| runs[*i].unit == unit && runs[*i].is_usable()).collect()
 }
 
 /// Says what held runs up. Out: of how many it cannot be said.

@@ -122,6 +122,10 @@ fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
     if recorder.compared < 2 || has(Kind::SpeedOffset) || recorder.scale.is_none() {
         return None;
     }
+    // What one run's location drifts by beside the others looks like a wheel of its own.
+    if has(Kind::DriftingLocation) {
+        return None;
+    }
     let alone = pooled(slice::from_ref(agreement))?;
     let offset_kmh = alone.offset_kmh();
     let half_kmh = 0.5 * recorder.speed_step_kmh.unwrap_or(0.0);

@@ -5,7 +5,8 @@ mod efforts;
 use crate::agreement::{Agreement, Figure, Pooled, pooled, share_bends};
 use crate::correction::Correction;
 use crate::diagnosis::RecorderCheck;
-use crate::finding::{Done, Kind};
+use crate::drifting::Drift;
+use crate::finding::{Done, Finding, Kind};
 use crate::of_most::OfMost;
 use crate::own::Grown;
 use crate::run::{OfSpeed, RunCheck};
@@ -55,10 +56,10 @@ fn between(scale: Figure, [rounded, truncated]: [Figure; 2]) -> Figure {
     Figure { sd: scale.sd.hypot(0.5 * (truncated.value - rounded.value)), ..scale }
 }
 
-/// Judges the recorder of these runs, and puts right what is beyond doubt. `located`: by which factor their locations were.
+/// Judges the recorder of these runs, and puts right what is beyond doubt. `located`: by which factor their locations were, `drift`: how they did between corrections.
 pub(crate) fn of(
     unit: String,
-    located: Option<Figure>,
+    (located, drift): (Option<Figure>, Option<Drift>),
     recordings: &mut [Recording],
     runs: &mut [RunCheck],
     of_speeds: &[Option<OfSpeed>],
@@ -94,6 +95,7 @@ pub(crate) fn of(
         lost_second_sd_s: sought.step_sd_s,
         ..RecorderCheck::default()
     };
+    drift.into_iter().for_each(|drift| recorder.drifts(&drift));
     let usable = recorder.usable(runs);
     if let Some((behind_kmh, rows)) = behind {
         let band = Figure { value: step_kmh, sd: 0.0 };
@@ -263,6 +265,14 @@ impl RecorderCheck {
         let of_scale = (beside_locations.sd / scale.value.powi(2)).powi(2);
         let of_scale = Matrix2::from_diagonal(&Vector2::new(of_scale, 0.0));
         (values, if decided { of_scale } else { all.covariance })
+    }
+
+    /// Its locations were brought back between their corrections.
+    fn drifts(&mut self, drift: &Drift) {
+        let figure = Figure { value: 100.0 * drift.share, sd: 0.0 };
+        let (kind, count, done) = (Kind::DriftingLocation, drift.leaps, Done::PutRight);
+        self.findings.push(Finding { kind, figure, unit: "%", count, line: 0, done });
+        self.evidence.insert(kind, drift.evidence());
     }
 
     /// Leaves out readings of zero that are no standstill. Call it while the speeds are as read.
