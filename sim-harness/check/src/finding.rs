@@ -91,6 +91,8 @@ kinds! {
     OutOfOrder "rows are out of order";
     CoarseClock "rows have the time of the row before, and other readings" => "write the times as fine as the rows";
     Interpolated "rows lie on straight lines between readings so far apart" => "export the rows of the recorder";
+    Bridged "a straight line bridges rows without a reading, as of a receiver in a tunnel: off, by the speeds, by up to"
+        => "export the rows as they were received";
     SharedRows "the log shares rows with another one" => "cut what is there twice: it teaches twice";
     OtherChainage "the locations are off from those of other runs by the same everywhere"
         => "bring the runs onto one chainage: `rundown import --chainage align`";

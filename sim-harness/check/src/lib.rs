@@ -21,6 +21,7 @@
 //! | and the effort? | `effort_stairs` |
 //! | do whole km/h come late? | `dead_band` |
 //! | are rows no readings, but between them? | `interpolated` |
+//! | does a straight line bridge what was not received? | `bridged` |
 //! | does the effort stand still? | `effort_held` |
 //! | do speeds trail behind the train in a filter? | `trailing` |
 //! | are speeds means over some seconds? | `smoothed` |
@@ -60,6 +61,7 @@
 #![warn(missing_docs)]
 
 pub mod agreement;
+mod bridged;
 pub mod chainage;
 pub mod clock;
 mod clock_set;

@@ -6,7 +6,7 @@ use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
 use crate::{
-    chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs, wheel_change,
+    bridged, chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs, wheel_change,
 };
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -175,7 +175,10 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     }
     readings::impossible(rows, &mut findings);
     readings::missing(rows, &mut findings);
+    let mut evidence = BTreeMap::new();
     if is_usable(&findings) {
+        let usual_s = row_step::usual_step_s(rows);
+        evidence.extend(bridged::leave_out(rows, usual_s, &mut findings).map(|text| (Kind::Bridged, text)));
         readings::speed_spikes(rows, &mut findings);
         places::stuck_locations(rows, &mut findings);
         places::spikes(rows, &mut findings);
@@ -190,7 +193,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     let step_s = row_step::usual_step_s(rows);
     let of_speed = if is_usable(&findings) { OfSpeed::of(rows, step_s) } else { None };
     let location_noise_m = of_speed.as_ref().map(|found| found.agreement.location_noise_m);
-    (RunCheck { location_noise_m, ..RunCheck::of(recording, step_s, findings) }, of_speed)
+    (RunCheck { location_noise_m, evidence, ..RunCheck::of(recording, step_s, findings) }, of_speed)
 }
 
 /// With rows farther apart a train that starts or brakes between two of them runs another way than the mean of both speeds says, s.
