@@ -155,6 +155,8 @@ fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
     steps.len() == 3 && steps.into_iter().all(agree) && agree(all)
 }
 
+/// Over more the mean of two speeds says little of the way between them, s.
+const MEAN_S: f64 = 15.0;
 /// So many wild readings may stand together.
 const MOST_WILD: usize = 3;
 
@@ -187,10 +189,16 @@ pub(crate) fn wild(read: &[usize], far: impl Fn([usize; 4]) -> Option<f64>) -> V
 pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let sign = heading(rows);
     let located: Vec<usize> = (0..rows.len()).filter(|i| rows[*i].location_m.is_some()).collect();
+    let fastest_mps = rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max);
     let off_m = |a: usize, b: usize| {
         let [a, b] = [a, b].map(|i| rows[i]);
         let step_m = b.location_m.unwrap_or_default() - a.location_m.unwrap_or_default();
-        (step_m - sign * between(&a, &b)).abs()
+        // Between rows far apart a train starts or stops, and runs another way than the mean of both speeds says.
+        let reach = reaches(&a, &b, fastest_mps).filter(|_| b.time_s - a.time_s > MEAN_S);
+        reach.map_or((step_m - sign * between(&a, &b)).abs(), |reach| {
+            let way_m = sign * step_m;
+            (reach.start() - way_m).max(way_m - reach.end()).max(0.0)
+        })
     };
     let found = wild(&located, |[before, first, last, after]| {
         let calm_m = off_m(before, after);
@@ -428,6 +436,29 @@ mod tests {
         let mut findings = Vec::new();
         join(&mut rows, &mut findings);
         (rows, findings)
+    }
+
+    /// A start and a stop within 60 s at 0.6 m/s²: 229 m beside the mean of both speeds.
+    #[test]
+    fn starts_and_stops_between_rows_far_apart_make_no_location_wild() {
+        let speed_mps = |second: f64| (0.6 * ((second % 400.0) - 50.0).min(350.0 - (second % 400.0))).clamp(0.0, 30.0);
+        let log = |phase: usize| -> Vec<Sample> {
+            let mut at_m = 0.0;
+            let row = |second: usize| {
+                let time_s = second as f64;
+                at_m += speed_mps(time_s - 0.5);
+                Sample { time_s, location_m: Some(at_m), speed_mps: Some(speed_mps(time_s)), ..Sample::default() }
+            };
+            (0..4000).map(row).skip(phase).step_by(60).collect()
+        };
+        for phase in [0, 13, 29, 47] {
+            let (mut rows, mut findings) = (log(phase), Vec::new());
+            spikes(&mut rows, &mut findings);
+            assert_eq!(findings, [], "{phase}");
+            rows[20].location_m = rows[20].location_m.map(|m| m + 4000.0);
+            spikes(&mut rows, &mut findings);
+            assert_eq!(findings.len(), 1, "{phase}");
+        }
     }
 
     #[test]
