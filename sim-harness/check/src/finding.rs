@@ -89,6 +89,7 @@ kinds! {
         => "record the speed of each row; of a coast a few readings are left";
     EffortStairs "the effort stands still from row to row and then changes at once, by" => "record the effort of each row";
     OutOfOrder "rows are out of order";
+    Bursts "rows are stamped when they arrive, so many at once" => "write the time of the reading";
     CoarseClock "rows have the time of the row before, and other readings" => "write the times as fine as the rows";
     Interpolated "rows lie on straight lines between readings so far apart" => "export the rows of the recorder";
     Bridged "a straight line bridges rows without a reading, as of a receiver in a tunnel: off, by the speeds, by up to"
@@ -159,6 +160,7 @@ impl Finding {
                 Kind::AboveBrake
                     | Kind::AboveSpeedLimit
                     | Kind::AboveTraction
+                    | Kind::Bursts
                     | Kind::CoarseClock
                     | Kind::EffortApart
                     | Kind::EffortLate

@@ -7,6 +7,7 @@
 //! | question | module |
 //! |---|---|
 //! | did the clock jump, pause? | [`clock`], `clock_set` |
+//! | are rows stamped when they arrive, several at once? | `bursts` |
 //! | does it lose seconds? | [`lost_seconds`] |
 //! | did the location wrap, begin again, stand still? | [`places`] |
 //! | how far may a train go between two rows? | `reach` |
@@ -62,6 +63,7 @@
 
 pub mod agreement;
 mod bridged;
+mod bursts;
 pub mod chainage;
 pub mod clock;
 mod clock_set;

@@ -6,7 +6,8 @@ use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
 use crate::{
-    bridged, chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs, wheel_change,
+    bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs,
+    wheel_change,
 };
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -166,6 +167,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     let mut findings = Vec::new();
     let rows = &mut recording.rows;
     clock::sort(rows, &mut findings);
+    bursts::spread(rows, &mut findings);
     clock::coarse(rows, &mut findings);
     clock::put_right(rows, &mut findings);
     interpolated::leave_out(rows, &mut findings);
@@ -191,7 +193,9 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     }
     clock::gaps(rows, &mut findings);
     let step_s = row_step::usual_step_s(rows);
-    let of_speed = if is_usable(&findings) { OfSpeed::of(rows, step_s) } else { None };
+    // Times that are those of the arrival make an age and lost seconds of their own.
+    let is_timed = findings.iter().all(|found| found.kind != Kind::Bursts || found.done != Done::Said);
+    let of_speed = if is_usable(&findings) && is_timed { OfSpeed::of(rows, step_s) } else { None };
     let location_noise_m = of_speed.as_ref().map(|found| found.agreement.location_noise_m);
     (RunCheck { location_noise_m, evidence, ..RunCheck::of(recording, step_s, findings) }, of_speed)
 }
