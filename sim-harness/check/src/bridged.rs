@@ -48,7 +48,7 @@ const EVEN: f64 = 0.01;
 
 /// A row with a location: its number, its time, s, its location in the direction of travel, m, its speed, m/s.
 #[derive(Clone, Copy)]
-struct Located {
+struct LineRow {
     row: usize,
     time_s: f64,
     at_m: f64,
@@ -69,9 +69,9 @@ pub(crate) fn leave_out(rows: &mut [Sample], usual_s: f64, findings: &mut Vec<Fi
     let step_m = steps::of_location_m(rows.iter()).unwrap_or_else(|| written_m(rows));
     let sign = places::heading(rows);
     let of = |(row, sample): (usize, &Sample)| {
-        Some(Located { row, time_s: sample.time_s, at_m: sign * sample.location_m?, mps: sample.speed_mps })
+        Some(LineRow { row, time_s: sample.time_s, at_m: sign * sample.location_m?, mps: sample.speed_mps })
     };
-    let located: Vec<Located> = rows.iter().enumerate().filter_map(of).collect();
+    let located: Vec<LineRow> = rows.iter().enumerate().filter_map(of).collect();
     if step_m > MOST_STEP_M {
         return None;
     }
@@ -108,8 +108,8 @@ fn written_m(rows: &[Sample]) -> f64 {
 }
 
 /// Median of the third differences of a moving train's locations, m.
-fn third_m(rows: &[Located], usual_s: f64) -> Option<f64> {
-    let of = |four: &[Located]| {
+fn third_m(rows: &[LineRow], usual_s: f64) -> Option<f64> {
+    let of = |four: &[LineRow]| {
         let moves = four[3].at_m - four[0].at_m > LEAST_MPS * (four[3].time_s - four[0].time_s);
         let is_even = four.windows(2).all(|pair| ((pair[1].time_s - pair[0].time_s) / usual_s - 1.0).abs() < EVEN);
         let third_m = four[3].at_m - 3.0 * four[2].at_m + 3.0 * four[1].at_m - four[0].at_m;
@@ -119,7 +119,7 @@ fn third_m(rows: &[Located], usual_s: f64) -> Option<f64> {
 }
 
 /// First and last rows of straight lines, each as long as may be.
-fn lines(rows: &[Located], step_m: f64, next_s: f64) -> Vec<[usize; 2]> {
+fn lines(rows: &[LineRow], step_m: f64, next_s: f64) -> Vec<[usize; 2]> {
     let mut found = Vec::new();
     let mut from = 0;
     while from + LEAST_ROWS < rows.len() {
@@ -147,7 +147,7 @@ fn lines(rows: &[Located], step_m: f64, next_s: f64) -> Vec<[usize; 2]> {
     found
 }
 
-fn bridge(rows: &[Located], [from, to]: [usize; 2], step_m: f64, next_s: f64, scatters: bool) -> Option<Bridge> {
+fn bridge(rows: &[LineRow], [from, to]: [usize; 2], step_m: f64, next_s: f64, scatters: bool) -> Option<Bridge> {
     let middle = (from + to) / 2;
     let is_equal = |i: &usize| rows[middle].mps.is_some() && rows[*i].mps == rows[middle].mps;
     let first = (from..=middle).rev().take_while(is_equal).last();
@@ -174,14 +174,14 @@ fn bridge(rows: &[Located], [from, to]: [usize; 2], step_m: f64, next_s: f64, sc
 }
 
 /// The speed leaps to that of the line, or from it, as that of no train.
-fn leaps(rows: &[Located], [first, last]: [usize; 2], next_s: f64) -> bool {
-    let change = |[a, b]: [&Located; 2]| (b.time_s - a.time_s < next_s).then_some((b.mps? - a.mps?).abs());
+fn leaps(rows: &[LineRow], [first, last]: [usize; 2], next_s: f64) -> bool {
+    let change = |[a, b]: [&LineRow; 2]| (b.time_s - a.time_s < next_s).then_some((b.mps? - a.mps?).abs());
     let on_mps = rows[first].mps.unwrap_or_default();
-    let stays = |beyond: &[Located], leap: f64| {
+    let stays = |beyond: &[LineRow], leap: f64| {
         let off = beyond.iter().filter_map(|row| Some((row.mps? - on_mps).abs()));
         off.fold(f64::INFINITY, f64::min) > STAYS_SHARE * leap
     };
-    let is_leap = |at: usize, beyond: &[Located]| {
+    let is_leap = |at: usize, beyond: &[LineRow]| {
         let beside = beyond.windows(2).filter_map(|pair| change([&pair[0], &pair[1]])).fold(0.0, f64::max);
         let leap = change([&rows[at - 1], &rows[at]]).filter(|leap| *leap > STEADY * beside + LEAST_LEAP_MPS);
         beyond.len() > 1 && leap.is_some_and(|leap| stays(beyond, leap))
@@ -192,7 +192,7 @@ fn leaps(rows: &[Located], [first, last]: [usize; 2], next_s: f64) -> bool {
 }
 
 /// How far the line is from the way of a train that changes its speed steadily from that before to that behind, m.
-fn between_m(rows: &[Located], [first, last]: [usize; 2]) -> f64 {
+fn between_m(rows: &[LineRow], [first, last]: [usize; 2]) -> f64 {
     let mps = |i: Option<usize>| i.and_then(|i| rows.get(i)?.mps).or(rows[first].mps).unwrap_or(0.0);
     let [before, on, behind] = [first.checked_sub(1), Some(first), Some(last + 1)].map(mps);
     let long_s = rows[last].time_s - rows[first].time_s;
@@ -201,7 +201,7 @@ fn between_m(rows: &[Located], [first, last]: [usize; 2]) -> f64 {
 }
 
 /// How far the train is from the line by its speeds, m.
-fn beside_m(rows: &[Located]) -> f64 {
+fn beside_m(rows: &[LineRow]) -> f64 {
     let mut ways_m = vec![0.0];
     for pair in rows.windows(2) {
         let Some((a, b)) = pair[0].mps.zip(pair[1].mps) else { return 0.0 };

@@ -176,8 +176,8 @@ fn leaps(rows: &[Located]) -> Vec<Leap> {
 fn bring_back(rows: &mut [Sample], leaps: &[Leap], share: f64) {
     let sign = places::heading(rows);
     let begins_m = rows.iter().find_map(|row| row.location_m).map_or(0.0, |m| sign * m);
-    for i in 0..rows.len() {
-        let Some(at_m) = rows[i].location_m.map(|m| sign * m) else { continue };
+    for (i, row) in rows.iter_mut().enumerate() {
+        let Some(at_m) = row.location_m.map(|m| sign * m) else { continue };
         let next = leaps.partition_point(|leap| leap.behind <= i);
         let last_m = next.checked_sub(1).map(|last| leaps[last].at_m);
         let off_m = match (last_m, leaps.get(next)) {
@@ -186,6 +186,6 @@ fn bring_back(rows: &mut [Sample], leaps: &[Leap], share: f64) {
             (None, Some(leap)) => leap.off_m - share * (leap.at_m + leap.off_m - at_m),
             (None, None) => share * (at_m - begins_m),
         };
-        rows[i].location_m = Some(sign * (at_m - off_m));
+        row.location_m = Some(sign * (at_m - off_m));
     }
 }
