@@ -17,6 +17,8 @@ const NEAR: f64 = 0.3;
 /// Fewer bursts are chance, and so many of them have the usual number of rows.
 const LEAST_BURSTS: usize = 20;
 const ALIKE: f64 = 0.9;
+/// Of all rows so many may have the time of the row before.
+const MOST_SAME: f64 = 0.05;
 /// Between bursts pass such shares of the usual time, in so many of them.
 const EVEN: RangeInclusive<f64> = 0.8..=1.25;
 /// Nine of ten rows that are spread rightly miss less than this share of their way, and of what they miss as stamped.
@@ -82,7 +84,10 @@ fn found(rows: &[Sample]) -> Option<(Vec<Range<usize>>, usize, f64)> {
     let alike = bursts.iter().filter(is_usual).count() as f64 > ALIKE * bursts.len() as f64;
     let even = steps_s.iter().filter(|step_s| EVEN.contains(&(*step_s / each_s))).count() as f64
         > ALIKE * steps_s.len() as f64;
-    (usual > 1 && bursts.len() >= LEAST_BURSTS && alike && even).then_some((bursts, usual, each_s))
+    // Equal times are those of a coarse clock, which is asked elsewhere.
+    let same = rows.windows(2).filter(|pair| pair[1].time_s == pair[0].time_s).count();
+    let is_fine = (same as f64) < MOST_SAME * rows.len() as f64;
+    (is_fine && usual > 1 && bursts.len() >= LEAST_BURSTS && alike && even).then_some((bursts, usual, each_s))
 }
 
 /// Share of the way from row to row by which speed and location miss each other with these times, in nine of ten rows by less.
