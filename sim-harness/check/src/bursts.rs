@@ -51,11 +51,6 @@ pub(crate) fn spread(rows: &mut [Sample], findings: &mut Vec<Finding>) {
             .zip(missed(rows, &stamped))
             .is_some_and(|(as_spread, as_stamped)| as_spread < MISSED && as_spread < MISSED * as_stamped);
     let figure = Figure { value: usual as f64, sd: 0.0 };
-    // With one time each they are of a clock that is coarser than its rows.
-    let is_coarse = bursts.iter().all(|burst| rows[burst.start].time_s == rows[burst.end - 1].time_s);
-    if is_coarse && !is_right {
-        return;
-    }
     let done = if is_right { Done::PutRight } else { Done::Said };
     let (kind, line) = (Kind::Bursts, rows[bursts[0].start].line);
     findings.push(Finding { kind, figure, unit: "rows", count: bursts.len(), line, done });
