@@ -10,7 +10,7 @@
 //!
 //! Rounded speeds are too high as often as too low. These are too low while the train gains speed and too high while it slows, so that each change from power to
 //! coasting hides some of the speed that was gained, and the measured mode learns a resistance that is up to a tenth too small. The column itself does not show it, as finer
-//! ones do ([`crate::stairs`]); the locations do: in windows of 10 s
+//! ones do (`stairs`); the locations do: in windows of 10 s
 //!
 //! ```text
 //! way by location less way by speed = behind × (time rising less time falling) + offset t + scale x + skew Δv + noise
@@ -28,7 +28,7 @@ use nalgebra::SVector;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
 
-/// Smaller steps are asked by [`crate::stairs`], km/h.
+/// Smaller steps are asked by `stairs`, km/h.
 const LEAST_STEP_KMH: f64 = 0.4;
 /// With rows farther apart a speed hardly repeats but where it is held, s.
 const MOST_STEP_S: f64 = 2.5;
