@@ -20,7 +20,7 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 158 152. The next step to the goal is 125 000.
+/// Code, constants and first values of variables: 159 912. The next step to the goal is 125 000.
 const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 173_700, goal: 96 << 10 };
 /// 81 692; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
@@ -31,7 +31,7 @@ const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most:
 /// One call of the application, without the time of the line, 316 500: at 80 MHz and one instruction a cycle 1.9 ms for the goal.
 const CALL: Limit =
     Limit { what: "longest call of the application", unit: "instructions", most: 348_000, goal: 150_000 };
-/// The same with seven effects, 339 562, and in a day of hops between stops, 332 000.
+/// The same with seven effects, 339 687, and in a day of hops between stops, 332 000.
 const CALL_EFFECTS: Limit = Limit { what: "the same, seven effects and targets", most: 373_500, goal: 400_000, ..CALL };
 const CALL_DAY: Limit = Limit { what: "the same, a day with stops", most: 365_000, goal: 400_000, ..CALL };
 /// A step of the paper's model, f64 in software: 11 sigma points, two readings. 17 477.
