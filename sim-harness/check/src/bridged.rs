@@ -11,6 +11,7 @@
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
+use crate::row_step::next_row_s;
 use crate::{places, steps};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
@@ -34,8 +35,6 @@ const LEAST_BESIDE_M: f64 = 15.0;
 const LEAST_BESIDE_STEPS: f64 = 3.0;
 /// ... and by more than a speed makes that is shown again only where it has changed by 1 km/h, m/s.
 const HELD_MPS: f64 = 0.25;
-/// Rows follow each other, none between them missing, in so many usual times between them.
-const NEXT: f64 = 1.5;
 /// It stays there: a wheel that slips comes back within seconds. Rows, and the share of the leap.
 const STAYS: usize = 10;
 const STAYS_SHARE: f64 = 0.5;
@@ -75,7 +74,7 @@ pub(crate) fn leave_out(rows: &mut [Sample], usual_s: f64, findings: &mut Vec<Fi
     if step_m > MOST_STEP_M {
         return None;
     }
-    let next_s = NEXT * usual_s;
+    let next_s = next_row_s(usual_s);
     let scatters = usual_s <= MOST_STEP_S
         && third_m(&located, usual_s).is_some_and(|third_m| third_m > LEAST_SCATTER_M.max(SCATTER * step_m));
     let lines = lines(&located, step_m, next_s);
@@ -161,7 +160,7 @@ fn bridge(rows: &[LineRow], [from, to]: [usize; 2], step_m: f64, next_s: f64, sc
     };
     match equal {
         Some((first, last)) => {
-            let is_bridge = scatters || next_s <= NEXT * MOST_STEP_S && leaps(rows, [first, last], next_s);
+            let is_bridge = scatters || next_s <= next_row_s(MOST_STEP_S) && leaps(rows, [first, last], next_s);
             is_bridge.then(|| bridge([first, last], between_m(rows, [first, last])))
         }
         None => {
@@ -202,12 +201,8 @@ fn between_m(rows: &[LineRow], [first, last]: [usize; 2]) -> f64 {
 
 /// How far the train is from the line by its speeds, m.
 fn beside_m(rows: &[LineRow]) -> f64 {
-    let mut ways_m = vec![0.0];
-    for pair in rows.windows(2) {
-        let Some((a, b)) = pair[0].mps.zip(pair[1].mps) else { return 0.0 };
-        let way_m = 0.5 * (a + b) * (pair[1].time_s - pair[0].time_s);
-        ways_m.push(ways_m.last().unwrap_or(&0.0) + way_m);
-    }
+    let read: Option<Vec<[f64; 2]>> = rows.iter().map(|row| Some([row.time_s, row.mps?])).collect();
+    let Some(ways_m) = read.map(|read| places::run_until_m(&read)) else { return 0.0 };
     let (Some(first), Some(last), Some(way_m)) = (rows.first(), rows.last(), ways_m.last()) else { return 0.0 };
     let long_s = last.time_s - first.time_s;
     let off_m = rows.iter().zip(&ways_m).map(|(row, at_m)| at_m - way_m * (row.time_s - first.time_s) / long_s);

@@ -50,7 +50,7 @@ const LEAST_PAIRS: usize = 20;
 /// Time between two rows that are compared, s: what rounding leaves is correlated over seconds.
 pub(crate) const PAIR_S: f64 = 5.0;
 /// Slower readings are left out: a standing train has no rounding, a creeping one reads zero, m/s.
-const SLOWEST_MPS: f64 = 1.5;
+pub(crate) const SLOWEST_MPS: f64 = 1.5;
 /// Fewer that are not bent do not say what the noise is.
 const LEAST_STRAIGHT: f64 = 6.0;
 /// Fits until the noise beside doubtful bends is known.

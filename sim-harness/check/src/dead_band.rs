@@ -19,7 +19,7 @@
 //! where rising and falling are the rows that repeat a speed after it has risen or fallen.
 
 use crate::agreement::Figure;
-use crate::compared::{Row, held_shares};
+use crate::compared::{Row, SLOWEST_MPS, held_shares};
 use crate::effort::least_squares;
 use crate::row_step::usual_step_s;
 use crate::run::parts;
@@ -35,8 +35,6 @@ const MOST_STEP_S: f64 = 2.5;
 /// Windows, s, and so many of a run.
 const WINDOW_S: f64 = 10.0;
 const LEAST_WINDOWS: usize = 20;
-/// A slower train reads what its recorder makes of a stop, m/s.
-const SLOWEST_MPS: f64 = 1.5;
 /// Share of the time of a reading in which the train did not pass it.
 const MOST_HELD: f64 = 0.5;
 /// Windows farther from the fit, in standard deviations, are leaps of the location.

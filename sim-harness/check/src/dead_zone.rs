@@ -10,7 +10,7 @@
 //! readings of zero beside are no standstill.
 
 use crate::agreement::{Figure, HALF_95};
-use crate::row_step::next_row_s;
+use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 
@@ -90,7 +90,7 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh: f64) -> Option
 
 /// Readings of zero with one above zero beside.
 fn passes(rows: &[Sample]) -> Vec<Pass> {
-    let longest_s = next_row_s(rows);
+    let longest_s = next_row_s(usual_step_s(rows));
     let ahead = rows.windows(3).filter_map(|three| pass([&three[0], &three[1], &three[2]], longest_s));
     let back = rows.windows(3).filter_map(|three| pass([&three[2], &three[1], &three[0]], longest_s));
     ahead.chain(back).collect()

@@ -5,7 +5,7 @@ use crate::correction::Correction;
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::of_most::OfMost;
 use crate::run::RunCheck;
-use crate::{LEAST_SCALE, gradients, lost_seconds};
+use crate::{LEAST_SCALE, gradients, lost_seconds, usable_of};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -84,12 +84,12 @@ impl RecorderCheck {
 
     /// Whether a run is one of this recorder, and is used.
     pub(crate) fn has_usable(&self, run: &RunCheck) -> bool {
-        run.unit == self.unit && run.is_usable()
+        run.is_usable_of(&self.unit)
     }
 
     /// The places of these.
     pub(crate) fn usable(&self, runs: &[RunCheck]) -> Vec<usize> {
-        (0..runs.len()).filter(|i| self.has_usable(&runs[*i])).collect()
+        usable_of(&self.unit, runs)
     }
 
     pub(crate) fn has(&self, kind: Kind) -> bool {

@@ -11,6 +11,7 @@
 //! with the speed, and slips of a wheel with neither.
 
 use crate::places;
+use crate::row_step::next_row_s;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, spread};
@@ -133,11 +134,7 @@ fn located(rows: &[Sample]) -> Vec<Located> {
 }
 
 fn leaps(rows: &[Located]) -> Vec<Leap> {
-    let mut ways_m = vec![0.0];
-    for pair in rows.windows(2) {
-        let way_m = 0.5 * (pair[0].mps + pair[1].mps) * (pair[1].time_s - pair[0].time_s).max(0.0);
-        ways_m.push(ways_m.last().unwrap_or(&0.0) + way_m);
-    }
+    let ways_m = places::run_until_m(&rows.iter().map(|row| [row.time_s, row.mps]).collect::<Vec<_>>());
     let step = |i: usize| [rows[i].at_m - rows[i - 1].at_m, ways_m[i] - ways_m[i - 1]];
     // The wheels that give location and speed may differ.
     let usual = median((1..rows.len()).map(step).filter(|[_, way_m]| *way_m > 1.0).map(|[at_m, way_m]| at_m / way_m));
@@ -145,7 +142,7 @@ fn leaps(rows: &[Located]) -> Vec<Leap> {
     let off_m: Vec<f64> = rows.iter().zip(&ways_m).map(|(row, way_m)| row.at_m - usual * way_m).collect();
     let times: Vec<f64> = rows.iter().map(|row| row.time_s).collect();
     let usual_s = median(times.windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(1.0);
-    let longest_s = 2.0 * AROUND as f64 * 1.5 * usual_s;
+    let longest_s = 2.0 * AROUND as f64 * next_row_s(usual_s);
     let mean = |of: std::ops::Range<usize>| off_m[of].iter().sum::<f64>() / AROUND as f64;
     let change_m = |i: usize| {
         let around = i.checked_sub(AROUND)?..i + AROUND;

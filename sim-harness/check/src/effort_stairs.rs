@@ -15,7 +15,7 @@
 //! right.
 
 use crate::finding::{Done, Finding, Kind};
-use crate::row_step::next_row_s;
+use crate::row_step::{next_row_s, usual_step_s};
 use crate::stairs::{Stairs, level};
 use rundown_files::sample::Sample;
 use std::ops::Range;
@@ -83,7 +83,7 @@ impl Stair {
 
 /// All changes of efforts other than 0, without gaps.
 fn stairs_of(rows: &[Sample]) -> Vec<Stair> {
-    let longest_s = next_row_s(rows);
+    let longest_s = next_row_s(usual_step_s(rows));
     let (mut found, mut begin) = (Vec::new(), 0);
     for (i, pair) in (1..).zip(rows.windows(2)) {
         let is_next = pair[1].time_s - pair[0].time_s <= longest_s;

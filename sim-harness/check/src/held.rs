@@ -9,7 +9,7 @@
 //! A rounded speed repeats, too, where it changes by less than its step from row to row. So only those rows are asked where it changes by more, before and
 //! after, and only such repeats count after which the speed catches up.
 
-use crate::row_step::next_row_s;
+use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
 
 /// A speed that changes by fewer steps from row to row repeats by rounding alone.
@@ -43,7 +43,7 @@ pub fn beyond_chance(runs: &[Held]) -> Option<[usize; 2]> {
 
 /// What of a run is held. `step_mps`: step of the speeds, 0 without one.
 pub fn of(rows: &[Sample], step_mps: f64) -> Held {
-    let longest_s = next_row_s(rows);
+    let longest_s = next_row_s(usual_step_s(rows));
     let least_mps = LEAST_CHANGE_MPS.max(STEPS * step_mps);
     let mut held = Held::default();
     let mut first = 1;

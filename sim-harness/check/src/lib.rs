@@ -215,7 +215,7 @@ fn units(runs: &[RunCheck]) -> Vec<String> {
 
 /// The places of the runs of a unit that are used.
 fn usable_of(unit: &str, runs: &[RunCheck]) -> Vec<usize> {
-    (0..runs.len()).filter(|i| runs[*i].unit == unit && runs[*i].is_usable()).collect()
+    (0..runs.len()).filter(|i| runs[*i].is_usable_of(unit)).collect()
 }
 
 /// Says what held runs up. Out: of how many it cannot be said.

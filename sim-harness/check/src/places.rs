@@ -3,7 +3,7 @@
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::reach::reach_m;
-use crate::row_step::{longest_step_s, usual_step_s};
+use crate::row_step::{self, longest_step_s, usual_step_s};
 use crate::steps;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
@@ -65,7 +65,7 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let mut waited_m = 0.0;
     // Locations that go on at a pace of their own beside a speed that stands still begin nowhere again.
     let mut was_off = false;
-    let fastest_mps = rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max);
+    let fastest_mps = fastest_mps(rows);
     let is_often = begins_often(rows);
     for i in 0..rows.len() {
         let Some(read_m) = rows[i].location_m.filter(|m| m.is_finite()) else {
@@ -114,6 +114,11 @@ fn begins_often(rows: &[Sample]) -> bool {
     begins.count() >= OFTEN
 }
 
+/// The largest speed that was read, m/s.
+fn fastest_mps(rows: &[Sample]) -> f64 {
+    rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max)
+}
+
 /// The ways that a train may go from one row to the other, whatever it does between them, m.
 fn reaches(a: &Sample, b: &Sample, fastest_mps: f64) -> Option<RangeInclusive<f64>> {
     Some(reach_m([a.speed_mps?, b.speed_mps?], b.time_s - a.time_s, fastest_mps))
@@ -155,8 +160,6 @@ fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
     steps.len() == 3 && steps.into_iter().all(agree) && agree(all)
 }
 
-/// Over more the mean of two speeds says little of the way between them, s.
-const MEAN_S: f64 = 15.0;
 /// So many wild readings may stand together.
 const MOST_WILD: usize = 3;
 
@@ -189,12 +192,12 @@ pub(crate) fn wild(read: &[usize], far: impl Fn([usize; 4]) -> Option<f64>) -> V
 pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let sign = heading(rows);
     let located: Vec<usize> = (0..rows.len()).filter(|i| rows[*i].location_m.is_some()).collect();
-    let fastest_mps = rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max);
+    let fastest_mps = fastest_mps(rows);
     let off_m = |a: usize, b: usize| {
         let [a, b] = [a, b].map(|i| rows[i]);
         let step_m = b.location_m.unwrap_or_default() - a.location_m.unwrap_or_default();
         // Between rows far apart a train starts or stops, and runs another way than the mean of both speeds says.
-        let reach = reaches(&a, &b, fastest_mps).filter(|_| b.time_s - a.time_s > MEAN_S);
+        let reach = reaches(&a, &b, fastest_mps).filter(|_| b.time_s - a.time_s > row_step::MOST_MEAN_S);
         reach.map_or((step_m - sign * between(&a, &b)).abs(), |reach| {
             let way_m = sign * step_m;
             (reach.start() - way_m).max(way_m - reach.end()).max(0.0)
@@ -233,7 +236,7 @@ fn makes_up(rows: &[Sample], stuck: &StuckRows, sign: f64) -> bool {
     let from = last_new(rows, stuck.from, sign);
     let [way_m, by_speed_m] = ways_m(rows, from..=next, sign);
     // The speed may stand still, too, while the train brakes.
-    let fastest_mps = rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max);
+    let fastest_mps = fastest_mps(rows);
     let is_reached = reaches(&rows[from], &rows[next], fastest_mps).is_some_and(|reach| reach.contains(&way_m));
     (way_m - by_speed_m).abs() < MADE_UP * stuck.metres || is_reached
 }
@@ -362,6 +365,16 @@ fn stretches(
         from = to + 1;
     }
     found
+}
+
+/// Distance by speed from the first row to each of them, m; of each row its time, s, and its speed, m/s.
+pub(crate) fn run_until_m(rows: &[[f64; 2]]) -> Vec<f64> {
+    let mut ways_m = vec![0.0];
+    for pair in rows.windows(2) {
+        let [[a_s, a_mps], [b_s, b_mps]] = [pair[0], pair[1]];
+        ways_m.push(ways_m[ways_m.len() - 1] + 0.5 * (a_mps + b_mps) * (b_s - a_s).max(0.0));
+    }
+    ways_m
 }
 
 /// Distance by speed from one time to another: between two rows with a speed their mean, whatever rows stand between them, before the first and after the last of

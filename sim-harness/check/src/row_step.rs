@@ -3,6 +3,9 @@
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 
+/// Over more a train may start or brake between two rows, and runs another way than the mean of both speeds says, s.
+pub const MOST_MEAN_S: f64 = 15.0;
+
 /// Usual time between rows, s.
 pub fn usual_step_s(rows: &[Sample]) -> f64 {
     let steps = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
@@ -10,8 +13,8 @@ pub fn usual_step_s(rows: &[Sample]) -> f64 {
 }
 
 /// Rows follow each other, none between them missing, where no more passes, s.
-pub(crate) fn next_row_s(rows: &[Sample]) -> f64 {
-    1.5 * usual_step_s(rows)
+pub(crate) fn next_row_s(usual_s: f64) -> f64 {
+    1.5 * usual_s
 }
 
 /// Rows are missing where more passes between two of them, s.

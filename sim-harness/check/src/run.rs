@@ -64,6 +64,11 @@ impl RunCheck {
         self.refusal().is_none()
     }
 
+    /// It is one of this unit, and is used.
+    pub(crate) fn is_usable_of(&self, unit: &str) -> bool {
+        self.unit == unit && self.is_usable()
+    }
+
     /// Something is the matter with the whole of it.
     pub(crate) fn found(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
         self.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
@@ -200,12 +205,9 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     (RunCheck { location_noise_m, evidence, ..RunCheck::of(recording, step_s, findings) }, of_speed)
 }
 
-/// With rows farther apart a train that starts or brakes between two of them runs another way than the mean of both speeds says, s.
-const MOST_STEP_S: f64 = 15.0;
-
 impl OfSpeed {
     pub(crate) fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
-        if step_s > MOST_STEP_S {
+        if step_s > row_step::MOST_MEAN_S {
             return None;
         }
         let parts = parts(rows, step_s);

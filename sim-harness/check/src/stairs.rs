@@ -12,7 +12,7 @@
 
 use crate::agreement::{Figure, HALF_95};
 use crate::finding::{Done, Finding, Kind};
-use crate::row_step::next_row_s;
+use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, sd_of_median, spread};
 
@@ -67,7 +67,7 @@ pub(crate) fn level(rows: &[Sample], reading: impl Fn(&Sample) -> Option<f64>) -
 
 impl Stairs {
     pub(crate) fn of(rows: &[Sample], reading: impl Fn(&Sample) -> Option<f64>) -> Self {
-        let longest_s = next_row_s(rows);
+        let longest_s = next_row_s(usual_step_s(rows));
         // From the row before to this one; none at a stand, or without an effort, and where rows or readings are missing.
         let change = |i: usize| {
             let pair = [rows.get(i.checked_sub(1)?)?, rows.get(i)?];

@@ -2,10 +2,8 @@
 //!
 //! Straight between readings, and as the nearest one before the first and behind the last.
 
+use rundown_check::row_step::MOST_MEAN_S;
 use rundown_files::sample::Sample;
-
-/// Readings that are further apart say nothing of the speed between them, s: as rows that `check` does not compare.
-const MOST_BETWEEN_S: f64 = 15.0;
 
 /// Row by row.
 pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
@@ -15,7 +13,7 @@ pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
     for pair in read.windows(2) {
         let [(a, a_mps), (b, b_mps)] = [pair[0], pair[1]];
         let long_s = rows[b].time_s - rows[a].time_s;
-        if (f64::MIN_POSITIVE..=MOST_BETWEEN_S).contains(&long_s) {
+        if (f64::MIN_POSITIVE..=MOST_MEAN_S).contains(&long_s) {
             for i in a + 1..b {
                 let share = ((rows[i].time_s - rows[a].time_s) / long_s).clamp(0.0, 1.0);
                 speeds[i] = Some(a_mps + share * (b_mps - a_mps));
@@ -25,7 +23,7 @@ pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
     for (nearest, beyond) in [(first, 0..first.0), (last, last.0 + 1..rows.len())] {
         for i in beyond {
             let away_s = (rows[i].time_s - rows[nearest.0].time_s).abs();
-            speeds[i] = (away_s <= MOST_BETWEEN_S).then_some(nearest.1);
+            speeds[i] = (away_s <= MOST_MEAN_S).then_some(nearest.1);
         }
     }
     speeds

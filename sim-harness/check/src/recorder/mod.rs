@@ -11,7 +11,9 @@ use crate::of_most::OfMost;
 use crate::own::Grown;
 use crate::run::{OfSpeed, RunCheck};
 use crate::wheel_change::OfRun;
-use crate::{Known, LEAST_SCALE, SURE, dead_band, dead_zone, held, lost_seconds, own, put_right, steps, wheel_change};
+use crate::{
+    Known, LEAST_SCALE, SURE, dead_band, dead_zone, held, lost_seconds, own, put_right, steps, usable_of, wheel_change,
+};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -68,11 +70,11 @@ pub(crate) fn of(
     let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
     let sought = lost_seconds::put_right(&of_unit, recordings, runs);
     // Readings in another unit have another step.
-    let rows = || of_unit.iter().filter(|i| runs[**i].is_usable()).flat_map(|i| &recordings[*i].rows);
+    let usable = usable_of(&unit, runs);
+    let rows = || usable.iter().flat_map(|i| &recordings[*i].rows);
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
-    let usable: Vec<usize> = of_unit.iter().copied().filter(|i| runs[*i].is_usable()).collect();
     let behind = leave_out_behind(recordings, &usable, step_kmh);
     let mut judged = |i: &usize| {
         let mut of_speed = of_speeds[*i].clone()?;
@@ -96,7 +98,6 @@ pub(crate) fn of(
         ..RecorderCheck::default()
     };
     drift.into_iter().for_each(|drift| recorder.drifts(&drift));
-    let usable = recorder.usable(runs);
     if let Some((behind_kmh, rows)) = behind {
         let band = Figure { value: step_kmh, sd: 0.0 };
         let text = format!("{rows} rows; where it rises or falls they are {behind_kmh:.2} km/h behind");
