@@ -66,12 +66,16 @@ impl Graph {
                 instead: BTreeSet::new(),
                 unknown: false,
             };
+            let bytes = |from: u64, to: u64| code.get((from - at) as usize..(to - at) as usize).unwrap_or_default();
+            let mut constants_from = start;
             for (from, to) in pieces(&marks, start, start + size) {
-                let piece = code.get((from - at) as usize..(to - at) as usize);
-                for step in steps(piece.unwrap_or_default(), from) {
+                function.may_call(bytes(constants_from, from), &symbols);
+                for step in steps(bytes(from, to), from) {
                     function.take(step, start, &symbols);
                 }
+                constants_from = to;
             }
+            function.may_call(bytes(constants_from, start + size), &symbols);
             (start, function)
         });
         Self(functions.collect())
@@ -192,6 +196,16 @@ impl Function {
     }
 }
 
+impl Function {
+    /// Addresses of functions among its constants: what is called three times in a row, the compiler calls through a register, which is shorter.
+    fn may_call(&mut self, constants: &[u8], symbols: &BTreeMap<u64, (String, u64)>) {
+        let words = constants.chunks_exact(4).filter_map(|word| Some(u32::from_le_bytes(word.try_into().ok()?)));
+        // The lowest bit of an address says that it is of Thumb code.
+        let functions = words.filter(|word| word % 2 == 1).map(|word| u64::from(word - 1));
+        self.calls.extend(functions.filter(|to| symbols.contains_key(to)));
+    }
+}
+
 /// The stretches of code between the constants, by the linker's marks.
 fn pieces(marks: &[(u64, bool)], start: u64, end: u64) -> Vec<(u64, u64)> {
     let first = marks.partition_point(|(at, _)| *at <= start);
@@ -246,6 +260,15 @@ mod tests {
             instead: instead.iter().copied().collect(),
             unknown: false,
         }
+    }
+
+    #[test]
+    fn a_function_whose_address_is_a_constant_may_be_called() {
+        let symbols = BTreeMap::from([(0x0800_0100, ("called".to_owned(), 8)), (0x0800_0200, ("data".to_owned(), 8))]);
+        let mut caller = function("caller", 0, &[], &[]);
+        let constants = [0x0800_0101_u32, 0x0800_0200, 0x0800_0301, 7].map(u32::to_le_bytes);
+        caller.may_call(constants.as_flattened(), &symbols);
+        assert_eq!(caller.calls, BTreeSet::from([0x0800_0100]));
     }
 
     #[test]
