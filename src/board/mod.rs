@@ -9,12 +9,14 @@
 //! | `kept_ram` | RAM that survives a reset |
 //! | `painted_stack` | how deep the stack has been |
 //! | `fallen` | panics and faults: write down why, then reset |
+//! | `memory` | copies and fills of memory, for the compiler |
 //! | `soft_doubles` | sums and products of doubles, for the compiler |
 //! | `provisioning` | the record that was written at the depot |
 //! | `stopwatch` | time in counts of the system timer |
 
 mod fallen;
 pub mod kept_ram;
+mod memory;
 pub mod painted_stack;
 pub mod provisioning;
 #[cfg(any(feature = "mps2", feature = "emulator"))]

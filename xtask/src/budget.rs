@@ -43,6 +43,8 @@ const FILTER_STACK: Limit = Limit { what: "filter step alone: stack", unit: "B",
 const FILTER_CODE: Limit = Limit { what: "filter step alone: code", unit: "B", most: 9100, goal: 10_000 };
 /// Of 800 000 sums, differences, products and quotients (`src/board/soft_doubles.rs`).
 const DOUBLES: Limit = Limit { what: "doubles with a wrong bit", unit: "", most: 0, goal: 0 };
+/// Of 2560 copies, moves and fills (`src/board/memory.rs`).
+const COPIES: Limit = Limit { what: "copies with a wrong byte", ..DOUBLES };
 const PANICS: Limit = Limit { what: "places that may panic", unit: "", most: 0, goal: 0 };
 const ALLOCATORS: Limit = Limit { what: "allocator symbols", unit: "", most: 0, goal: 0 };
 
@@ -81,6 +83,7 @@ pub fn budget() -> Result<(), String> {
         (FILTER_STACK, step.stack_bytes),
         (FILTER_CODE, step.code_bytes),
         (DOUBLES, step.wrong_doubles),
+        (COPIES, step.wrong_copies),
         (PANICS, count(&panics)),
         (ALLOCATORS, count(&allocators)),
     ];

@@ -2,7 +2,7 @@
 //! `cargo xtask budget` starts it.
 //!
 //! Out: counts of the system timer for a step of the paper's filter, then for the filter of a tick, 0 where one failed; then how many sums, products and quotients of doubles are not
-//! those of `rundown::onboard::doubles`. 4 bytes each, little endian.
+//! those of `rundown::onboard::doubles`; then how many copies and fills are not those of single bytes. 4 bytes each, little endian.
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
@@ -22,6 +22,8 @@ use rundown::model::train::{Train, TrainDescription};
 use rundown::onboard::doubles;
 use rundown::tick::learning::LocationAndSpeed;
 
+#[path = "../../board/memory.rs"]
+mod memory;
 #[path = "../../board/soft_doubles.rs"]
 mod soft_doubles;
 
@@ -92,6 +94,7 @@ extern "C" fn measure() -> ! {
     say(step);
     say(tick);
     say(wrong_doubles());
+    say(wrong_copies());
     loop {
         cortex_m::asm::wfi();
     }
@@ -135,6 +138,27 @@ fn wrong_doubles() -> u32 {
         let expected =
             [doubles::add(a, b), doubles::add(a, b ^ doubles::SIGN), doubles::multiply(a, b), doubles::divide(a, b)];
         wrong += found.iter().zip(&expected).filter(|(found, expected)| found != expected).count() as u32;
+    }
+    wrong
+}
+
+/// Of copies to another list, copies within one and fills, at all places within eight bytes and up to 39 bytes long, how many are wrong.
+fn wrong_copies() -> u32 {
+    const SIZE: usize = 48;
+    let before: [u8; SIZE] = core::array::from_fn(|i| 7 * i as u8);
+    let mut wrong = 0;
+    for case in 0..40 * 64 {
+        let (to, from, length) = (case % 8, case / 8 % 8, black_box(case / 64));
+        let [mut copied, mut moved, mut filled] = black_box([before; 3]);
+        copied[to..to + length].copy_from_slice(&black_box(before)[from..from + length]);
+        moved.copy_within(from..from + length, to);
+        filled[to..to + length].fill(black_box(0xA5));
+        let right = |i: usize| {
+            let inside = (to..to + length).contains(&i);
+            let [expected, fill] = if inside { [before[i + from - to], 0xA5] } else { [before[i]; 2] };
+            copied[i] == expected && moved[i] == expected && filled[i] == fill
+        };
+        wrong += u32::from(!(0..SIZE).all(right));
     }
     wrong
 }

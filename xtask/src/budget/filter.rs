@@ -1,4 +1,4 @@
-//! What one step of the paper's filter costs, and the filter of a tick: instructions in the emulator, stack and code from the image. And whether the board's doubles are right.
+//! What one step of the paper's filter costs, and the filter of a tick: instructions in the emulator, stack and code from the image. And whether the board's doubles and copies are right.
 
 use super::calls::Graph;
 use crate::firmware;
@@ -20,6 +20,8 @@ pub struct FilterStep {
     pub code_bytes: u64,
     /// Sums, products and quotients of doubles that are not those of `rundown::onboard::doubles`.
     pub wrong_doubles: u64,
+    /// Copies and fills of memory that are not those of single bytes.
+    pub wrong_copies: u64,
 }
 
 /// Builds the image, reads it, and lets it run.
@@ -44,6 +46,13 @@ pub fn measure() -> Result<FilterStep, String> {
         counts => Ok(counts * NS_PER_COUNT / u64::from(NS_PER_INSTRUCTION)),
     };
     let (instructions, tick_instructions) = (taken()?, taken()?);
-    let wrong_doubles = said()?;
-    Ok(FilterStep { instructions, tick_instructions, stack_bytes: deepest.bytes, code_bytes, wrong_doubles })
+    let (wrong_doubles, wrong_copies) = (said()?, said()?);
+    Ok(FilterStep {
+        instructions,
+        tick_instructions,
+        stack_bytes: deepest.bytes,
+        code_bytes,
+        wrong_doubles,
+        wrong_copies,
+    })
 }
