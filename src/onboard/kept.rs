@@ -4,8 +4,8 @@
 
 use crate::onboard::crash_loop::{CrashLoop, MOST_RESETS, Operation};
 use crate::onboard::watchdog::Stalled;
-use crc::{CRC_32_ISCSI, Crc, NoTable};
 use rundown_wire::ResetCause::{PowerOn, Watchdog};
+use rundown_wire::link::checksum::Crc32c;
 use rundown_wire::{FILE_TAIL, Failure, ResetCause};
 
 /// Size in RAM, words.
@@ -14,7 +14,6 @@ pub const WORDS: usize = 24;
 const FAILURE_WORDS: usize = 2 + FILE_TAIL / 4;
 /// Changes with the layout below, so that an older firmware's RAM is not read.
 const MAGIC: u32 = 0x5244_4b02;
-const CASTAGNOLI: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 
 /// What is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -106,11 +105,11 @@ impl Kept {
 
 /// Over all words but the last.
 fn check(words: &[u32; WORDS]) -> u32 {
-    let mut digest = CASTAGNOLI.digest();
+    let mut crc = Crc32c::START;
     for word in words.iter().take(WORDS - 1) {
-        digest.update(&word.to_le_bytes());
+        crc.update(&word.to_le_bytes());
     }
-    digest.finalize()
+    crc.value()
 }
 
 /// Kind, value, file.

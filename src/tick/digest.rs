@@ -4,12 +4,11 @@
 
 use crate::filter::ukf::Reading;
 use crate::tick::estimate::Estimate;
-use crc::Digest;
 use postcard::ser_flavors::Flavor;
-use rundown_wire::link::checksum::{CRC_32C, crc32c};
+use rundown_wire::link::checksum::{Crc32c, crc32c};
 use serde::Serialize;
 
-struct Running(Digest<'static, u32>);
+struct Running(Crc32c);
 
 impl Flavor for Running {
     type Output = u32;
@@ -25,7 +24,7 @@ impl Flavor for Running {
     }
 
     fn finalize(self) -> postcard::Result<u32> {
-        Ok(self.0.finalize())
+        Ok(self.0.value())
     }
 }
 
@@ -40,7 +39,7 @@ pub fn of_bytes(bytes: &[u8]) -> u32 {
 
 /// Digest of any value; 0 for one that cannot be written, which none of this library is.
 pub fn of<T: Serialize>(value: &T) -> u32 {
-    postcard::serialize_with_flavor(value, Running(CRC_32C.digest())).unwrap_or(0)
+    postcard::serialize_with_flavor(value, Running(Crc32c::START)).unwrap_or(0)
 }
 
 /// Digest of all that an estimate says, in full precision.

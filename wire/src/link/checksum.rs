@@ -12,14 +12,54 @@
 //! is gone, and SLCAN turns a flipped bit of one hex digit into another hex digit. Four bytes close all three holes.
 
 use super::{MAX_CHECKED, MAX_MESSAGE};
-use crc::{CRC_32_ISCSI, Crc};
 use heapless::Vec;
 
 /// Bytes that the checksum adds.
 pub const CHECKSUM_BYTES: usize = 4;
 
-/// CRC-32C has many names; this is Castagnoli's polynomial as in iSCSI.
-pub static CRC_32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
+/// What half a byte does to the checksum.
+const HALF_BYTES: [u32; 16] = {
+    let mut table = [0; 16];
+    let mut half = 0;
+    while half < table.len() {
+        let mut crc = half as u32;
+        let mut bit = 0;
+        while bit < 4 {
+            crc = (crc >> 1) ^ (0x82F6_3B78 * (crc & 1));
+            bit += 1;
+        }
+        table[half] = crc;
+        half += 1;
+    }
+    table
+};
+
+/// The CRC-32C of bytes that come one after another. By halves of a byte: a table for whole ones takes 1 kB of the board's flash.
+#[derive(Clone, Copy, Debug)]
+pub struct Crc32c(u32);
+
+impl Crc32c {
+    /// Of no bytes.
+    pub const START: Self = Self(!0);
+
+    /// Takes more bytes in.
+    #[inline(never)]
+    pub fn update(&mut self, bytes: &[u8]) {
+        let mut crc = self.0;
+        for &byte in bytes {
+            crc ^= u32::from(byte);
+            for _ in 0..2 {
+                crc = (crc >> 4) ^ HALF_BYTES[crc as usize % 16];
+            }
+        }
+        self.0 = crc;
+    }
+
+    /// Of all bytes so far.
+    pub const fn value(self) -> u32 {
+        !self.0
+    }
+}
 
 errors! {
     /// A message that cannot be sent because of its length.
@@ -41,7 +81,9 @@ errors! {
 /// assert_eq!(rundown_wire::link::checksum::crc32c(b"123456789"), 0xE306_9283);
 /// ```
 pub fn crc32c(bytes: &[u8]) -> u32 {
-    CRC_32C.checksum(bytes)
+    let mut crc = Crc32c::START;
+    crc.update(bytes);
+    crc.value()
 }
 
 /// The message followed by its checksum.
