@@ -3,6 +3,7 @@
 //! The version changes only when bytes of a frame that was released would be read as something else. New frames are appended to the enums under the
 //! same version; a receiver that does not know one counts it and goes on.
 
+use postcard::ser_flavors::Flavor;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Version of the messages that this library writes; it reads this one.
@@ -33,10 +34,46 @@ errors! {
 /// # Errors
 /// [`EncodeError`]: the buffer is too short.
 pub fn encode<'a, T: Serialize>(value: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
-    let (version, rest) = buffer.split_first_mut().ok_or(EncodeError)?;
-    *version = VERSION;
-    let length = postcard::to_slice(value, rest).map_err(|_| EncodeError)?.len();
-    buffer.get(..=length).ok_or(EncodeError)
+    let mut message = Writing { buffer, length: 0 };
+    message.append(&[VERSION]);
+    let length = postcard::serialize_with_flavor(value, message).map_err(|_| EncodeError)?;
+    buffer.get(..length).ok_or(EncodeError)
+}
+
+/// A message that is being written. What finds no room is counted, and no write fails: on the board a check behind each of some 200 fields would take 3 kB.
+struct Writing<'a> {
+    buffer: &'a mut [u8],
+    length: usize,
+}
+
+impl Writing<'_> {
+    // Of its own, for the same reason.
+    #[inline(never)]
+    fn append(&mut self, bytes: &[u8]) {
+        let end = self.length + bytes.len();
+        if let Some(free) = self.buffer.get_mut(self.length..end) {
+            free.copy_from_slice(bytes);
+        }
+        self.length = end;
+    }
+}
+
+impl Flavor for Writing<'_> {
+    type Output = usize;
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.append(&[byte]);
+        Ok(())
+    }
+
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        self.append(bytes);
+        Ok(())
+    }
+
+    fn finalize(self) -> postcard::Result<usize> {
+        Ok(self.length)
+    }
 }
 
 /// Reads a whole message.
