@@ -435,21 +435,23 @@ fn carry_on<const N: usize, const K: usize>(
     with_x: &SVector<Real, N>,
     variance: Real,
 ) {
-    let (x, p) = (&belief.mean, &belief.covariance);
-    let carried = process.carry(x, mean);
+    let carried = process.carry(&belief.mean, mean);
     let with_a = process.carry(with_x, variance);
-    let mut rows = SMatrix::<Real, K, N>::zeros();
+    let p = &mut belief.covariance;
+    let mut moving = SMatrix::<Real, K, K>::zeros();
     for i in 0..N {
-        rows.set_column(i, &process.carry(&p.row(i).transpose(), with_x[i]));
+        let row = process.carry(&p.row(i).transpose(), with_x[i]);
+        for k in 0..K {
+            let place = if i < K { &mut moving[(k, i)] } else { &mut p[(i, k)] };
+            *place = row[k];
+        }
     }
     for k in 0..K {
         belief.mean[k] = carried[k];
-        let row = process.carry(&rows.row(k).transpose(), with_a[k]);
+        let row = SVector::from_fn(|i, _| if i < K { moving[(k, i)] } else { p[(i, k)] });
+        let row = process.carry(&row, with_a[k]);
         for i in k..K {
-            belief.covariance[(i, k)] = row[i];
-        }
-        for i in K..N {
-            belief.covariance[(i, k)] = rows[(k, i)];
+            p[(i, k)] = row[i];
         }
     }
 }

@@ -190,7 +190,7 @@ impl<const N: usize> Process<N, MOVING> for Motion<'_> {
     }
 
     /// Eq. (4): v' = v + Δt a, s' = s + σ Δt (v + v') / 2.
-    #[inline]
+    #[inline(always)]
     fn carry(&self, x: &SVector<Real, N>, a: Real) -> SVector<Real, MOVING> {
         let speed = x[SPEED] + self.dt_s * a;
         let location = x[LOCATION] + self.half_way_s * (x[SPEED] + speed);

@@ -250,6 +250,7 @@ impl<'a> UnderTrain<'a> {
     ///
     /// A difference of its own, because two rises subtracted would leave nothing but rounding for the
     /// millimetre shifts of the paper's sigma points (α = 0.001).
+    #[inline(always)]
     pub fn rise_change_m(&self, shift_m: Real) -> Real {
         self.profile.rise_m(&self.front, shift_m) - self.profile.rise_m(&self.tail, shift_m)
     }

@@ -35,7 +35,9 @@ fn shifted(bits: u64, by: u32) -> u64 {
 }
 
 /// The number of this sign, exponent and mantissa, which has the bits below, and its first bit as the 62nd or, at the least exponent, lower.
-fn finished(sign: u64, exponent: i32, mantissa: u64) -> u64 {
+// Of the sign the upper half: so all stands in four registers, and nothing of the caller is left on the stack.
+fn finished(sign: u32, exponent: i32, mantissa: u64) -> u64 {
+    let sign = u64::from(sign) << 32;
     if exponent >= BEYOND as i32 {
         return sign | INFINITE;
     }
@@ -77,7 +79,7 @@ pub fn add(a: u64, b: u64) -> u64 {
         sum <<= up;
         exponent -= up;
     }
-    finished(sign, exponent as i32, sum)
+    finished((sign >> 32) as u32, exponent as i32, sum)
 }
 
 /// a b.
@@ -103,7 +105,7 @@ pub fn multiply(a: u64, b: u64) -> u64 {
     let product = u128::from(a << 11) * u128::from(b << 11);
     let upper = (product >> 64) as u64 | u64::from(product as u64 != 0);
     let more = upper >> 63;
-    finished(sign, exponent_a + exponent_b - BIAS + more as i32, shifted(upper, more as u32))
+    finished((sign >> 32) as u32, exponent_a + exponent_b - BIAS + more as i32, shifted(upper, more as u32))
 }
 
 /// a / b.
@@ -148,7 +150,7 @@ pub fn divide(a: u64, b: u64) -> u64 {
     // 56 bits where the first digit was 1, else 55.
     let below = u64::from(rest != 0);
     let mantissa = if less { quotient << 8 } else { quotient << 7 } | below;
-    finished(sign, exponent_a - exponent_b + BIAS - i32::from(less), mantissa)
+    finished((sign >> 32) as u32, exponent_a - exponent_b + BIAS - i32::from(less), mantissa)
 }
 
 /// The mantissa with its first bit, and its exponent, which may be below the least one; not of 0.
