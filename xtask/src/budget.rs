@@ -11,7 +11,7 @@ use calls::Graph;
 use emulator::{Board, Image, NS_PER_INSTRUCTION};
 use std::process::{Command, Stdio};
 
-/// A line of the budget. The limit is what was measured (2026-11-26, in the comment) and a tenth more, so that a change has room and nothing gets much worse
+/// A line of the budget. The limit is what was measured (2026-11-27, in the comment) and a tenth more, so that a change has room and nothing gets much worse
 /// unseen; never above a goal that is reached.
 struct Limit {
     what: &'static str,
@@ -20,27 +20,27 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 159 912. The next step to the goal is 125 000.
-const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 173_700, goal: 96 << 10 };
-/// 81 692; the goal is SRAM1 of the reference board.
+/// Code, constants and first values of variables: 142 468. The next step to the goal is 125 000.
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 156_700, goal: 96 << 10 };
+/// 81 712; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
-/// 7600; the goal is a quarter of SRAM2.
+/// 7512; the goal is a quarter of SRAM2.
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
-/// 6568 to 7080.
+/// 6640 to 6910.
 const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most: 7600, ..STACK };
-/// One call of the application, without the time of the line, 316 500: at 80 MHz and one instruction a cycle 1.9 ms for the goal.
+/// One call of the application, without the time of the line, 310 187: at 80 MHz and one instruction a cycle 1.9 ms for the goal.
 const CALL: Limit =
-    Limit { what: "longest call of the application", unit: "instructions", most: 348_000, goal: 150_000 };
-/// The same with seven effects, 339 687, and in a day of hops between stops, 332 000.
-const CALL_EFFECTS: Limit = Limit { what: "the same, seven effects and targets", most: 373_500, goal: 400_000, ..CALL };
-const CALL_DAY: Limit = Limit { what: "the same, a day with stops", most: 365_000, goal: 400_000, ..CALL };
-/// A step of the paper's model, f64 in software: 11 sigma points, two readings. 17 477.
-const FILTER_CALL: Limit = Limit { what: "filter step alone", unit: "instructions", most: 19_200, goal: 30_000 };
-/// As the learning modes have it: six coefficients, four sub-steps, one update. 71 400.
+    Limit { what: "longest call of the application", unit: "instructions", most: 341_000, goal: 150_000 };
+/// The same with seven effects, 333 625, and in a day of hops between stops, 326 500.
+const CALL_EFFECTS: Limit = Limit { what: "the same, seven effects and targets", most: 366_900, goal: 400_000, ..CALL };
+const CALL_DAY: Limit = Limit { what: "the same, a day with stops", most: 359_000, goal: 400_000, ..CALL };
+/// A step of the paper's model, f64 in software: 11 sigma points, two readings. 18 867.
+const FILTER_CALL: Limit = Limit { what: "filter step alone", unit: "instructions", most: 20_700, goal: 30_000 };
+/// As the learning modes have it: six coefficients, four sub-steps, one update. 75 522.
 const TICK_FILTER: Limit = Limit { what: "filter of a tick", unit: "instructions", most: 78_500, goal: 80_000 };
-/// 1016 and 8288.
+/// 1016 and 8450.
 const FILTER_STACK: Limit = Limit { what: "filter step alone: stack", unit: "B", most: 1 << 10, goal: 1 << 10 };
-const FILTER_CODE: Limit = Limit { what: "filter step alone: code", unit: "B", most: 9100, goal: 10_000 };
+const FILTER_CODE: Limit = Limit { what: "filter step alone: code", unit: "B", most: 9300, goal: 10_000 };
 /// Of 800 000 sums, differences, products and quotients (`src/board/soft_doubles.rs`).
 const DOUBLES: Limit = Limit { what: "doubles with a wrong bit", unit: "", most: 0, goal: 0 };
 /// Of 2560 copies, moves and fills (`src/board/memory.rs`).
