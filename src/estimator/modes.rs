@@ -20,11 +20,11 @@ use crate::model::state::{LOCATION, SIZE, SPEED, resistance_sd};
 use crate::tick::effort_reading::MeanEffort;
 use crate::tick::estimate::{Cause, Estimate, Validity};
 use crate::tick::kinematics::Kinematics;
-use crate::tick::learning::{self, Counts, LearningConfig, Tick, davis_of};
+use crate::tick::learning::{self, Counts, LearningConfig, LeastChange, Tick, davis_of};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Judged;
 use crate::tick::regime::{Evidence, Recogniser, Regime};
-use crate::tick::short_hops::{self, ShortHopConfig};
+use crate::tick::short_hops::{self, Pieces};
 
 /// Without a speed for longer than this the regime is unknown, s.
 const LOST_S: Real = 60.0;
@@ -92,10 +92,10 @@ pub(super) fn learning_tick(
     let now = take_up(config, run, line, judged);
     let read = judged.speed_mps.is_ok();
     let standing = read && now.speed_mps <= 0.25 * config.sensor.speed_quantum_kmh / 3.6;
-    if read {
-        run.hops.observe(&config.short_hops, judged.time_s, standing);
+    if let Ok(speed_mps) = judged.speed_mps {
+        run.hops.observe(&config.short_hops, judged.time_s, speed_mps, standing);
     }
-    let are_short = run.hops.are_short(&config.short_hops, judged.time_s);
+    let short_hops = run.hops.pieces(&config.short_hops, judged.time_s);
     let reading = &mut run.effort_reading;
     let read_effort = match config.mode {
         Mode::Measured => {
@@ -104,16 +104,16 @@ pub(super) fn learning_tick(
         }
         Mode::Gated | Mode::Paper => None,
     };
-    let recognition = recognise(config, run, line, acting, &now, ReadNow { read, standing, short_hops: are_short });
+    let recognition = recognise(config, run, line, acting, &now, ReadNow { read, standing, short_hops });
     let learned = match config.mode {
         // Of hops the effort column shows the ends of powering only, for then the train brakes: what its age and gain are off by there the resistance would be.
         // Coasts need neither.
-        Mode::Measured if are_short => {
+        Mode::Measured if short_hops.is_some() => {
             run.waits = None;
-            learn_coasting(config, run, line, acting, judged, &recognition, are_short)
+            learn_coasting(config, run, line, acting, judged, &recognition, short_hops)
         }
         Mode::Measured => learn_measured(config, run, line, acting, judged, read_effort),
-        Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, are_short),
+        Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, short_hops),
     };
     let (innovation, validity) = match learned {
         Ok(innovation) => (innovation, validity),
@@ -186,8 +186,8 @@ struct ReadNow {
     read: bool,
     /// And it is that of a standing train.
     standing: bool,
-    /// Of a train on short hops.
-    short_hops: bool,
+    /// Of a train on short hops: what of its coasts counts.
+    short_hops: Option<Pieces>,
 }
 
 /// What the recogniser says at a tick.
@@ -250,7 +250,7 @@ fn recognise(
         (_, false) => run.regime,
     });
     let usual_s = config.recogniser.interval_s;
-    let interval_s = if short_hops { usual_s.min(config.short_hops.interval_s) } else { usual_s };
+    let interval_s = short_hops.map_or(usual_s, |pieces| usual_s.min(pieces.interval_s));
     if evidence.interval_s >= 0.95 * interval_s {
         recognition.coasts = Some(recognised.now.of(Regime::Coast));
         run.recogniser = recognised.now;
@@ -343,7 +343,14 @@ fn learn_waiting(
     match (&mut run.waits, effort) {
         (Some((tick, _)), Some(effort)) if run.learner.in_segment() => {
             tick.effort = effort;
-            return run.learner.step(&config.learning, &config.sensor, line, acting, tick, &usual(config, 0.0));
+            return run.learner.step(
+                &config.learning,
+                &config.sensor,
+                line,
+                acting,
+                tick,
+                &usual(config, LeastChange::None),
+            );
         }
         (Some((tick, moving)), Some(_)) if tick.location_m.is_some() && tick.speed_mps.is_some() => {
             run.learner.begin(tick.time_s, moving, true);
@@ -361,9 +368,9 @@ fn is_powered(config: &Config, judged: &Judged, described_n_per_kg: Real) -> boo
 }
 
 /// What of a segment counts, but on short hops: it was believed when it began.
-fn usual(config: &Config, min_change_share: Real) -> Counts {
+fn usual(config: &Config, least_change: LeastChange) -> Counts {
     let LearningConfig { end_cut_s, min_segment_s, .. } = config.learning;
-    Counts { believed: false, end_cut_s, min_segment_s, min_change_share, on_short_hops: false }
+    Counts { believed: false, end_cut_s, min_segment_s, least_change, on_short_hops: false }
 }
 
 /// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or not; else it begins after an
@@ -375,10 +382,11 @@ fn learn_coasting(
     acting: &Acting<'_>,
     judged: &Judged,
     recognition: &Recognition,
-    are_short: bool,
+    short_hops: Option<Pieces>,
 ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
     let Config { learning, short_hops: short, .. } = config;
     let coasted = recognition.coasted;
+    let are_short = short_hops.is_some();
     let speed_mps = run.kinematics.belief().mean[SPEED];
     let visible = if are_short {
         let described_n_per_kg = line.train.davis().resistance_n_per_kg(speed_mps);
@@ -398,13 +406,11 @@ fn learn_coasting(
     if !goes_on {
         run.learner.end();
     } else if run.learner.in_segment() {
-        let counts = if are_short {
+        let counts = if let Some(Pieces { end_cut_s, min_segment_s, least_change, .. }) = short_hops {
             let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
-            let ShortHopConfig { end_cut_s, min_segment_s, .. } = *short;
-            let min_change_share = short_hops::MIN_CHANGE_SHARE;
-            Counts { believed, end_cut_s, min_segment_s, min_change_share, on_short_hops: true }
+            Counts { believed, end_cut_s, min_segment_s, least_change, on_short_hops: true }
         } else {
-            usual(config, learning::MIN_CHANGE_SHARE)
+            usual(config, LeastChange::Share(learning::MIN_CHANGE_SHARE))
         };
         let tick = tick(config, run, line, judged);
         let stepped = run.learner.step(learning, &config.sensor, line, acting, &tick, &counts)?;

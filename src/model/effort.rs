@@ -55,8 +55,8 @@ pub fn over_steps(
             speed_mps,
         }
     };
-    let mut effort = over_interval(line, acting, davis, from, &at(1.0));
     let mut begin = at(1.0);
+    let mut effort = over_interval(line, acting, davis, from, &begin);
     for step in 2..=steps as u32 {
         let end = at(step.into());
         let more = over_interval(line, acting, davis, &begin, &end);

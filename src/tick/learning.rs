@@ -107,14 +107,25 @@ pub struct Counts {
     pub end_cut_s: Real,
     /// Shortest one, s.
     pub min_segment_s: Real,
-    /// Least change of the speed since its beginning, as a share of it; 0 where the effort is measured. Where a falling gradient balances the resistance a
-    /// speed that is held, by a notch or a light brake, looks like a coast, and the believed resistance chooses which of them do.
-    pub min_change_share: Real,
+    /// Least change of the speed since its beginning. Where a falling gradient balances the resistance a speed that is held, by a notch or a light brake,
+    /// looks like a coast, and the believed resistance chooses which of them do.
+    pub least_change: LeastChange,
     /// It is one of short hops.
     pub on_short_hops: bool,
 }
 
-/// The same of coasts: a driver keeps a speed within a few km/h, and a train that coasts for a minute loses more.
+/// How much the speed of a segment must change, so that it counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LeastChange {
+    /// Not at all: the effort is measured.
+    None,
+    /// By this share of the speed at its beginning, up or down.
+    Share(Real),
+    /// It must fall by so much, m/s², in the mean.
+    Fall(Real),
+}
+
+/// [`LeastChange::Share`] of coasts: a driver keeps a speed within a few km/h, and a train that coasts for a minute loses more.
 pub const MIN_CHANGE_SHARE: Real = 0.08;
 
 /// Standard deviation of the speed with which a segment begins, m/s: so wide that the reading counts for nothing. It was chosen, for a segment begins where the readings
@@ -128,11 +139,12 @@ const WAITING: usize = 8;
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     time_s: Real,
+    speed_mps: Real,
     constants: Gaussian<4>,
 }
 
 plain! {
-    struct Reached { time_s, constants }
+    struct Reached { time_s, speed_mps, constants }
 }
 
 in_place! {
@@ -353,7 +365,7 @@ impl Learner {
             }
             segment.waiting.pop_front();
             let is_long = reached.time_s - segment.begin_s >= counts.min_segment_s;
-            if is_long && segment.changed() >= counts.min_change_share * segment.begin_mps {
+            if is_long && segment.changed(&reached, counts.least_change) {
                 self.constants = reached.constants;
                 let counted_s = reached.time_s - segment.settled_s;
                 self.learned_s += counted_s;
@@ -371,7 +383,7 @@ impl Learner {
         let spacing_s = counts.end_cut_s / (WAITING - 2) as Real;
         let due = segment.waiting.back().is_none_or(|last| time_s - last.time_s >= spacing_s);
         if due {
-            let reached = Reached { time_s, constants: segment.constants() };
+            let reached = Reached { time_s, speed_mps: segment.belief.mean[SPEED], constants: segment.constants() };
             // Cannot be full, see above; if it were, this belief would merely not wait.
             let _waits = segment.waiting.push_back(reached).is_ok();
         }
@@ -386,9 +398,13 @@ pub(crate) fn davis_of(constants: &Gaussian<4>) -> Gaussian<3> {
 }
 
 impl Segment {
-    /// By how much the speed has changed since the beginning, m/s.
-    fn changed(&self) -> Real {
-        (self.belief.mean[SPEED] - self.begin_mps).abs()
+    /// The speed has changed by enough since the beginning.
+    fn changed(&self, reached: &Reached, least: LeastChange) -> bool {
+        match least {
+            LeastChange::None => true,
+            LeastChange::Share(share) => (self.belief.mean[SPEED] - self.begin_mps).abs() >= share * self.begin_mps,
+            LeastChange::Fall(mps2) => self.begin_mps - reached.speed_mps >= mps2 * (reached.time_s - self.begin_s),
+        }
     }
 
     /// r0, r1, r2 and the gain as reached so far.

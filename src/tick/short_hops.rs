@@ -1,14 +1,18 @@
 //! Metros, trams and suburban trains: what is different where hops are short.
 //!
-//! In: whether the train stands, and when. Out: whether its hops are short.
+//! In: speeds, and when. Out: whether hops are short, and what of their coasts counts.
 //!
 //! A train that runs for minutes coasts for minutes: evidence is gathered over 10 s, a coast is believed after such an interval, and only then learned from.
 //! On hops of one or two minutes coasts last 10 to 40 s, and nothing would be left. There evidence is gathered over less, a segment runs on trial from
 //! where the coast may have begun, and it is learned from once it is believed. That costs accuracy where it is not needed (a third of the error of r(v) on
 //! an intercity), so it is used on short hops alone.
+//!
+//! Of coasts of 12 s, the usual ones of metros and trams, even that leaves nothing. Speeds in tenths of a km/h show within 4 s what whole ones show within 7,
+//! and how a brake begins within 3.
 
 use crate::Real;
 use crate::tick::bounds::settings;
+use crate::tick::learning::LeastChange;
 use crate::tick::snapshot::in_place;
 
 settings! {
@@ -31,8 +35,52 @@ settings! {
     }
 }
 
-/// [`MIN_CHANGE_SHARE`](crate::tick::learning::MIN_CHANGE_SHARE) of their coasts, which are shorter.
-pub const MIN_CHANGE_SHARE: Real = 0.02;
+/// What of a coast counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pieces {
+    /// Spacing of the recogniser's evidence, s.
+    pub interval_s: Real,
+    /// Time cut from the end of a segment, s.
+    pub end_cut_s: Real,
+    /// Shortest segment that counts, s.
+    pub min_segment_s: Real,
+    /// How its speed must change.
+    pub least_change: LeastChange,
+}
+
+impl ShortHopConfig {
+    /// At most what is set, where the speeds are finer than whole km/h.
+    fn pieces(&self, speeds_are_fine: bool) -> Pieces {
+        let Self { interval_s, end_cut_s, min_segment_s, .. } = *self;
+        if !speeds_are_fine {
+            return Pieces { interval_s, end_cut_s, min_segment_s, least_change: LeastChange::Share(MIN_CHANGE_SHARE) };
+        }
+        Pieces {
+            interval_s: interval_s.min(FINE_INTERVAL_S),
+            end_cut_s: end_cut_s.min(FINE_END_CUT_S),
+            min_segment_s: min_segment_s.min(FINE_MIN_SEGMENT_S),
+            least_change: LeastChange::Fall(LEAST_FALL_MPS2),
+        }
+    }
+}
+
+const FINE_INTERVAL_S: Real = 4.0;
+const FINE_END_CUT_S: Real = 3.0;
+const FINE_MIN_SEGMENT_S: Real = 7.0;
+/// A speed that is held wanders by less, and where a driver takes back the power near the speed that is wanted it rises: both look like coasts on gentle slopes.
+/// Of steeper coasts enough are left. By whole km/h the coasts would be chosen for their rounding, and r(v) of suburban trains became too large.
+const LEAST_FALL_MPS2: Real = 0.03;
+/// [`learning::MIN_CHANGE_SHARE`](crate::tick::learning::MIN_CHANGE_SHARE) of their coasts, which are shorter.
+const MIN_CHANGE_SHARE: Real = 0.02;
+
+/// A change of the change from one reading to the next that speeds in whole km/h (or mph) do not have unless it is none, m/s; noise of 0.1 m/s has more of them.
+const FINE_MPS: Real = 0.5 / 3.6;
+/// Half of all that are not none must be so small, and so many of them are no lapses.
+const LEAST_FINE: u16 = 10;
+/// Equal but for the rounding of the numbers, m/s.
+const ROUNDING_MPS: Real = 0.01 / 3.6;
+/// Changes that are counted at most.
+const MOST_CHANGES: u16 = 1000;
 
 in_place! {
     /// The hops of a run.
@@ -44,12 +92,18 @@ in_place! {
         moved: bool = (false);
         /// The last hop was short.
         last_short: bool = (false);
+        /// The last speed and its change, m/s; how often the change was another one than before, and how often by little.
+        last_mps: Real = (0.0);
+        last_change_mps: Real = (0.0);
+        changes: u16 = (0);
+        fine_changes: u16 = (0);
     }
 }
 
 impl Hops {
     /// A tick with a speed.
-    pub fn observe(&mut self, config: &ShortHopConfig, time_s: Real, standing: bool) {
+    pub fn observe(&mut self, config: &ShortHopConfig, time_s: Real, speed_mps: Real, standing: bool) {
+        self.compare(speed_mps);
         if !standing {
             self.moved = true;
             return;
@@ -61,8 +115,27 @@ impl Hops {
         self.stood_s = Some(time_s);
     }
 
+    fn compare(&mut self, speed_mps: Real) {
+        let change_mps = speed_mps - core::mem::replace(&mut self.last_mps, speed_mps);
+        let other_mps = (change_mps - core::mem::replace(&mut self.last_change_mps, change_mps)).abs();
+        if other_mps > ROUNDING_MPS && self.changes < MOST_CHANGES {
+            self.changes += 1;
+            self.fine_changes += u16::from(other_mps < FINE_MPS);
+        }
+    }
+
+    /// Neither coarse nor noisy.
+    const fn speeds_are_fine(&self) -> bool {
+        self.fine_changes >= LEAST_FINE && 2 * self.fine_changes >= self.changes
+    }
+
+    /// What counts of coasts on short hops; `None` on longer ones.
+    pub fn pieces(&self, config: &ShortHopConfig, time_s: Real) -> Option<Pieces> {
+        self.are_short(config, time_s).then(|| config.pieces(self.speeds_are_fine()))
+    }
+
     /// The last hop was short, and this one is not longer yet.
-    pub fn are_short(&self, config: &ShortHopConfig, time_s: Real) -> bool {
+    fn are_short(&self, config: &ShortHopConfig, time_s: Real) -> bool {
         self.last_short && self.stood_s.is_some_and(|stood_s| time_s - stood_s <= config.hop_s)
     }
 }
@@ -79,11 +152,11 @@ mod tests {
 
     fn after(stands_at_s: &[Real], time_s: Real) -> bool {
         let config = ShortHopConfig::default();
-        let mut hops = Hops { stood_s: None, moved: false, last_short: false };
+        let mut hops = Hops::default();
         for at_s in stands_at_s {
-            hops.observe(&config, *at_s, true);
+            hops.observe(&config, *at_s, 0.0, true);
             if *at_s >= 10.0 {
-                hops.observe(&config, *at_s + 1.0, false);
+                hops.observe(&config, *at_s + 1.0, 5.0, false);
             }
         }
         hops.are_short(&config, time_s)
@@ -96,5 +169,24 @@ mod tests {
         assert!(after(&[0.0, 10.0, 120.0, 150.0], 200.0));
         assert!(!after(&[0.0, 10.0, 120.0, 150.0], 460.0), "this one lasts");
         assert!(!after(&[0.0, 120.0, 150.0, 900.0], 950.0), "the last one lasted");
+    }
+
+    /// A train that starts, rolls and brakes, and speeds that are rounded to a step and noisy.
+    fn are_fine(step_kmh: Real, noise_kmh: Real) -> bool {
+        let mut hops = Hops::default();
+        for tick in 0..60 {
+            let time_s = Real::from(tick);
+            let train_kmh = (3.0 * time_s).min(60.0 - 0.15 * time_s).min(4.0 * (60.0 - time_s));
+            let noisy_kmh = train_kmh + noise_kmh * libm::sin(2.5 * time_s);
+            let kmh = libm::round(noisy_kmh / step_kmh) * step_kmh;
+            hops.observe(&ShortHopConfig::default(), time_s, kmh / 3.6, tick == 0);
+        }
+        hops.speeds_are_fine()
+    }
+
+    #[test]
+    fn speeds_of_whole_units_and_noisy_ones_are_not_fine() {
+        assert!(are_fine(0.1, 0.0) && are_fine(0.1, 0.1));
+        assert!(!are_fine(1.0, 0.0) && !are_fine(1.609_344, 0.0) && !are_fine(0.1, 0.5));
     }
 }

@@ -355,8 +355,8 @@ settings! {
     /// Is there a gap at all?
     evidence: EvidenceConfig {
         flips: usize = 999, /// Sign flips of whole runs. Derived: the least p-value is 0.001.
-        unsteady_wider: f64 = 30.0, /// How many times wider such an interval is taken to scatter. Judgement: it is no evidence, and what is fitted beside does not rest on it.
         steady_n_per_kg: f64 = 0.01, /// An effort that changes by more within an interval is no evidence, N/kg. Measured: its mean is wrong in the same way in all runs.
+        unsteady_wider: f64 = 30.0, /// How many times wider such an interval is taken to scatter. Judgement: it is no evidence, and what is fitted beside does not rest on it.
         coast_n_per_kg: f64 = 0.005, /// An effort up to this is coasting, N/kg. Judgement.
         location_knots: usize = 24, /// Knots along the location. Judgement.
         knots: usize = 7, /// Knots along speed and time. Judgement.
