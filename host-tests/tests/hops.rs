@@ -1,4 +1,4 @@
-//! Short hops on which nobody coasts: speeds that are held, and fall as those of a coasting train do.
+//! Short hops: short coasts, and speeds that are held, which fall as those of a coasting train do.
 
 use host_tests::accuracy::train;
 use host_tests::prelude::*;
@@ -7,12 +7,25 @@ use rundown::estimator::config::{Config, Mode};
 const HOPS: u32 = 8;
 const TOP_MPS: f64 = 25.0;
 const ACCELERATION_MPS2: f64 = 0.8;
-const HELD_S: u32 = 60;
-const FALLS_MPS2: f64 = 0.025;
 
-/// A log of 1 s: each hop powers to 90 km/h, keeps that speed for a while but for a slow fall, brakes and stands.
-/// The effort column says what is applied meanwhile, on the first two nothing: it is not known yet that hops are short.
-fn log(held_n_per_kg: f64) -> Vec<Measurement> {
+/// What happens between powering and braking.
+struct Between {
+    lasts_s: u32,
+    falls_mps2: f64,
+    /// What the effort column says of it.
+    effort_n_per_kg: f64,
+    /// Step of the speeds that are read.
+    step_kmh: f64,
+    /// Gradient of the whole line.
+    uphill_permille: f64,
+}
+
+const HELD: Between =
+    Between { lasts_s: 60, falls_mps2: 0.025, effort_n_per_kg: 0.0, step_kmh: 1.0, uphill_permille: 0.0 };
+
+/// A log of 1 s: each hop powers to 90 km/h, lets that speed fall slowly for a while, brakes and stands.
+/// On the first two the effort column says nothing: it is not known yet that hops are short.
+fn log(between: &Between) -> Vec<Measurement> {
     let (mut location_m, mut speed_mps) = (0.0, 0.0_f64);
     let power_s = (TOP_MPS / ACCELERATION_MPS2) as u32;
     let mut log = Vec::new();
@@ -20,7 +33,7 @@ fn log(held_n_per_kg: f64) -> Vec<Measurement> {
         let (hop, of_hop) = (second / 130, second % 130);
         let (acceleration_mps2, effort_n_per_kg) = match of_hop {
             _ if of_hop < power_s => (ACCELERATION_MPS2, Some(ACCELERATION_MPS2 + 0.02)),
-            _ if of_hop < power_s + HELD_S => (-FALLS_MPS2, Some(held_n_per_kg)),
+            _ if of_hop < power_s + between.lasts_s => (-between.falls_mps2, Some(between.effort_n_per_kg)),
             _ => (-ACCELERATION_MPS2, None),
         };
         let after_mps = (speed_mps + acceleration_mps2).max(0.0);
@@ -29,20 +42,20 @@ fn log(held_n_per_kg: f64) -> Vec<Measurement> {
         log.push(Measurement {
             time_s: f64::from(second),
             location_m: Some(location_m),
-            speed_mps: Some((3.6 * speed_mps).round() / 3.6),
+            speed_mps: Some((3.6 * speed_mps / between.step_kmh).round() * between.step_kmh / 3.6),
             effort_n_per_kg: effort_n_per_kg.filter(|_| hop > 1),
         });
     }
     log
 }
 
-/// Time that taught, s, on a level line.
-fn learned_s(log: &[Measurement]) -> f64 {
-    let track = Track::try_new(32e3, []).unwrap();
-    let estimator = Estimator::try_new(Config::with_mode(Mode::Measured), train(), track).unwrap();
+/// Time that taught, s.
+fn learned_s(mode: Mode, between: &Between) -> f64 {
+    let track = Track::try_new(32e3, [Gradient { from_m: 0.0, permille: between.uphill_permille }]).unwrap();
+    let estimator = Estimator::try_new(Config::with_mode(mode), train(), track).unwrap();
     let mut vehicle = estimator.new_vehicle();
     let mut state = estimator.begin_run(&vehicle, Direction::Up);
-    for row in log {
+    for row in &log(between) {
         estimator.step(&mut state, row).unwrap();
     }
     estimator.end_run(&mut state, &mut vehicle).learned_s
@@ -51,8 +64,21 @@ fn learned_s(log: &[Measurement]) -> f64 {
 /// Speeds that were held on gentle slopes taught that the resistance is what balances the slope: trams and suburban trains of another simulator ended 20 to 37 % too low.
 #[test]
 fn a_fall_of_the_speed_under_power_is_no_coast_where_the_effort_is_measured() {
-    assert!(learned_s(&log(0.003)) > 60.0, "a coast, and a sensor that is a little off");
+    let learned_s = |effort_n_per_kg| learned_s(Mode::Measured, &Between { effort_n_per_kg, ..HELD });
+    assert!(learned_s(0.003) > 60.0, "a coast, and a sensor that is a little off");
     for held_n_per_kg in [0.02, -0.02] {
-        assert_eq!(learned_s(&log(held_n_per_kg)), 0.0, "{held_n_per_kg} N/kg");
+        assert_eq!(learned_s(held_n_per_kg), 0.0, "{held_n_per_kg} N/kg");
     }
+}
+
+/// Metros and trams coast for a quarter of a minute. What shows it of whole km/h begins and ends too late for that; shorter pieces would be chosen for their rounding.
+#[test]
+fn short_coasts_teach_where_speeds_are_finer_than_whole_kmh() {
+    let coast = |step_kmh, uphill_permille| {
+        let falls_mps2 = train().davis().resistance_n_per_kg(TOP_MPS) + 0.009 * uphill_permille;
+        learned_s(Mode::Gated, &Between { lasts_s: 24, falls_mps2, step_kmh, uphill_permille, ..HELD })
+    };
+    assert!(coast(0.1, 0.0) > 60.0);
+    assert_eq!(coast(1.0, 0.0), 0.0);
+    assert_eq!(coast(0.1, -2.0), 0.0, "a speed that is held falls by as much as this coast");
 }

@@ -69,7 +69,7 @@ const FINE_END_CUT_S: Real = 3.0;
 const FINE_MIN_SEGMENT_S: Real = 7.0;
 /// A speed that is held wanders by less, and where a driver takes back the power near the speed that is wanted it rises: both look like coasts on gentle slopes.
 /// Of steeper coasts enough are left. By whole km/h the coasts would be chosen for their rounding, and r(v) of suburban trains became too large.
-const LEAST_FALL_MPS2: Real = 0.03;
+const LEAST_FALL_MPS2: Real = 0.02;
 /// [`learning::MIN_CHANGE_SHARE`](crate::tick::learning::MIN_CHANGE_SHARE) of their coasts, which are shorter.
 const MIN_CHANGE_SHARE: Real = 0.02;
 
