@@ -194,9 +194,7 @@ impl Function {
             }
         }
     }
-}
 
-impl Function {
     /// Addresses of functions among its constants: what is called three times in a row, the compiler calls through a register, which is shorter.
     fn may_call(&mut self, constants: &[u8], symbols: &BTreeMap<u64, (String, u64)>) {
         let words = constants.chunks_exact(4).filter_map(|word| Some(u32::from_le_bytes(word.try_into().ok()?)));
