@@ -20,9 +20,9 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 142 468. The next step to the goal is 125 000.
+/// Code, constants and first values of variables: 142 996. The next step to the goal is 125 000.
 const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 156_700, goal: 96 << 10 };
-/// 81 712; the goal is SRAM1 of the reference board.
+/// 81 792; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
 /// 7512; the goal is a quarter of SRAM2.
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
@@ -31,7 +31,7 @@ const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most:
 /// One call of the application, without the time of the line, 310 187: at 80 MHz and one instruction a cycle 1.9 ms for the goal.
 const CALL: Limit =
     Limit { what: "longest call of the application", unit: "instructions", most: 341_000, goal: 150_000 };
-/// The same with seven effects, 333 625, and in a day of hops between stops, 326 500.
+/// The same with seven effects, 333 562, and in a day of hops between stops, 327 000.
 const CALL_EFFECTS: Limit = Limit { what: "the same, seven effects and targets", most: 366_900, goal: 400_000, ..CALL };
 const CALL_DAY: Limit = Limit { what: "the same, a day with stops", most: 359_000, goal: 400_000, ..CALL };
 /// A step of the paper's model, f64 in software: 11 sigma points, two readings. 18 867.
