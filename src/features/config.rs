@@ -4,6 +4,7 @@
 //! nor do those near the line's top speed of 140 km/h.
 
 use crate::Real;
+use crate::model::bounds::field_name;
 use crate::model::units::KmPerHour;
 use crate::tick::bounds::{ConfigError, settings};
 
@@ -52,9 +53,9 @@ impl FeatureConfig {
     /// ```
     pub fn check(&self) -> Result<(), ConfigError> {
         for (field, found) in [
-            ("features.effort_window_kmh", self.effort_window_kmh),
-            ("features.power_window_kmh", self.power_window_kmh),
-            ("features.max_power_window_kmh", self.max_power_window_kmh),
+            (field_name("features.effort_window_kmh"), self.effort_window_kmh),
+            (field_name("features.power_window_kmh"), self.power_window_kmh),
+            (field_name("features.max_power_window_kmh"), self.max_power_window_kmh),
         ] {
             let [lower, upper] = found;
             if !(0.0 <= lower && lower < upper && upper.is_finite()) {
@@ -64,7 +65,7 @@ impl FeatureConfig {
         let [a, b, c, d] = self.brake_steps_kmh;
         if !(a.is_finite() && a > b && b > c && c > d && d > 0.0) {
             return Err(ConfigError::StepsNotFalling {
-                field: "features.brake_steps_kmh",
+                field: field_name("features.brake_steps_kmh"),
                 found: self.brake_steps_kmh,
             });
         }

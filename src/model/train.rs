@@ -1,7 +1,7 @@
 //! The train as its description states it: mass, length, manufacturer's Davis coefficients and limits.
 
 use crate::Real;
-use crate::model::bounds::{OutOfRange, between};
+use crate::model::bounds::{OutOfRange, between, field_name};
 use crate::model::resistance::Davis;
 use crate::plain::plain;
 use serde::{Deserialize, Serialize};
@@ -87,15 +87,20 @@ impl Train {
         // Not a number there leaves a bound that refuses everything; the mass itself is refused first.
         let rotating_mass_kg = d.rotating_mass_factor * d.mass_kg;
         let bounds = [
-            ("mass_kg", d.mass_kg, 1e3, 1e8),
-            ("rotating_mass_factor", d.rotating_mass_factor, 1.0, 2.0),
-            ("length_m", d.length_m, 1.0, 5000.0),
-            ("davis.r0", d.davis.r0, 1e-5, 1.0),
-            ("davis.r1", d.davis.r1, 0.0, 0.1),
-            ("davis.r2", d.davis.r2, 0.0, 0.01),
-            ("max_tractive_effort_n", d.max_tractive_effort_n, LEAST_EFFORT_N_PER_KG * rotating_mass_kg, 1e8),
-            ("max_power_w", d.max_power_w, LEAST_POWER_W_PER_KG * rotating_mass_kg, 1e9),
-            ("max_brake_mps2", d.max_brake_mps2, 0.01, 10.0),
+            (field_name("mass_kg"), d.mass_kg, 1e3, 1e8),
+            (field_name("rotating_mass_factor"), d.rotating_mass_factor, 1.0, 2.0),
+            (field_name("length_m"), d.length_m, 1.0, 5000.0),
+            (field_name("davis.r0"), d.davis.r0, 1e-5, 1.0),
+            (field_name("davis.r1"), d.davis.r1, 0.0, 0.1),
+            (field_name("davis.r2"), d.davis.r2, 0.0, 0.01),
+            (
+                field_name("max_tractive_effort_n"),
+                d.max_tractive_effort_n,
+                LEAST_EFFORT_N_PER_KG * rotating_mass_kg,
+                1e8,
+            ),
+            (field_name("max_power_w"), d.max_power_w, LEAST_POWER_W_PER_KG * rotating_mass_kg, 1e9),
+            (field_name("max_brake_mps2"), d.max_brake_mps2, 0.01, 10.0),
         ];
         for (field, found, least, most) in bounds {
             between(field, found, least, most)?;

@@ -1,8 +1,8 @@
 //! Settings, each written once with its default and its range, and the refusal of a value outside.
 
 use crate::Real;
-pub use crate::model::bounds::OutOfRange;
-use crate::model::bounds::between;
+pub use crate::model::bounds::{FieldName, OutOfRange};
+use crate::model::bounds::{Range, between};
 use core::fmt;
 
 /// Why a configuration was refused. The old one stays in force.
@@ -14,14 +14,14 @@ pub enum ConfigError {
     /// A window is not two speeds, the smaller first.
     Window {
         /// Name of the field as in the configuration file.
-        field: &'static str,
+        field: FieldName,
         /// What stood there, km/h.
         found: [Real; 2],
     },
     /// The brake steps are not falling, all above 0.
     StepsNotFalling {
         /// Name of the field as in the configuration file.
-        field: &'static str,
+        field: FieldName,
         /// What stood there, km/h.
         found: [Real; 4],
     },
@@ -29,11 +29,11 @@ pub enum ConfigError {
 
 impl ConfigError {
     /// Name of the field as in the configuration file.
-    pub const fn field(&self) -> &'static str {
+    pub const fn field(&self) -> FieldName {
         match self {
             Self::OutOfRange(OutOfRange { field, .. })
             | Self::Window { field, .. }
-            | Self::StepsNotFalling { field, .. } => field,
+            | Self::StepsNotFalling { field, .. } => *field,
         }
     }
 }
@@ -59,9 +59,6 @@ impl fmt::Display for ConfigError {
 }
 
 impl core::error::Error for ConfigError {}
-
-/// Name and range of a setting.
-pub(crate) type Range = (&'static str, Real, Real);
 
 /// Settings that are compared with their ranges, one after the other: a call and a line of a table each, for there are a hundred of them.
 pub(crate) struct Check {
@@ -142,8 +139,12 @@ macro_rules! settings {
 
         impl $Name {
             pub(crate) fn check_ranges(&self) -> Result<(), crate::model::bounds::OutOfRange> {
-                const RANGES: &[crate::tick::bounds::Range] = &[
-                    $($((concat!($table, ".", stringify!($field)), $least as crate::Real, $most as crate::Real),)?)*
+                const RANGES: &[crate::model::bounds::Range] = &[
+                    $($((
+                        crate::model::bounds::field_name(concat!($table, ".", stringify!($field))),
+                        $least as crate::Real,
+                        $most as crate::Real,
+                    ),)?)*
                 ];
                 #[allow(unused_mut, reason = "there are tables without a range")]
                 let mut check = crate::tick::bounds::Check::new(RANGES);

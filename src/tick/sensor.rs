@@ -1,7 +1,7 @@
 //! What the readings are worth.
 
 use crate::Real;
-use crate::model::bounds::{OutOfRange, between};
+use crate::model::bounds::{OutOfRange, between, field_name};
 use crate::plain::plain;
 use crate::tick::bounds::settings;
 use serde::{Deserialize, Serialize};
@@ -39,7 +39,7 @@ impl SensorConfig {
     pub(crate) fn check(&self) -> Result<(), OutOfRange> {
         self.check_ranges()?;
         let sum_kmh = self.speed_quantum_kmh + self.speed_noise_kmh;
-        between("sensor.speed_quantum_kmh + speed_noise_kmh", sum_kmh, 1e-3, 40.0)
+        between(field_name("sensor.speed_quantum_kmh + speed_noise_kmh"), sum_kmh, 1e-3, 40.0)
     }
 
     /// Middle of the interval that a reading stands for, m/s. Zero stays zero: a standing train is not rounded.

@@ -2,11 +2,12 @@
 //!
 //! A parameter is written once, in the catalogue. From it come field, name in files, accepted range, and place in the frame.
 
-use super::error::{EffectError, FrameError, within};
+use super::Unknown;
+use super::error::FrameError;
 use super::parameters::Parameters;
-use super::{Unknown, section};
 use crate::Real;
 use crate::listed::listed;
+use crate::model::bounds::{Range, field_name};
 use heapless::Vec;
 use rundown_wire as wire;
 use rundown_wire::{EFFECT_VALUES, EffectKind, effects_catalogue};
@@ -48,14 +49,9 @@ macro_rules! parameters {
                 if let [from_m, to_m] = *ends { Some((from_m, to_m)) } else { None }
             }
 
-            fn check(&self) -> Result<(), EffectError> {
-                let kind = EffectKind::$Kind;
-                if let Some((from_m, to_m)) = self.section_m() {
-                    section::check(kind, from_m, to_m)?;
-                }
+            fn ranges(&self) -> &'static [Range] {
                 // The name in files, where it is another one, stands first.
-                $(within(kind, [$($in_files,)? stringify!($parameter)][0], self.$parameter, $least, $most)?;)*
-                Ok(())
+                const { &[$((field_name([$($in_files,)? stringify!($parameter)][0]), $least, $most)),*] }
             }
 
             fn values(&self) -> Vec<Real, EFFECT_VALUES> {

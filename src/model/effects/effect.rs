@@ -1,8 +1,9 @@
 //! What an effect changes in the believed model: the law of its kind, applied.
 
+use super::error::within;
 use super::law::{Law, Situation};
 use super::parameters::Parameters;
-use super::{Effect, EffectError, Limits, Moment, Unknown};
+use super::{Effect, EffectError, Limits, Moment, Unknown, section};
 use crate::Real;
 use crate::model::line::Line;
 use crate::model::resistance::Davis;
@@ -31,7 +32,18 @@ impl Effect {
     /// assert_eq!(gale.check().unwrap_err().to_string(), "steady_wind.wind_mps: expected -40 to 40, found 300");
     /// ```
     pub fn check(&self) -> Result<(), EffectError> {
-        for_kind!(self, effect => effect.check())
+        if let Self::Unknown(unknown) = self {
+            return unknown.check();
+        }
+        let (kind, frame) = (self.kind(), self.to_frame());
+        if let Some([from_m, to_m]) = frame.section_m {
+            section::check(kind, from_m, to_m)?;
+        }
+        let ranges = for_kind!(self, effect => effect.ranges());
+        for (&(parameter, least, most), found) in ranges.iter().zip(&frame.values) {
+            within(kind, parameter, *found, least, most)?;
+        }
+        Ok(())
     }
 
     /// The table, if it is an unknown effect.

@@ -1,7 +1,7 @@
 //! Why an effect, or its frame, was refused.
 
 use crate::Real;
-use crate::model::bounds::{OutOfRange, between};
+use crate::model::bounds::{FieldName, OutOfRange, between};
 use rundown_wire::EffectKind;
 use rundown_wire::errors;
 
@@ -33,7 +33,7 @@ errors! {
 /// A parameter and its range. Refuses NaN.
 pub(super) fn within(
     effect: EffectKind,
-    parameter: &'static str,
+    parameter: FieldName,
     found: Real,
     least: Real,
     most: Real,

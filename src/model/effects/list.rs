@@ -1,7 +1,6 @@
 //! The effects of a model.
 
 use super::frame::point_of;
-use super::parameters::Parameters;
 use super::{Effect, EffectError, FrameError, Limits, Moment, Unknown};
 use crate::Real;
 use crate::listed::listed;

@@ -1,7 +1,8 @@
 //! Parameters of a kind of effect: their check, and their way into a frame and back.
 
-use super::error::{EffectError, FrameError};
+use super::error::FrameError;
 use crate::Real;
+use crate::model::bounds::Range;
 use heapless::Vec;
 use rundown_wire::{self as wire, EFFECT_VALUES};
 
@@ -10,8 +11,8 @@ pub(super) trait Parameters: Sized {
     /// The section where it acts, m.
     fn section_m(&self) -> Option<(Real, Real)>;
 
-    /// Whether each is within its range.
-    fn check(&self) -> Result<(), EffectError>;
+    /// Where each has to lie; of none where they are checked by hand.
+    fn ranges(&self) -> &'static [Range];
 
     /// As a frame has them.
     fn values(&self) -> Vec<Real, EFFECT_VALUES>;

@@ -3,6 +3,7 @@
 use super::EffectError;
 use super::error::within;
 use crate::Real;
+use crate::model::bounds::field_name;
 use crate::model::direction::Direction;
 use rundown_wire::EffectKind;
 
@@ -31,7 +32,7 @@ pub fn share_inside(from_m: Real, to_m: Real, front_m: Real, train_length_m: Rea
 
 /// The ends of a section.
 pub(super) fn check(effect: EffectKind, from_m: Real, to_m: Real) -> Result<(), EffectError> {
-    within(effect, "from_m", from_m, -FAR_M, FAR_M)?;
-    within(effect, "to_m", to_m, -FAR_M, FAR_M)?;
+    within(effect, field_name("from_m"), from_m, -FAR_M, FAR_M)?;
+    within(effect, field_name("to_m"), to_m, -FAR_M, FAR_M)?;
     if to_m > from_m { Ok(()) } else { Err(EffectError::Section { effect, from_m, to_m }) }
 }

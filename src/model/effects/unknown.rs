@@ -11,6 +11,7 @@ use super::parameters::Parameters;
 use super::{EffectError, FrameError, Law, Moment, Situation};
 use crate::Real;
 use crate::listed::listed;
+use crate::model::bounds::Range;
 use crate::plain::plain;
 use heapless::Vec;
 use rundown_wire::{self as wire, EFFECT_VALUES};
@@ -90,6 +91,23 @@ impl Unknown {
         self.coordinate.at(moment).map_or(0.0, |at| self.interpolate(at))
     }
 
+    /// The points are in order, and none of them is more than a train can have.
+    pub(super) fn check(&self) -> Result<(), EffectError> {
+        if self.table.is_empty() {
+            return Err(EffectError::NoPoints);
+        }
+        let mut before = f32::NEG_INFINITY;
+        for (index, &(at, n_per_kg)) in self.table.iter().enumerate() {
+            // NaN is refused by each of these.
+            let good = at > before && at.is_finite() && n_per_kg.abs() <= MOST_N_PER_KG;
+            if !good {
+                return Err(EffectError::Point { index });
+            }
+            before = at;
+        }
+        Ok(())
+    }
+
     fn interpolate(&self, at: Real) -> Real {
         let mut before: Option<(Real, Real)> = None;
         for &(x, y) in &self.table {
@@ -114,20 +132,9 @@ impl Parameters for Unknown {
         None
     }
 
-    fn check(&self) -> Result<(), EffectError> {
-        if self.table.is_empty() {
-            return Err(EffectError::NoPoints);
-        }
-        let mut before = f32::NEG_INFINITY;
-        for (index, &(at, n_per_kg)) in self.table.iter().enumerate() {
-            // NaN is refused by each of these.
-            let good = at > before && at.is_finite() && n_per_kg.abs() <= MOST_N_PER_KG;
-            if !good {
-                return Err(EffectError::Point { index });
-            }
-            before = at;
-        }
-        Ok(())
+    /// A point of a table says of itself where it has to lie: see [`Unknown::check`].
+    fn ranges(&self) -> &'static [Range] {
+        &[]
     }
 
     /// A summary; its points are [`Effect::parts`](super::Effect::parts).
