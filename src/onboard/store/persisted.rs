@@ -33,7 +33,7 @@ in_place! {
         /// Effects that were added to the model, but for the unknown one.
         pub effects: Vec<StoredEffect, MAX_EFFECTS> = (in place);
         /// The unknown one.
-        pub table: Option<Unknown> = (None);
+        pub table: Option<Unknown> = (None, zeroed Some(Unknown::START));
         /// How far the vehicle may be trusted.
         pub trust: Appended<[f32; 4]> = (Appended::START);
         /// What is known of its effort column.
