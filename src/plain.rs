@@ -276,9 +276,10 @@ impl<T: Plain> Plain for Option<T> {
         if bytes.are_read() {
             *self = None;
             if there {
-                self.insert(T::START).pass(bytes);
+                *self = Some(T::START);
             }
-        } else if let Some(value) = self {
+        }
+        if let Some(value) = self {
             value.pass(bytes);
         }
     }
@@ -308,16 +309,14 @@ macro_rules! list {
 
             fn pass(&mut self, bytes: &mut Bytes<'_>) {
                 let length = bytes.choice(self.len(), N + 1);
-                if !bytes.are_read() {
-                    return self.iter_mut().for_each(|value| value.pass(bytes));
+                if bytes.are_read() {
+                    self.clear();
+                    for _ in 0..length {
+                        // There is room for `N`.
+                        let _kept = self.$push(T::START).is_ok();
+                    }
                 }
-                self.clear();
-                for _ in 0..length {
-                    let mut value = T::START;
-                    value.pass(bytes);
-                    // There is room for `N`.
-                    let _kept = self.$push(value).is_ok();
-                }
+                self.iter_mut().for_each(|value| value.pass(bytes));
             }
         }
     };
