@@ -33,7 +33,7 @@ plain! {
 }
 
 /// The whole configuration; `Config::default()` is the `gated` mode.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     /// Source of the effort.
@@ -74,7 +74,31 @@ settings! {
     }
 }
 
+impl Default for Config {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
 impl Config {
+    /// The default values. Constants, for the board copies them out of its flash: to compute each of them where it is written takes twice as much.
+    pub const DEFAULT: Self = Self {
+        mode: Mode::Gated,
+        sensor: SensorConfig::DEFAULT,
+        paper: PaperConfig::DEFAULT,
+        learning: LearningConfig::DEFAULT,
+        memory: MemoryConfig::DEFAULT,
+        paper_rule: PaperRule::DEFAULT,
+        recogniser: RecogniserConfig::DEFAULT,
+        features: FeatureConfig::DEFAULT,
+        plausibility: PlausibilityConfig::DEFAULT,
+        coast: CoastConfig::DEFAULT,
+        security: SecurityConfig::DEFAULT,
+        effort_reading: EffortReadingConfig::DEFAULT,
+        short_hops: ShortHopConfig::DEFAULT,
+        track_doubt: TrackDoubtConfig::DEFAULT,
+    };
+
     /// All of it, for a digest: that of a configuration which leaves the later sections as they are by default is what it always was.
     pub(crate) fn pass(&mut self, bytes: &mut Bytes<'_>) {
         self.mode.pass(bytes);

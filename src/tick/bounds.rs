@@ -127,9 +127,14 @@ macro_rules! settings {
             )*
         }
 
+        impl $Name {
+            /// All of them as they are without a configuration file.
+            pub const DEFAULT: Self = Self { $($field: $default,)* };
+        }
+
         impl Default for $Name {
             fn default() -> Self {
-                Self { $($field: $default,)* }
+                Self::DEFAULT
             }
         }
 
