@@ -150,15 +150,14 @@ impl Vehicle {
 
     /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²), with all doubt that is known.
     pub fn davis(&self) -> Gaussian<3> {
-        let mut shares = self.mixture(|hypothesis| hypothesis.vehicle);
+        let mut shares = self.mixture(None);
         self.widen(&mut shares, 0.0);
         self.in_si(&shares)
     }
 
     /// What is believed of the train of the next run: the vehicle and the deviation of a day.
     pub fn next_run(&self, config: &MemoryConfig) -> Gaussian<3> {
-        let of_run = |hypothesis: &Hypothesis| hypothesis.of_run(&config.deviation(&self.nominal, hypothesis.scale));
-        self.in_si(&self.mixture(of_run))
+        self.in_si(&self.mixture(Some(config)))
     }
 
     /// The same beside the gain of its effort column, of which nothing more is known before the first run than `gain_sd`.
@@ -319,8 +318,12 @@ impl Vehicle {
         self.runs = self.runs.saturating_add(1);
     }
 
-    /// One normal distribution with the mean and the covariance of the weighted hypotheses, and what the gain of the column adds.
-    fn mixture(&self, of: impl Fn(&Hypothesis) -> Gaussian<3>) -> Gaussian<3> {
+    /// One normal distribution with the mean and the covariance of the weighted hypotheses, and what the gain of the column adds. With the settings: of the next run.
+    fn mixture(&self, of_run: Option<&MemoryConfig>) -> Gaussian<3> {
+        let of = |hypothesis: &Hypothesis| match of_run {
+            Some(config) => hypothesis.of_run(&config.deviation(&self.nominal, hypothesis.scale)),
+            None => hypothesis.vehicle,
+        };
         let mean: Vector3<Real> =
             self.hypotheses.iter().map(|hypothesis| of(hypothesis).mean * hypothesis.weight).sum();
         let mut covariance: Matrix3<Real> = self
