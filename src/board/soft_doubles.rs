@@ -1,9 +1,9 @@
-//! The functions that the compiler calls for sums, products and quotients of doubles. The linker takes these before the compiler's, whose sums and products are
-//! twice as slow, and whose quotient is faster and twice as large.
+//! The functions that the compiler calls for doubles. The linker takes these before the compiler's, whose sums and products are
+//! twice as slow, whose quotient is faster and twice as large, and whose comparisons and conversions are three times as large.
 //!
-//! Names and calls are those of Arm's run-time ABI (RTABI, table 2): the bits of a double in two core registers, also where there are registers for floats.
+//! Names and calls are those of Arm's run-time ABI (RTABI, tables 2, 3, 6 to 8): the bits of a double in two core registers, also where there are registers for floats.
 //! Sums and products are written for usual numbers, with a first bit and a result that has one; the others go to `rundown::onboard::doubles`, against which all of them are held
-//! (`cargo xtask budget`, image `filter-step`), and so do quotients, which are rare.
+//! (`cargo xtask budget`, image `filter-step`), and so do quotients and conversions, which are rare.
 
 use core::arch::naked_asm;
 use rundown::onboard::doubles;
@@ -242,4 +242,121 @@ extern "aapcs" fn __aeabi_dmul(a: u64, b: u64) -> u64 {
 #[unsafe(no_mangle)]
 extern "aapcs" fn __aeabi_ddiv(a: u64, b: u64) -> u64 {
     doubles::divide(a, b)
+}
+
+/// Compares a with b, as the flags say: the carry is clear where a is less, zero is set where they are equal. Of what is no number neither.
+// SAFETY: leaves all registers as they are but for r12 and the flags.
+#[unsafe(naked)]
+extern "aapcs" fn compared() {
+    naked_asm!(
+        // No number: larger than infinite. The place of the sign has the bits of the lower word.
+        "lsl r12, r1, #1",
+        "cmp r0, #0",
+        "it ne",
+        "orrne r12, r12, #1",
+        "cmn r12, #0x200000",
+        "it hi",
+        "bxhi lr",
+        "lsl r12, r3, #1",
+        "cmp r2, #0",
+        "it ne",
+        "orrne r12, r12, #1",
+        "cmn r12, #0x200000",
+        "it hi",
+        "bxhi lr",
+        // 0 is -0.
+        "orr r12, r0, r2",
+        "orr r12, r12, r1, lsl #1",
+        "orrs r12, r12, r3, lsl #1",
+        "itt eq",
+        "cmpeq r12, r12",
+        "bxeq lr",
+        // Above 0 as whole numbers; where a sign is set the other way round.
+        "orrs r12, r1, r3",
+        "bmi 1f",
+        "cmp r1, r3",
+        "it eq",
+        "cmpeq r0, r2",
+        "bx lr",
+        "1:",
+        "cmp r3, r1",
+        "it eq",
+        "cmpeq r2, r0",
+        "bx lr",
+    )
+}
+
+/// A comparison: 1 where the flags of [`compared`] say so, else 0.
+macro_rules! comparison {
+    ($name:ident, $so:literal, $not:literal) => {
+        // SAFETY: the name belongs to this function.
+        #[unsafe(no_mangle)]
+        #[unsafe(naked)]
+        extern "aapcs" fn $name(a: u64, b: u64) -> u32 {
+            naked_asm!(
+                "push {{r4, lr}}",
+                "bl {compared}",
+                concat!("ite ", $so),
+                concat!("mov", $so, " r0, #1"),
+                concat!("mov", $not, " r0, #0"),
+                "pop {{r4, pc}}",
+                compared = sym compared,
+            )
+        }
+    };
+}
+
+comparison!(__aeabi_dcmpeq, "eq", "ne");
+comparison!(__aeabi_dcmplt, "lo", "hs");
+comparison!(__aeabi_dcmple, "ls", "hi");
+
+/// The same with a and b exchanged.
+macro_rules! exchanged {
+    ($name:ident as $other:ident) => {
+        // SAFETY: the name belongs to this function. Goes on in the other one.
+        #[unsafe(no_mangle)]
+        #[unsafe(naked)]
+        extern "aapcs" fn $name(a: u64, b: u64) -> u32 {
+            naked_asm!(
+                "mov r12, r0",
+                "mov r0, r2",
+                "mov r2, r12",
+                "mov r12, r1",
+                "mov r1, r3",
+                "mov r3, r12",
+                "b {other}",
+                other = sym $other,
+            )
+        }
+    };
+}
+
+exchanged!(__aeabi_dcmpgt as __aeabi_dcmplt);
+exchanged!(__aeabi_dcmpge as __aeabi_dcmple);
+
+// SAFETY, of all below: the name belongs to this function.
+
+#[unsafe(no_mangle)]
+extern "aapcs" fn __aeabi_d2f(a: u64) -> u32 {
+    doubles::to_single(a)
+}
+
+#[unsafe(no_mangle)]
+extern "aapcs" fn __aeabi_f2d(a: u32) -> u64 {
+    doubles::from_single(a)
+}
+
+#[unsafe(no_mangle)]
+extern "aapcs" fn __aeabi_ul2d(count: u64) -> u64 {
+    doubles::from_count(0, count)
+}
+
+#[unsafe(no_mangle)]
+extern "aapcs" fn __aeabi_ui2d(count: u32) -> u64 {
+    doubles::from_count(0, count.into())
+}
+
+#[unsafe(no_mangle)]
+extern "aapcs" fn __aeabi_i2d(number: i32) -> u64 {
+    doubles::from_count(number as u32, number.unsigned_abs().into())
 }

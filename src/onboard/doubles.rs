@@ -1,9 +1,11 @@
-//! Sums, products and quotients of doubles in whole numbers: IEEE 754, to the nearest, the even one of two.
+//! Sums, products, quotients, comparisons and conversions of doubles in whole numbers: IEEE 754, to the nearest, the even one of two.
 //!
 //! In and out: the bits of doubles. To the bit what a processor with doubles finds, but for which NaN an operation without a result gives.
 //!
 //! A processor with single precision only spends most of the estimator's time on them, so a board has sums and products in its own instructions for the usual numbers
 //! (`src/board/soft_doubles.rs`): this is what those are held against, and what the board does with the others, and with quotients.
+
+use core::cmp::Ordering;
 
 /// Bits of the mantissa without the first one, which is not stored.
 const STORED: u32 = 52;
@@ -160,6 +162,85 @@ fn with_first(size: u64) -> (i32, u64) {
     (exponent as i32 - up as i32, mantissa << up)
 }
 
+/// A whole number, of this sign: the first bit of `sign`.
+///
+/// ```
+/// use rundown::onboard::doubles::from_count;
+///
+/// assert_eq!(from_count(1 << 31, 3), (-3.0_f64).to_bits());
+/// ```
+pub fn from_count(sign: u32, count: u64) -> u64 {
+    if count == 0 {
+        return 0;
+    }
+    let up = count.leading_zeros();
+    finished(sign & 1 << 31, BIAS + 63 - up as i32, shifted(count << up, 1))
+}
+
+/// A single number as a double: the same number.
+///
+/// ```
+/// use rundown::onboard::doubles::from_single;
+///
+/// assert_eq!(from_single(0.1_f32.to_bits()), f64::from(0.1_f32).to_bits());
+/// ```
+pub fn from_single(a: u32) -> u64 {
+    let (sign, size) = (u64::from(a & 1 << 31) << 32, a & !(1 << 31));
+    if size == 0 {
+        return sign;
+    }
+    let (exponent, mantissa) = if size >> 23 == 0 {
+        // Too small for a first bit as a single number.
+        let up = size.leading_zeros() - 8;
+        (1_u32.wrapping_sub(up), size << up & 0x7F_FFFF)
+    } else if size >> 23 == 0xFF {
+        (BEYOND - 896, size & 0x7F_FFFF)
+    } else {
+        (size >> 23, size & 0x7F_FFFF)
+    };
+    sign | u64::from(exponent.wrapping_add(896)) << STORED | u64::from(mantissa) << 29
+}
+
+/// As a single number: the nearest one, the even one of two.
+///
+/// ```
+/// use rundown::onboard::doubles::to_single;
+///
+/// assert_eq!(to_single(0.1_f64.to_bits()), 0.1_f32.to_bits());
+/// ```
+pub fn to_single(a: u64) -> u32 {
+    let (sign, size) = ((a >> 32) as u32 & 1 << 31, a & !SIGN);
+    if size > INFINITE {
+        return sign | 0x7FC0_0000 | (size >> 29) as u32 & 0x3F_FFFF;
+    }
+    let exponent = (size >> STORED) as i32 - 896;
+    if exponent >= 0xFF {
+        return sign | 0x7F80_0000;
+    }
+    // What has no first bit as a double is far below the least single number.
+    let mantissa = size & (FIRST - 1) | FIRST;
+    let (exponent, mantissa) =
+        if exponent < 1 { (1, shifted(mantissa, (1 - exponent) as u32)) } else { (exponent, mantissa) };
+    let mantissa = (mantissa + ((1 << 28) - 1) + (mantissa >> 29 & 1)) >> 29;
+    sign | (((exponent - 1) as u32) << 23) + mantissa as u32
+}
+
+/// Which of two is less; none where one is no number.
+///
+/// ```
+/// use core::cmp::Ordering;
+/// use rundown::onboard::doubles::compare;
+///
+/// assert_eq!(compare(0.1_f64.to_bits(), 0.3_f64.to_bits()), Some(Ordering::Less));
+/// ```
+pub fn compare(a: u64, b: u64) -> Option<Ordering> {
+    let number = |bits: u64| {
+        let size = (bits & !SIGN) as i64;
+        (size <= INFINITE as i64).then_some(if bits & SIGN == 0 { size } else { -size })
+    };
+    Some(number(a)?.cmp(&number(b)?))
+}
+
 /// Pairs of bits without order, the same each time: any, and such that cancel each other, end in halves, or give what is too small for a first bit. For tests on the host and on a board.
 pub fn pairs(count: u32) -> impl Iterator<Item = [u64; 2]> {
     let exponent = INFINITE;
@@ -228,5 +309,36 @@ mod tests {
     #[test]
     fn any_bits_are_as_the_processor_has_them() {
         pairs(2_000_000).for_each(|[a, b]| check(a, b));
+    }
+
+    #[test]
+    fn comparisons_are_as_the_processor_has_them() {
+        let others = pairs(500_000).map(|[a, b]| (a, b)).chain(pairs(1000).map(|[a, _]| (a, a)));
+        for (a, b) in edges().flat_map(|a| edges().map(move |b| (a, b))).chain(others) {
+            let (x, y) = (f64::from_bits(a), f64::from_bits(b));
+            assert_eq!(compare(a, b), x.partial_cmp(&y), "{x:e} {y:e}");
+        }
+    }
+
+    #[test]
+    fn conversions_are_as_the_processor_has_them() {
+        let near_singles = pairs(500_000).flat_map(|[a, b]| [a, b & !(0x700 << STORED) | 0x380 << STORED]);
+        for bits in edges().chain(near_singles) {
+            let (number, found) = (f64::from_bits(bits), f32::from_bits(to_single(bits)));
+            assert!(found.to_bits() == (number as f32).to_bits() || (found.is_nan() && number.is_nan()), "{number:e}");
+        }
+        let singles =
+            (0..=u32::MAX).step_by(4099).chain([1, 2, 0x7F_FFFF, 0x80_0000, 0x7F7F_FFFF, 0x7F80_0000, 1 << 31]);
+        for bits in singles {
+            let (number, found) = (f32::from_bits(bits), f64::from_bits(from_single(bits)));
+            assert!(
+                found.to_bits() == f64::from(number).to_bits() || (found.is_nan() && number.is_nan()),
+                "{number:e}"
+            );
+        }
+        for count in [0, 1, 3, u64::from(u32::MAX), FIRST * 2 + 1, FIRST * 2 + 3, u64::MAX, u64::MAX - 1024] {
+            assert_eq!(from_count(0, count), (count as f64).to_bits());
+            assert_eq!(from_count(!0, count) & !SIGN, (count as f64).to_bits());
+        }
     }
 }

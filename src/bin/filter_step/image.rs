@@ -1,9 +1,10 @@
 //! Steps of the paper's filter and of that of the learning modes, and nothing else. Says over the serial line how long the longest took;
 //! `cargo xtask budget` starts it.
 //!
-//! Out: counts of the system timer for a step of the paper's filter, then for the filter of a tick, 0 where one failed; then how many sums, products and quotients of doubles are not
+//! Out: counts of the system timer for a step of the paper's filter, then for the filter of a tick, 0 where one failed; then how many results with doubles are not
 //! those of `rundown::onboard::doubles`; then how many copies and fills are not those of single bytes. 4 bytes each, little endian.
 
+use core::cmp::Ordering;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m::peripheral::SYST;
@@ -129,7 +130,7 @@ fn longest() -> Option<[u32; 2]> {
     Some(longest)
 }
 
-/// Of pairs of bits, how many the board adds, subtracts, multiplies or divides otherwise than the integers do.
+/// Of pairs of bits, how many the board adds, subtracts, multiplies, divides, compares or converts otherwise than the integers do.
 fn wrong_doubles() -> u32 {
     let mut wrong = 0;
     for [a, b] in doubles::pairs(DOUBLES) {
@@ -138,6 +139,23 @@ fn wrong_doubles() -> u32 {
         let expected =
             [doubles::add(a, b), doubles::add(a, b ^ doubles::SIGN), doubles::multiply(a, b), doubles::divide(a, b)];
         wrong += found.iter().zip(&expected).filter(|(found, expected)| found != expected).count() as u32;
+        let order = doubles::compare(a, b);
+        let found = [x < y, x <= y, x == y, x >= y, x > y].map(black_box);
+        let expected = [
+            order == Some(Ordering::Less),
+            matches!(order, Some(Ordering::Less | Ordering::Equal)),
+            order == Some(Ordering::Equal),
+            matches!(order, Some(Ordering::Greater | Ordering::Equal)),
+            order == Some(Ordering::Greater),
+        ];
+        wrong += u32::from(found != expected);
+        // The compiler may know that to a single number and back is less than all of it.
+        let single = black_box(x as f32);
+        wrong += u32::from(single.to_bits() != doubles::to_single(a));
+        wrong += u32::from(f64::from(single).to_bits() != doubles::from_single(single.to_bits()));
+        let (count, number) = (black_box(a as u32), black_box(b as i32));
+        wrong += u32::from(f64::from(count).to_bits() != doubles::from_count(0, count.into()));
+        wrong += u32::from(f64::from(number) as i32 != number || f64::from(count) as u32 != count);
     }
     wrong
 }
