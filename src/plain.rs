@@ -377,20 +377,18 @@ macro_rules! plain_choice {
             const START: Self = Self::$First(<$FirstType as $crate::plain::Plain>::START);
 
             fn pass(&mut self, bytes: &mut $crate::plain::Bytes<'_>) {
-                let (mut now, mut values) = (0, 1);
-                $(
-                    if matches!(self, Self::$Other(_)) {
-                        now = values;
-                    }
-                    values += 1;
-                )*
-                let chosen = bytes.choice(now, values);
+                /// The values by their numbers alone.
+                enum Numbered { $First $(, $Other)* }
+                let values = [Numbered::$First $(, Numbered::$Other)*].len();
+                let now = match self {
+                    Self::$First(_) => Numbered::$First,
+                    $(Self::$Other(_) => Numbered::$Other,)*
+                };
+                let chosen = bytes.choice(now as usize, values);
                 if bytes.are_read() {
                     *self = Self::START;
-                    let mut value = 0;
                     $(
-                        value += 1;
-                        if value == chosen {
+                        if chosen == Numbered::$Other as usize {
                             *self = Self::$Other(<$Type as $crate::plain::Plain>::START);
                         }
                     )*
