@@ -1,15 +1,14 @@
 //! The vehicle as it is stored: plain numbers, each once, and the check before they are believed again.
 
-use super::{ByGain, Hypothesis, SCALES, Vehicle, shares};
+use super::{ByGain, MemoryConfig, SCALES, Vehicle, shares};
 use crate::Real;
 use crate::filter::elimination::{NotPositiveDefinite, eliminate};
-use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::plain::plain;
 use crate::tick::effort_reading::Column;
 use crate::tick::foresight::Trust;
 use crate::tick::truncation::SpeedOffset;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use rundown_wire::errors;
 
 /// A stored coefficient is believed from this share of the manufacturer's coefficient ...
@@ -102,23 +101,13 @@ impl Vehicle {
     /// ```
     pub fn from_record(record: &VehicleRecord, manufacturer: &Davis) -> Result<Self, Implausible> {
         let [r0, r1, r2] = record.nominal;
-        let mut vehicle = Self {
-            nominal: Davis { r0, r1, r2 },
-            hypotheses: record.hypotheses.map(|stored| Hypothesis {
-                scale: 0.0,
-                weight: stored.weight,
-                vehicle: Gaussian { mean: Vector3::from(stored.mean), covariance: symmetric(&stored.covariance) },
-            }),
-            runs: record.runs,
-            trust: Trust::NONE,
-            column: Column::default(),
-            by_gain: ByGain::default(),
-            offset: SpeedOffset::default(),
-            hops_share: 0.0,
-        };
-        for (hypothesis, scale) in vehicle.hypotheses.iter_mut().zip(SCALES) {
-            hypothesis.scale = scale;
+        let mut vehicle = Self::new(&MemoryConfig::DEFAULT, Davis { r0, r1, r2 });
+        for (hypothesis, stored) in vehicle.hypotheses.iter_mut().zip(&record.hypotheses) {
+            hypothesis.weight = stored.weight;
+            hypothesis.vehicle.mean = stored.mean.into();
+            hypothesis.vehicle.covariance = symmetric(&stored.covariance);
         }
+        vehicle.runs = record.runs;
         vehicle.check(manufacturer)?;
         Ok(vehicle)
     }
