@@ -3,7 +3,7 @@
 use crate::coast_ahead::CoastConfig;
 use crate::features::FeatureConfig;
 use crate::plain::{Bytes, Plain as _, plain};
-use crate::tick::bounds::{ConfigError, settings};
+use crate::tick::bounds::{Check, ConfigError, settings};
 use crate::tick::effort_reading::EffortReadingConfig;
 use crate::tick::learning::LearningConfig;
 use crate::tick::memory::MemoryConfig;
@@ -135,18 +135,20 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] names the first field that is out of range.
     pub fn check(&self) -> Result<(), ConfigError> {
-        self.sensor.check()?;
-        self.paper.check_ranges()?;
-        self.paper_rule.check_ranges()?;
-        self.learning.check_ranges()?;
-        self.memory.check_ranges()?;
-        self.recogniser.check_ranges()?;
-        self.plausibility.check_ranges()?;
-        self.coast.check_ranges()?;
-        self.security.check_ranges()?;
-        self.effort_reading.check_ranges()?;
-        self.short_hops.check_ranges()?;
-        self.track_doubt.check_ranges()?;
+        let mut check = Check::default();
+        self.sensor.check(&mut check);
+        self.paper.check_ranges(&mut check);
+        self.paper_rule.check_ranges(&mut check);
+        self.learning.check_ranges(&mut check);
+        self.memory.check_ranges(&mut check);
+        self.recogniser.check_ranges(&mut check);
+        self.plausibility.check_ranges(&mut check);
+        self.coast.check_ranges(&mut check);
+        self.security.check_ranges(&mut check);
+        self.effort_reading.check_ranges(&mut check);
+        self.short_hops.check_ranges(&mut check);
+        self.track_doubt.check_ranges(&mut check);
+        check.result()?;
         self.features.check()
     }
 }

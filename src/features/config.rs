@@ -6,7 +6,7 @@
 use crate::Real;
 use crate::model::bounds::field_name;
 use crate::model::units::KmPerHour;
-use crate::tick::bounds::{ConfigError, settings};
+use crate::tick::bounds::{Check, ConfigError, settings};
 
 settings! {
     /// Settings of the features. Windows include their edges.
@@ -69,7 +69,9 @@ impl FeatureConfig {
                 found: self.brake_steps_kmh,
             });
         }
-        Ok(self.check_ranges()?)
+        let mut check = Check::default();
+        self.check_ranges(&mut check);
+        Ok(check.result()?)
     }
 
     /// Both ends of an interval lie in the window; its edges belong to it.

@@ -60,25 +60,28 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
-/// Settings that are compared with their ranges, one after the other: a call and a line of a table each, for there are a hundred of them.
+/// Settings that are compared with their ranges, one after the other: a call and a line of a table each, for there are a hundred of them. What is refused is noted and not handed up.
+#[derive(Default)]
 pub(crate) struct Check {
     ranges: core::slice::Iter<'static, Range>,
     refused: Option<OutOfRange>,
 }
 
 impl Check {
-    pub(crate) fn new(ranges: &'static [Range]) -> Self {
-        Self { ranges: ranges.iter(), refused: None }
+    /// What comes next has these ranges.
+    pub(crate) fn begin(&mut self, ranges: &'static [Range]) {
+        self.ranges = ranges.iter();
     }
 
     /// The numbers of the next setting lie in its range; NaN does not.
     #[inline(never)]
-    fn next(&mut self, found: &[Real]) {
+    pub(crate) fn next(&mut self, found: &[Real]) {
         // As many ranges as settings: see the macro.
-        let Some(&(field, least, most)) = self.ranges.next().filter(|_| self.refused.is_none()) else {
-            return;
-        };
-        self.refused = found.iter().find_map(|found| between(field, *found, least, most).err());
+        if let Some(&(field, least, most)) = self.ranges.next()
+            && self.refused.is_none()
+        {
+            self.refused = found.iter().find_map(|found| between(field, *found, least, most).err());
+        }
     }
 
     /// The first setting that is outside.
@@ -143,7 +146,7 @@ macro_rules! settings {
         }
 
         impl $Name {
-            pub(crate) fn check_ranges(&self) -> Result<(), crate::model::bounds::OutOfRange> {
+            pub(crate) fn check_ranges(&self, check: &mut crate::tick::bounds::Check) {
                 const RANGES: &[crate::model::bounds::Range] = &[
                     $($((
                         crate::model::bounds::field_name(concat!($table, ".", stringify!($field))),
@@ -151,13 +154,11 @@ macro_rules! settings {
                         $most as crate::Real,
                     ),)?)*
                 ];
-                #[allow(unused_mut, reason = "there are tables without a range")]
-                let mut check = crate::tick::bounds::Check::new(RANGES);
+                check.begin(RANGES);
                 $($(
                     let _ = $least;
-                    crate::tick::bounds::Numbers::check(&self.$field, &mut check);
+                    crate::tick::bounds::Numbers::check(&self.$field, check);
                 )?)*
-                check.result()
             }
         }
     };

@@ -1,9 +1,9 @@
 //! What the readings are worth.
 
 use crate::Real;
-use crate::model::bounds::{OutOfRange, between, field_name};
+use crate::model::bounds::{Range, field_name};
 use crate::plain::plain;
-use crate::tick::bounds::settings;
+use crate::tick::bounds::{Check, settings};
 use serde::{Deserialize, Serialize};
 
 /// How the recorder turns a speed into a reading.
@@ -36,10 +36,11 @@ settings! {
 }
 
 impl SensorConfig {
-    pub(crate) fn check(&self) -> Result<(), OutOfRange> {
-        self.check_ranges()?;
-        let sum_kmh = self.speed_quantum_kmh + self.speed_noise_kmh;
-        between(field_name("sensor.speed_quantum_kmh + speed_noise_kmh"), sum_kmh, 1e-3, 40.0)
+    pub(crate) fn check(&self, check: &mut Check) {
+        const SUM: &[Range] = &[(field_name("sensor.speed_quantum_kmh + speed_noise_kmh"), 1e-3, 40.0)];
+        self.check_ranges(check);
+        check.begin(SUM);
+        check.next(&[self.speed_quantum_kmh + self.speed_noise_kmh]);
     }
 
     /// Middle of the interval that a reading stands for, m/s. Zero stays zero: a standing train is not rounded.

@@ -1,6 +1,7 @@
 //! The table of the module, row by row, with the edges of each.
 
 use super::*;
+use crate::tick::bounds::Check;
 use crate::model::train::TrainDescription;
 
 /// Length of the track, m.
@@ -70,7 +71,9 @@ fn contradictions<const N: usize>(readings: &mut Readings, rows: [(Real, Real); 
 fn agreeing_readings_are_at_least_one_and_not_a_whole_run() {
     for (agreeing, accepted) in [(0, false), (1, true), (100, true), (101, false)] {
         let config = PlausibilityConfig { agreeing, ..PlausibilityConfig::default() };
-        assert_eq!(config.check_ranges().is_ok(), accepted, "{agreeing}");
+        let mut check = Check::default();
+        config.check_ranges(&mut check);
+        assert_eq!(check.result().is_ok(), accepted, "{agreeing}");
     }
 }
 
