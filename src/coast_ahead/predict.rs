@@ -6,6 +6,7 @@ use super::{Arrival, CoastAhead, CoastConfig, Outcome};
 use crate::Real;
 use crate::model::effects::Acting;
 use crate::model::line::Line;
+use crate::model::pieces::pieces;
 use crate::model::point::Point;
 use crate::model::state::{LOCATION, SIZE, SPEED};
 use crate::model::track::Target;
@@ -72,7 +73,7 @@ fn coast(
         braking_n_per_kg: way.braking_n_per_kg(),
         by_wind: 2.0 * (config.wind_change_mps * davis.r2) as f32,
     };
-    let steps = libm::ceil(ahead_m / STEP_M).clamp(1.0, Real::from(MOST_STEPS));
+    let steps = pieces(ahead_m, STEP_M, MOST_STEPS);
     let step_m = ahead_m / steps;
     for _ in 0..steps as u32 {
         if let Err(Stands { after_m }) = way.advance(step_m) {

@@ -12,6 +12,7 @@
 use crate::Real;
 use crate::model::effects::Acting;
 use crate::model::line::Line;
+use crate::model::pieces::pieces;
 use crate::model::point::Point;
 use crate::model::resistance::Davis;
 
@@ -42,7 +43,7 @@ pub fn over_steps(
     step_s: Real,
 ) -> Effort {
     let interval_s = to.time_s - from.time_s;
-    let steps = libm::ceil(interval_s / step_s).clamp(1.0, MOST_STEPS);
+    let steps = pieces(interval_s, step_s, MOST_STEPS);
     let mean_mps = 0.5 * (from.speed_mps + to.speed_mps);
     let at = |step: Real| {
         let share = step / steps;
@@ -72,7 +73,7 @@ pub fn over_steps(
 }
 
 /// Of an interval that has no length to speak of.
-const MOST_STEPS: Real = 100.0;
+const MOST_STEPS: u32 = 100;
 
 /// Means over the interval from `from` to `to`, which is later; the gradient by Simpson's rule.
 pub fn over_interval(line: &Line<'_>, acting: &Acting<'_>, davis: &Davis, from: &Point, to: &Point) -> Effort {

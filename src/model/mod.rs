@@ -7,6 +7,7 @@ pub mod effects;
 pub mod effort;
 pub mod line;
 pub mod motion;
+pub(crate) mod pieces;
 pub mod point;
 mod profile;
 pub mod resistance;

@@ -15,6 +15,7 @@ use crate::filter::ukf::{Innovation, MeasurementModel, Reading, Spread, Ukf};
 use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::motion::{Evaluate, Motion};
+use crate::model::pieces::pieces;
 use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED, davis};
 use crate::plain::plain;
 use crate::tick::bounds::settings;
@@ -131,6 +132,9 @@ pub const MIN_CHANGE_SHARE: Real = 0.08;
 /// Standard deviation of the speed with which a segment begins, m/s: so wide that the reading counts for nothing. It was chosen, for a segment begins where the readings
 /// look like coasting; one that is too low does so more often, and believed it made r 0.2 % too small at 140 km/h and 0.9 % too large at 20 km/h.
 const BEGIN_SPEED_SD_MPS: Real = 1.0;
+
+/// Of a tick: a filter that is set to shorter ones would take longer than the tick.
+pub(crate) const MOST_SUB_STEPS: u32 = 1000;
 
 /// Beliefs that wait for the end cut to pass.
 const WAITING: usize = 8;
@@ -425,7 +429,7 @@ impl Segment {
         tick: &Tick,
     ) -> Result<(Innovation<2>, bool), NotPositiveDefinite> {
         let ukf = Ukf { spread: config.spread, gate: [Some(config.gate); 2], reuse_points: false };
-        let sub_steps = libm::ceil(tick.dt_s / config.sub_step_s).clamp(1.0, 1000.0);
+        let sub_steps = pieces(tick.dt_s, config.sub_step_s, MOST_SUB_STEPS);
         let h_s = tick.dt_s / sub_steps;
         // White acceleration noise of this tick, spread over its sub-steps so that their sum has the same variance.
         let gusts = config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0;

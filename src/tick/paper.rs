@@ -19,11 +19,12 @@ use crate::model::effort;
 use crate::model::line::Line;
 use crate::model::motion::Evaluate;
 use crate::model::motion::Motion;
+use crate::model::pieces::pieces;
 use crate::model::point::Point;
 use crate::model::state::{self, LOCATION, R0, SIZE, SPEED};
 use crate::plain::plain;
 use crate::tick::bounds::settings;
-use crate::tick::learning::LocationAndSpeed;
+use crate::tick::learning::{LocationAndSpeed, MOST_SUB_STEPS};
 use serde::{Deserialize, Serialize};
 
 /// Over which difference of speeds the calculated effort acts (the `paper` mode).
@@ -149,7 +150,7 @@ impl PaperLoop {
         };
 
         let mut belief = self.belief;
-        let sub_steps = libm::ceil(dt_s / config.sub_step_s).clamp(1.0, 1000.0);
+        let sub_steps = pieces(dt_s, config.sub_step_s, MOST_SUB_STEPS);
         let h_s = dt_s / sub_steps;
         let motion = |belief: &Gaussian<SIZE>, step: u32| {
             let (x, evaluate) = (&belief.mean, config.evaluate);

@@ -1,0 +1,42 @@
+//! Into how many equal pieces a time or a way is divided.
+
+use crate::Real;
+
+/// The fewest pieces of `length` of which none is longer than `longest`: at least 1, at most `most`. 1 of what is no number.
+// By a whole number, which the board has code for; libm's `ceil` would be for this alone.
+#[inline(never)]
+pub(crate) fn pieces(length: Real, longest: Real, most: u32) -> Real {
+    let least = length / longest;
+    let whole = least as u32;
+    let begun = u32::from(Real::from(whole) < least);
+    whole.saturating_add(begun).clamp(1, most).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_as_long_as_they_may_be() {
+        for (length, longest, expected) in [
+            (10.0, 2.5, 4.0),
+            (10.1, 2.5, 5.0),
+            (1.0, 2.5, 1.0),
+            (0.0, 2.5, 1.0),
+            (-5.0, 2.5, 1.0),
+            (1e9, 2.5, 1000.0),
+            (1e300, 2.5, 1000.0),
+            (Real::NAN, 2.5, 1.0),
+        ] {
+            assert_eq!(pieces(length, longest, 1000), expected, "{length}");
+        }
+    }
+
+    #[test]
+    fn they_are_those_of_a_number_rounded_up() {
+        for i in 1..20_000 {
+            let length = 0.037 * Real::from(i);
+            assert_eq!(pieces(length, 2.5, 1000), libm::ceil(length / 2.5).clamp(1.0, 1000.0), "{length}");
+        }
+    }
+}
