@@ -128,7 +128,7 @@ impl Here {
         let [energy, r0, r1, r2] = *by;
         let answers = [location, 2.0 * self.speed_mps * energy, r0, r1, r2];
         let wind = self.by_wind * r1;
-        libm::sqrtf(variance(estimate, &answers) + wind * wind + noise)
+        libm::sqrt((variance(estimate, &answers) + wind * wind + noise).into()) as f32
     }
 }
 

@@ -203,41 +203,41 @@ impl FeatureExtractor {
 
     fn add_rates(&mut self, config: &FeatureConfig, davis: &Davis, interval: &Interval) {
         let bridge = config.bridge_samples;
-        let effort = &mut self.effort;
-        self.steady_effort.push(bridge, interval, |steady| {
+        for steady in self.steady_effort.shown_by(interval) {
             let [lower_kmh, _] = config.effort_window_kmh;
             let mean_mps = steady.mean_mps();
             let inside = FeatureConfig::contains(config.effort_window_kmh, mean_mps, mean_mps);
             if inside && steady.after_mps > steady.before_mps {
-                effort.add(mean_mps - KmPerHour(lower_kmh).to_mps(), steady.effort_n_per_kg());
+                self.effort.add(mean_mps - KmPerHour(lower_kmh).to_mps(), steady.effort_n_per_kg());
             }
-        });
+        }
+        self.steady_effort.push(bridge, interval);
         let Some(stretch) = self.stretches.push(config.window_s, interval) else {
             return;
         };
-        let (power, max_power) = (&mut self.power, &mut self.max_power_w_per_kg);
-        let hindsight = &mut self.power_hindsight;
-        self.steady_power.push(bridge, &stretch, |steady| {
+        for steady in self.steady_power.shown_by(&stretch) {
             let inside = |window| FeatureConfig::contains(window, steady.before_mps, steady.after_mps);
             let power_w_per_kg = steady.power_w_per_kg();
             if inside(config.power_window_kmh) {
-                power.add(power_w_per_kg, steady.dt_s);
-                hindsight.add(davis, steady.mean_mps(), steady.dt_s);
+                self.power.add(power_w_per_kg, steady.dt_s);
+                self.power_hindsight.add(davis, steady.mean_mps(), steady.dt_s);
             }
             if inside(config.max_power_window_kmh) {
-                *max_power = Some(max_power.map_or(power_w_per_kg, |max| max.max(power_w_per_kg)));
+                let max = self.max_power_w_per_kg;
+                self.max_power_w_per_kg = Some(max.map_or(power_w_per_kg, |max| max.max(power_w_per_kg)));
             }
-        });
-        let rates = &mut self.brake_rates;
-        self.steady_brake.push(bridge, &stretch, |steady| {
+        }
+        self.steady_power.push(bridge, &stretch);
+        for steady in self.steady_brake.shown_by(&stretch) {
             let mean_mps = steady.mean_mps();
             let step =
                 config.brake_steps_kmh.iter().filter(|edge_kmh| mean_mps <= KmPerHour(**edge_kmh).to_mps()).count();
             let moves = steady.after_mps > KmPerHour(config.stop_speed_kmh).to_mps();
-            if let Some(rate) = rates.get_mut(step).filter(|_| moves) {
+            if let Some(rate) = self.brake_rates.get_mut(step).filter(|_| moves) {
                 rate.add(-steady.acceleration_mps2(), steady.dt_s);
             }
-        });
+        }
+        self.steady_brake.push(bridge, &stretch);
     }
 
     fn add_boundaries(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) {

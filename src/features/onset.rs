@@ -120,6 +120,12 @@ impl Course {
         low
     }
 
+    /// Number of the first knot not before this time.
+    #[inline(never)]
+    fn first_from(&self, time_s: Real) -> usize {
+        self.first(|_, knot| knot.time_s >= time_s)
+    }
+
     /// Time from the knot before to this one, s.
     fn interval_s(&self, i: usize, knot: &Knot) -> Option<Real> {
         let before = self.knot(i.checked_sub(1)?)?;
@@ -139,7 +145,7 @@ impl Course {
         // A knot's interval is not longer than the whole course, so that earlier ones cannot be it; a second for the rounding.
         let begin_s = self.knot(0)?.time_s;
         let earliest_s = (time_s + 0.3 * begin_s) / 1.3 - 1.0;
-        let start = self.first(|_, knot| knot.time_s >= earliest_s);
+        let start = self.first_from(earliest_s);
         let mut last = start.checked_sub(1).and_then(|before| self.knot(before));
         for i in start..=self.knots.len() {
             let Some(knot) = self.knot(i) else { break };
@@ -154,7 +160,7 @@ impl Course {
 
     /// The course at a time, in a straight line between knots.
     fn at(&self, time_s: Real) -> Option<Knot> {
-        let after = self.first(|_, knot| knot.time_s >= time_s);
+        let after = self.first_from(time_s);
         let Some(knot) = self.knot(after) else {
             // Behind the last one.
             return self.knot(after.checked_sub(1)?).copied();
@@ -262,18 +268,10 @@ impl Course {
     ) -> Option<(Knot, Real)> {
         let window_s = config.window_s;
         // Knots between the neighbouring switching points.
-        let least = *self.knot(self.first(|_, knot| knot.time_s >= after_s))?;
+        let least = *self.knot(self.first_from(after_s))?;
         let behind = self.first(|_, knot| knot.time_s > before_s);
         let most = *self.knot(behind.checked_sub(1)?)?;
-        let within = |knot: Knot| {
-            if knot.time_s < least.time_s {
-                least
-            } else if knot.time_s > most.time_s {
-                most
-            } else {
-                knot
-            }
-        };
+        let within = |knot| within(knot, [&least, &most]);
         let t0 = within(self.back_to(middle_s - window_s)?);
         let t1 = within(self.on_to(middle_s + window_s)?);
         let start = within(self.back_to(t0.time_s - level_s(config, boundary.from))?);
@@ -310,6 +308,18 @@ impl Course {
             location_m: t0.location_m + sign * length_m,
         };
         Some((knot, moved))
+    }
+}
+
+/// The knot, or the one of these that it lies beyond.
+#[inline(never)]
+fn within(knot: Knot, [least, most]: [&Knot; 2]) -> Knot {
+    if knot.time_s < least.time_s {
+        *least
+    } else if knot.time_s > most.time_s {
+        *most
+    } else {
+        knot
     }
 }
 

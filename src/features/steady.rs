@@ -31,10 +31,21 @@ impl SteadyIntervals {
         self.interrupt();
     }
 
-    /// Gives those intervals to `accept` that `next` shows to be steady.
-    pub(super) fn push(&mut self, bridge_samples: u32, next: &Interval, mut accept: impl FnMut(&Interval)) {
+    /// Those intervals that `next` shows to be steady; to be asked before it is taken.
+    #[inline(never)]
+    pub(super) fn shown_by(&self, next: &Interval) -> &[Interval] {
+        match next.regime {
+            regime if regime == self.regime => &self.held,
+            // A stop ends the brake after the interval before it.
+            Regime::Standstill => self.held.get(..1).unwrap_or_default(),
+            _ => &[],
+        }
+    }
+
+    /// Takes the next interval.
+    #[inline(never)]
+    pub(super) fn push(&mut self, bridge_samples: u32, next: &Interval) {
         if next.regime == self.regime {
-            self.held.iter().for_each(&mut accept);
             self.held.clear();
             // Just cleared: there is room.
             let _kept = !self.inside || self.held.push(*next).is_ok();
@@ -46,14 +57,9 @@ impl SteadyIntervals {
             && like_before
             && self.held.len() <= bridge_samples as usize
             && self.held.push(*next).is_ok();
-        if bridged {
-            return;
+        if !bridged {
+            self.interrupt();
         }
-        // A stop ends the brake after the interval before it.
-        if next.regime == Regime::Standstill {
-            self.held.first().into_iter().for_each(accept);
-        }
-        self.interrupt();
     }
 
     /// The next interval does not follow the last one.
@@ -84,7 +90,8 @@ mod tests {
                 work_j_per_kg: 0.0,
                 regime,
             };
-            steady.push(2, &interval, |kept| efforts.push(kept.impulse_mps));
+            efforts.extend(steady.shown_by(&interval).iter().map(|kept| kept.impulse_mps));
+            steady.push(2, &interval);
         }
         efforts
     }
