@@ -28,6 +28,7 @@ fn parts(bits: u64) -> (u32, u64) {
 }
 
 /// Shifted down; what falls out leaves the last bit set.
+#[inline(never)]
 fn shifted(bits: u64, by: u32) -> u64 {
     match by {
         0 => bits,
@@ -169,6 +170,7 @@ fn with_first(size: u64) -> (i32, u64) {
 ///
 /// assert_eq!(from_count(1 << 31, 3), (-3.0_f64).to_bits());
 /// ```
+#[inline(never)]
 pub fn from_count(sign: u32, count: u64) -> u64 {
     if count == 0 {
         return 0;
