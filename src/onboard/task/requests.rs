@@ -5,7 +5,7 @@ use super::{LONG_STOP_S, MOVING_MPS, Port, Task};
 use crate::coast_ahead::Steady;
 use crate::estimator::config::Mode;
 use crate::model::direction::Direction;
-use crate::model::effects::{self, FrameError};
+use crate::model::effects::FrameError;
 use crate::model::state::SPEED;
 use crate::model::table::Table;
 use crate::model::track::Track;
@@ -253,8 +253,8 @@ impl<F: NorFlash> Task<'_, F> {
             self.setup = plain::digest(|bytes| {
                 self.setup.pass(bytes);
                 parts.pass(bytes);
-                for mut part in self.estimator.effects().iter().flat_map(effects::Effect::parts) {
-                    part.pass(bytes);
+                for effect in self.estimator.effects().iter() {
+                    effect.parts().for_each(|mut part| part.pass(bytes));
                 }
             });
         }
