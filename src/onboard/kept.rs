@@ -125,9 +125,10 @@ fn to_words(failure: &Failure) -> [u32; FAILURE_WORDS] {
         Failure::StackOverflow => (4, 0, [0; FILE_TAIL]),
     };
     let mut words = [0; FAILURE_WORDS];
-    let file = file.chunks(4).map(|bytes| bytes.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte)));
-    for (to, word) in words.iter_mut().zip([kind, value].into_iter().chain(file)) {
-        *to = word;
+    let [to_kind, to_value, to_file @ ..] = &mut words;
+    (*to_kind, *to_value) = (kind, value);
+    for (to, bytes) in to_file.iter_mut().zip(file.as_chunks().0) {
+        *to = u32::from_le_bytes(*bytes);
     }
     words
 }
@@ -140,9 +141,8 @@ fn from_words(words: &[u32]) -> Option<Failure> {
         0 => Some(Failure::None),
         1 => {
             let mut tail = [0; FILE_TAIL];
-            let all = file.iter().flat_map(|word| word.to_le_bytes());
-            for (to, byte) in tail.iter_mut().zip(all) {
-                *to = byte;
+            for (to, word) in tail.as_chunks_mut().0.iter_mut().zip(file) {
+                *to = word.to_le_bytes();
             }
             Some(Failure::Panic { line: *value, file: tail })
         }
