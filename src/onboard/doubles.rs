@@ -28,7 +28,6 @@ fn parts(bits: u64) -> (u32, u64) {
 }
 
 /// Shifted down; what falls out leaves the last bit set.
-#[inline(never)]
 fn shifted(bits: u64, by: u32) -> u64 {
     match by {
         0 => bits,

@@ -1,8 +1,8 @@
 //! The table of the module, row by row, with the edges of each.
 
 use super::*;
-use crate::tick::bounds::Check;
 use crate::model::train::TrainDescription;
+use crate::tick::bounds::Check;
 
 /// Length of the track, m.
 const TRACK_M: Real = 10_000.0;

@@ -89,7 +89,8 @@ impl Graph {
     /// Functions that contain a call of something in `core::panicking`.
     pub fn to_panics(&self) -> Vec<String> {
         // A method of an option or a result that may panic calls a function beside it.
-        let is_method = |name: &str| name.starts_with("core::option::Option<") || name.starts_with("core::result::Result<");
+        let is_method =
+            |name: &str| name.starts_with("core::option::Option<") || name.starts_with("core::result::Result<");
         let is_panic = |name: &str| {
             name.starts_with("core::panicking::")
                 || name.starts_with("core::option::")
