@@ -20,7 +20,7 @@ pub struct Train {
 }
 
 /// What a train file or train frame states; unchecked.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct TrainDescription {
     /// Mass as loaded, kg.
     pub mass_kg: Real,
@@ -50,7 +50,21 @@ plain! {
     }
 }
 
+/// Number by number: field by field it would take the board four times the flash.
+impl PartialEq for TrainDescription {
+    fn eq(&self, other: &Self) -> bool {
+        self.numbers() == other.numbers()
+    }
+}
+
 impl TrainDescription {
+    fn numbers(&self) -> [Real; 9] {
+        let Self { mass_kg, rotating_mass_factor, length_m, davis, .. } = *self;
+        let Self { max_tractive_effort_n, max_power_w, max_brake_mps2, .. } = *self;
+        let Davis { r0, r1, r2 } = davis;
+        [mass_kg, rotating_mass_factor, length_m, r0, r1, r2, max_tractive_effort_n, max_power_w, max_brake_mps2]
+    }
+
     /// The train of the case study, section 4.1: a double-deck intercity unit of six carriages. Stands in examples and tests.
     pub const CASE_STUDY: Self = Self {
         mass_kg: 364e3,

@@ -133,7 +133,7 @@ impl<F: NorFlash> Task<'_, F> {
         }
         let train = Train::try_new(frame.description).map_err(|_| Refusal::OutOfRange)?;
         // A train that is described once more keeps what was learned of it.
-        let known = self.train_id == Some(frame.id) && *self.estimator.train() == train;
+        let known = self.train_id == Some(frame.id) && *self.estimator.train().description() == frame.description;
         if !known {
             self.estimator.set_train(train);
             self.train_id = Some(frame.id);
