@@ -223,7 +223,7 @@ pub fn to_single(a: u64) -> u32 {
     let (exponent, mantissa) =
         if exponent < 1 { (1, shifted(mantissa, (1 - exponent) as u32)) } else { (exponent, mantissa) };
     let mantissa = (mantissa + ((1 << 28) - 1) + (mantissa >> 29 & 1)) >> 29;
-    sign | (((exponent - 1) as u32) << 23) + mantissa as u32
+    sign | ((((exponent - 1) as u32) << 23) + mantissa as u32)
 }
 
 /// Which of two is less; none where one is no number.

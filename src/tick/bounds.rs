@@ -30,10 +30,10 @@ pub enum ConfigError {
 impl ConfigError {
     /// Name of the field as in the configuration file.
     pub const fn field(&self) -> FieldName {
-        match self {
+        match *self {
             Self::OutOfRange(OutOfRange { field, .. })
             | Self::Window { field, .. }
-            | Self::StepsNotFalling { field, .. } => *field,
+            | Self::StepsNotFalling { field, .. } => field,
         }
     }
 }
