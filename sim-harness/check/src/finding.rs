@@ -45,6 +45,7 @@ kinds! {
     RoundedSpeed "speeds are rounded to the nearest step";
     TruncatedSpeed "speeds are truncated to the step below";
     SteppedSpeed "speeds have a step; rounded or truncated is not known";
+    ComputedSpeed "speeds were computed from the locations, and say nothing beyond them";
     SpeedOffset "the speed is off by the same everywhere: true less read"
         => "r(v) is learned at speeds that are off by as much";
     SpeedScale "the speed is off by a factor: read over true"
@@ -145,9 +146,9 @@ impl Done {
 }
 
 impl Finding {
-    /// It is a defect of the log. That speeds are rounded to the nearest step is none: every display does, and their mean is right.
+    /// It is a defect of the log. That speeds are rounded to the nearest step is none: every display does, and their mean is right. Nor is that a receiver gives no speeds.
     pub fn is_defect(&self) -> bool {
-        self.kind != Kind::RoundedSpeed
+        !matches!(self.kind, Kind::RoundedSpeed | Kind::ComputedSpeed)
     }
 
     /// It changed a reading, or spoils results and was not changed.
@@ -181,7 +182,7 @@ impl Finding {
     /// The figure with its 95 % interval, where it has one, and its unit.
     pub fn how_much(&self) -> String {
         let Self { figure, unit, .. } = self;
-        let decimals = if *unit == "rows" { 0 } else { decimals(figure) };
+        let decimals = if ["rows", "runs"].contains(unit) { 0 } else { decimals(figure) };
         let mut text = match figure.sd > 0.0 {
             true => figure.with_interval(decimals),
             false => format!("{:.decimals$}", figure.value),

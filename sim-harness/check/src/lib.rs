@@ -169,7 +169,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let units = units(&runs);
     let mut drifts = vec![None; units.len()];
     for (unit, drift) in units.iter().zip(&mut drifts) {
-        let usable = usable_of(unit, &runs);
+        let usable = read_of(unit, &runs);
         *drift = drifting::put_right(recordings, &usable);
         if drift.is_some() {
             usable.iter().for_each(|i| of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s));
@@ -216,6 +216,11 @@ fn units(runs: &[RunCheck]) -> Vec<String> {
 /// The places of the runs of a unit that are used.
 fn usable_of(unit: &str, runs: &[RunCheck]) -> Vec<usize> {
     (0..runs.len()).filter(|i| runs[*i].is_usable_of(unit)).collect()
+}
+
+/// Those of them whose speeds were read.
+fn read_of(unit: &str, runs: &[RunCheck]) -> Vec<usize> {
+    usable_of(unit, runs).into_iter().filter(|i| !runs[*i].speed_is_computed).collect()
 }
 
 /// Says what held runs up. Out: of how many it cannot be said.

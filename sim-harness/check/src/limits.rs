@@ -89,7 +89,8 @@ impl Described {
 
     fn speed(&self, row: &Sample) -> Option<Beyond> {
         let (at_m, mps) = (row.location_m?, row.speed_mps?);
-        let limit_kmh = self.limit_kmh(at_m).filter(|_| mps > 0.0)?;
+        // Multipath makes any speed of positions, and no driver.
+        let limit_kmh = self.limit_kmh(at_m).filter(|_| mps > 0.0 && !row.speed_is_computed)?;
         let kmh = 3.6 * mps;
         Some((kmh > (1.0 + BEYOND_SPEED) * limit_kmh + SPEED_OFF_KMH).then_some((kmh, limit_kmh)))
     }

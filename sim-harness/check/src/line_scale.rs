@@ -106,6 +106,11 @@ pub(crate) fn put_right(
         let offset_m = line(i).map_or_else(|| own_offset_m(recording, described_m, scale.value), |line| line.offset_m);
         let located = recording.rows.iter_mut().filter_map(|row| row.location_m.as_mut());
         located.for_each(|at_m| *at_m = (*at_m - offset_m) / scale.value);
+        // Positions do not turn with the wheel.
+        if recording.speed_is_computed() && recording.rows.iter().all(|row| row.latitude_deg.is_none()) {
+            let speeds = recording.rows.iter_mut().filter_map(|row| row.speed_mps.as_mut());
+            speeds.for_each(|mps| *mps /= scale.value);
+        }
     }
     let stops = lines.iter().map(|line| line.stops).max().unwrap_or_default();
     Some(Scaled { scale, runs: lines.len(), stops })

@@ -28,6 +28,9 @@ pub struct RunCheck {
     pub rows: usize,
     /// Usual time between rows, s.
     pub step_s: f64,
+    /// Its speeds were computed from the locations: beside these they say nothing.
+    #[serde(skip)]
+    pub speed_is_computed: bool,
     /// By how much the speed is older than the location, s; none where too little moves.
     pub skew_s: Option<Figure>,
     /// White noise of the location, standard deviation, m.
@@ -49,6 +52,7 @@ impl RunCheck {
             unit: recording.unit.clone(),
             rows: recording.rows.len(),
             step_s,
+            speed_is_computed: recording.speed_is_computed(),
             findings,
             ..Self::default()
         }
@@ -170,6 +174,7 @@ pub(crate) struct OfSpeed {
 
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     let mut findings = Vec::new();
+    let speed_is_computed = recording.speed_is_computed();
     let rows = &mut recording.rows;
     clock::sort(rows, &mut findings);
     bursts::spread(rows, &mut findings);
@@ -190,9 +195,11 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
         places::stuck_locations(rows, &mut findings);
         places::spikes(rows, &mut findings);
         places::join(rows, &mut findings);
-        // Only beside locations that are right is a speed known to stand still.
-        places::stuck_speeds(rows, &mut findings);
-        stairs::leave_out(rows, &mut findings);
+        if !speed_is_computed {
+            // Only beside locations that are right is a speed known to stand still.
+            places::stuck_speeds(rows, &mut findings);
+            stairs::leave_out(rows, &mut findings);
+        }
         effort_stairs::put_right(rows, &mut findings);
         places::two_directions(rows, &mut findings);
     }
@@ -200,7 +207,8 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     let step_s = row_step::usual_step_s(rows);
     // Times that are those of the arrival make an age and lost seconds of their own.
     let is_timed = findings.iter().all(|found| found.kind != Kind::Bursts || found.done != Done::Said);
-    let of_speed = if is_usable(&findings) && is_timed { OfSpeed::of(rows, step_s) } else { None };
+    let of_speed =
+        if is_usable(&findings) && is_timed && !speed_is_computed { OfSpeed::of(rows, step_s) } else { None };
     let location_noise_m = of_speed.as_ref().map(|found| found.agreement.location_noise_m);
     (RunCheck { location_noise_m, evidence, ..RunCheck::of(recording, step_s, findings) }, of_speed)
 }

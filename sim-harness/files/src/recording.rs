@@ -104,6 +104,11 @@ impl Recording {
         })
     }
 
+    /// Its speeds are no readings: beside the locations, of which they were computed, they say nothing.
+    pub fn speed_is_computed(&self) -> bool {
+        self.rows.iter().any(|row| row.speed_is_computed)
+    }
+
     /// What is known of the surroundings before the first row.
     pub fn surroundings(&self) -> Surroundings {
         Surroundings { temperature_c: None, day: self.day }

@@ -24,6 +24,8 @@ pub struct Sample {
     pub temperature_c: Option<f64>,
     /// Wind component against the direction of travel, m/s.
     pub headwind_mps: Option<f64>,
+    /// The speed is no reading, but was computed from the locations.
+    pub speed_is_computed: bool,
 }
 
 /// A column of numbers.
@@ -51,6 +53,8 @@ const NOT_READ: &str = "there is no reading";
 pub const TIME: &str = "time_s";
 /// Name of the column that coordinates may stand for.
 pub const LOCATION: &str = "location_m";
+/// Name of the column that says of a speed that it is none of the recorder.
+const COMPUTED: &str = "speed_is_computed";
 const COORDINATES: [&str; 2] = ["latitude_deg", "longitude_deg"];
 
 /// No train is further along its line, m; a location beyond it is warned of.
@@ -76,7 +80,7 @@ macro_rules! column {
 }
 
 /// The columns that mean something, those of CSV and of Parquet.
-pub const COLUMNS: [NumberColumn; 8] = [
+pub const COLUMNS: [NumberColumn; 9] = [
     NumberColumn {
         name: TIME,
         unit: "s",
@@ -123,6 +127,15 @@ pub const COLUMNS: [NumberColumn; 8] = [
         (-60.0, 60.0),
         headwind_mps
     ),
+    NumberColumn {
+        name: COMPUTED,
+        unit: "1",
+        meaning: "1: the speed is no reading, but was computed from the locations",
+        needed: false,
+        range: (0.0, 1.0),
+        set: |sample, value| sample.speed_is_computed = value != 0.0,
+        get: |sample| sample.speed_is_computed.then_some(1.0),
+    },
 ];
 
 /// Names of needed columns that a file does not have.
@@ -140,7 +153,11 @@ impl NumberColumn {
             kind: Kind::Number,
             unit: self.unit,
             meaning: self.meaning.to_owned(),
-            empty: if self.name == TIME { "" } else { NOT_READ },
+            empty: match self.name {
+                TIME => "",
+                COMPUTED => "it is a reading",
+                _ => NOT_READ,
+            },
         }
     }
 
@@ -179,11 +196,11 @@ mod tests {
     fn each_column_has_a_field_of_its_own_and_gives_back_what_it_took() {
         for (index, column) in COLUMNS.iter().enumerate() {
             let mut sample = Sample::default();
-            (column.set)(&mut sample, 54.3);
+            (column.set)(&mut sample, 1.0);
             let found = COLUMNS.map(|column| (column.get)(&sample));
             let mut expected = [None; COLUMNS.len()];
             expected[0] = Some(0.0);
-            expected[index] = Some(54.3);
+            expected[index] = Some(1.0);
             assert_eq!(found, expected, "{}", column.name);
         }
     }

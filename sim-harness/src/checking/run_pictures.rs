@@ -127,6 +127,7 @@ mod tests {
         rows.iter_mut().skip(50).for_each(|row| row.time_s -= 3600.0);
         let run = RunCheck {
             name: "run".to_owned(),
+            speed_is_computed: false,
             unit: String::new(),
             rows: 100,
             step_s: 1.0,

@@ -338,7 +338,9 @@ impl Stretch {
         let found = speeds.iter().flatten().count();
         account.count("speeds computed from the locations", found as u64);
         account.count("rows beside a leap of the fixes, without a speed", (speeds.len() - found) as u64);
-        located.iter().zip(speeds).for_each(|(i, mps)| self.rows[*i].speed_mps = mps);
+        for (i, mps) in located.into_iter().zip(speeds) {
+            (self.rows[i].speed_mps, self.rows[i].speed_is_computed) = (mps, mps.is_some());
+        }
     }
 
     /// The first and the last of the rows around one. As many rows on each side, not as long a time: where a clock jitters, the rows within a time are those whose

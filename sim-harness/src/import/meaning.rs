@@ -16,12 +16,13 @@ pub enum Meaning {
     Effort,
     Temperature,
     Headwind,
+    SpeedIsComputed,
     Unit,
     Run,
 }
 
 impl Meaning {
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Time,
         Self::Date,
         Self::Location,
@@ -32,6 +33,7 @@ impl Meaning {
         Self::Effort,
         Self::Temperature,
         Self::Headwind,
+        Self::SpeedIsComputed,
         Self::Unit,
         Self::Run,
     ];
@@ -94,6 +96,7 @@ impl Meaning {
                  temperature exterieure|temperatura|temperatura exterior|temperatura esterna|temp"
             }
             Self::Headwind => "headwind|gegenwind|vent contraire|viento en contra|vento contrario",
+            Self::SpeedIsComputed => "speed is computed",
             Self::Unit => {
                 "unit|vehicle|train unit|locomotive|loco|loco no|train set|einheit|fahrzeug|lok|loknummer|\
                  fahrzeugnummer|triebzug|rame|engin|locomotora|vehiculo|unidad|veicolo|locomotiva|unit id|\

@@ -113,6 +113,8 @@ impl<'a> Converter<'a> {
             Some(RowField::Number(number)) => number.to_string(),
             _ => String::new(),
         };
+        // A log of an earlier import.
+        sample.speed_is_computed = word(Meaning::SpeedIsComputed).parse().is_ok_and(|yes: f64| yes != 0.0);
         let unit = self.columns.unit_name.clone().unwrap_or_else(|| word(Meaning::Unit));
         Some(Record { sample, altitude_m, unit, run: word(Meaning::Run), is_dated })
     }

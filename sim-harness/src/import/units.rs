@@ -101,7 +101,7 @@ pub const fn of(meaning: Meaning) -> &'static [Unit] {
         Meaning::Latitude | Meaning::Longitude => &ANGLES,
         Meaning::Effort => &EFFORTS,
         Meaning::Temperature => &TEMPERATURES,
-        Meaning::Date | Meaning::Unit | Meaning::Run => &[],
+        Meaning::Date | Meaning::SpeedIsComputed | Meaning::Unit | Meaning::Run => &[],
     }
 }
 

@@ -328,6 +328,21 @@ fn a_clock_that_jitters_makes_no_wheel_of_speeds_that_are_computed() {
     assert!((by_speed / true_m - 1.0).abs() < 0.001, "{by_speed} {true_m}");
 }
 
+/// A check that compares it with the locations would find what the import made of them.
+#[test]
+fn a_log_says_that_its_speed_was_computed_also_after_another_import() {
+    let text = table("time_s,location_m", &drive(&STOPS_M, 30.0), |t, x, _| format!("{t},{x:.1}"));
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv", "--chainage", "as-is"]);
+    let header = "time_s,location_m,speed_kmh,speed_is_computed";
+    assert_eq!(folder.read("runs/a_01.csv").lines().next(), Some(header));
+    let said = folder.done(&["check", "--strict", "runs"]);
+    let computed = "speeds were computed from the locations, and say nothing beyond them: 1 runs";
+    assert!(said.out.contains("compared in 0 of 1 runs") && said.out.contains(computed), "{}", said.out);
+    folder.done(&["import", "runs/a_01.csv", "--chainage", "as-is", "--out", "again"]);
+    assert_eq!(csv(&folder, "again/a_01_01.csv"), csv(&folder, "runs/a_01.csv"));
+}
+
 #[test]
 fn a_code_page_that_is_not_found_is_asked_for() {
     let rows = drive(&STOPS_M[..3], 30.0);

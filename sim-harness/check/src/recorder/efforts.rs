@@ -6,7 +6,8 @@ use crate::effort_age::Asked;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
-    Known, SURE, effort, effort_age, effort_held, effort_unlike, effort_zero, limits, smoothed, steps, trailing,
+    Known, SURE, effort, effort_age, effort_held, effort_unlike, effort_zero, limits, read_of, smoothed, steps,
+    trailing,
 };
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -109,7 +110,7 @@ impl RecorderCheck {
 
     /// Sends efforts through the filter that the speeds are behind.
     fn trailing_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
-        let own = self.usable(runs);
+        let own = read_of(&self.unit, runs);
         let step_s = own.iter().map(|i| runs[*i].step_s).fold(0.0, f64::max);
         if !known.moves_locations || step_s > MOVED_STEP_S || self.has(Kind::EffortApart) {
             return;
@@ -130,7 +131,7 @@ impl RecorderCheck {
         if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) || self.has(Kind::TrailingSpeed) {
             return;
         }
-        let own = self.usable(runs);
+        let own = read_of(&self.unit, runs);
         let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
         let Some(long_s) = smoothed::of(&rows) else {
             return;

@@ -12,7 +12,8 @@ use crate::own::Grown;
 use crate::run::{OfSpeed, RunCheck};
 use crate::wheel_change::OfRun;
 use crate::{
-    Known, LEAST_SCALE, SURE, dead_band, dead_zone, held, lost_seconds, own, put_right, steps, usable_of, wheel_change,
+    Known, LEAST_SCALE, SURE, dead_band, dead_zone, held, lost_seconds, own, put_right, read_of, steps, usable_of,
+    wheel_change,
 };
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::recording::Recording;
@@ -67,13 +68,14 @@ pub(crate) fn of(
     of_speeds: &[Option<OfSpeed>],
     known: &Known,
 ) -> RecorderCheck {
-    let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
+    // Speeds that were computed from the locations are none of the recorder.
+    let (of_unit, computed): (Vec<usize>, Vec<usize>) =
+        (0..runs.len()).filter(|i| runs[*i].unit == unit).partition(|i| !runs[*i].speed_is_computed);
     let sought = lost_seconds::put_right(&of_unit, recordings, runs);
     // Readings in another unit have another step.
-    let usable = usable_of(&unit, runs);
-    let rows = || usable.iter().flat_map(|i| &recordings[*i].rows);
-    let speed_step_kmh = steps::of_speed_kmh(rows());
-    let location_step_m = steps::of_location_m(rows());
+    let usable = read_of(&unit, runs);
+    let speed_step_kmh = steps::of_speed_kmh(usable.iter().flat_map(|i| &recordings[*i].rows));
+    let location_step_m = steps::of_location_m(usable_of(&unit, runs).iter().flat_map(|i| &recordings[*i].rows));
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
     let behind = leave_out_behind(recordings, &usable, step_kmh);
     let mut judged = |i: &usize| {
@@ -90,13 +92,14 @@ pub(crate) fn of(
     let mut recorder = RecorderCheck {
         unit,
         compared: compared.len(),
-        runs: of_unit.len(),
+        runs: of_unit.len() + computed.len(),
         speed_step_kmh,
         location_step_m,
         located,
         lost_second_sd_s: sought.step_sd_s,
         ..RecorderCheck::default()
     };
+    recorder.computes(&computed);
     drift.into_iter().for_each(|drift| recorder.drifts(&drift));
     if let Some((behind_kmh, rows)) = behind {
         let band = Figure { value: step_kmh, sd: 0.0 };
@@ -266,6 +269,14 @@ impl RecorderCheck {
         let of_scale = (beside_locations.sd / scale.value.powi(2)).powi(2);
         let of_scale = Matrix2::from_diagonal(&Vector2::new(of_scale, 0.0));
         (values, if decided { of_scale } else { all.covariance })
+    }
+
+    /// The speeds of these runs are not compared.
+    fn computes(&mut self, computed: &[usize]) {
+        if !computed.is_empty() {
+            let figure = Figure { value: computed.len() as f64, sd: 0.0 };
+            self.found(Kind::ComputedSpeed, figure, "runs", Done::Said);
+        }
     }
 
     /// Its locations were brought back between their corrections.

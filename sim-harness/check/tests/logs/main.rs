@@ -2,6 +2,7 @@
 
 mod chainages;
 mod clock_set;
+mod computed;
 mod drifting;
 mod effort_age;
 mod effort_zero;
