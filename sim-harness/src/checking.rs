@@ -18,6 +18,7 @@ use rundown_check::limits;
 use rundown_check::{Check, Known, RecorderCheck, check_beside};
 use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
+use rundown_files::off_track::{BEYOND_M, OffTrack};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_rows;
 use rundown_files::run_set::{RunFile, RunSet};
@@ -129,6 +130,12 @@ fn examined(
     }
     let recorded = kept(&recordings);
     let mut found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
+    if let (Some(found), Some(track)) = (&mut found, &track) {
+        let mut off = OffTrack::new(track, BEYOND_M);
+        let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.is_usable());
+        usable.for_each(|(recording, _)| off.add(&recording.rows));
+        found.off_track = off.any();
+    }
     if let (Some(found), Some(train), Some(core), Some(track)) = (&mut found, train, core_track, &track) {
         let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.is_usable());
         let mut coasts = Coasts::default();
@@ -251,6 +258,11 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].findings[].line", "", "first line of the log where it is seen, 0: the whole log", ""],
     ["runs[].findings[].done", "", "`put_right`, `left_out`, `said` or `refused`", ""],
     ["not_compared", "", "runs among which perturbed ones cannot be recognised", ""],
+    ["off_track.off", "", "locations of moving trains that are not on the described track", ON_TRACK],
+    ["off_track.locations", "", "locations of moving trains", ON_TRACK],
+    ["off_track.least_m", "m", "the least of them", ON_TRACK],
+    ["off_track.most_m", "m", "the largest of them", ON_TRACK],
+    ["off_track.length_m", "m", "length of the track", ON_TRACK],
     [
         "gradients.*",
         "",
@@ -272,6 +284,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["failed[].errors[]", "", "why", ""],
 ];
 
+const ON_TRACK: &str = "all are on it, or no track was given: `off_track` is null";
 const NO_UNITS: &str = "they do not look as if in other units, or train and track were not given: `resistance` is null";
 
 /// The word of JSON.
@@ -329,8 +342,9 @@ fn of_all(found: &Check) -> impl Iterator<Item = String> {
     let (count, all) = (found.not_compared, found.runs.len());
     let not_compared =
         || format!("{count} of {all} runs: perturbed ones not recognised, as fewer than 5 others pass or most differ");
+    let off = found.off_track.map(|off| off.to_string());
     let doubts = [found.gradients.map(|doubt| doubt.to_string()), found.resistance.map(|doubt| doubt.to_string())];
-    (count > 0).then(not_compared).into_iter().chain(doubts.into_iter().flatten())
+    off.into_iter().chain((count > 0).then(not_compared)).chain(doubts.into_iter().flatten())
 }
 
 /// How many of all logs cannot be read, and the first of them.

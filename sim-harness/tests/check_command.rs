@@ -166,3 +166,21 @@ fn a_log_that_cannot_be_read_is_counted_and_named_on_the_screen_in_json_and_on_t
     assert!(!said.out.contains("cannot be read") && !folder.read("found/report.html").contains("unread"));
     assert_eq!(folder.json("found/check.json")["failed"], Value::Array(Vec::new()));
 }
+
+/// As of odometers that count on through the day.
+#[test]
+fn locations_beyond_the_described_line_are_said_with_their_number_as_by_a_replay() {
+    let track = "name = \"line\"\nlength_m = 25000.0\ngradient_sd_permille = 0.0\n";
+    let folder = Folder::new().with("run.csv", &log(f64::round)).with("track.toml", track);
+    let said = folder.rundown(&["check", "--track", "track.toml", "run.csv", "--out", "found"]);
+    let off = "locations of moving trains (36 %) are not on the described track: they go from 0 to ";
+    assert!(said.out.contains(off), "{}", said.out);
+    assert!(folder.read("found/report.html").contains(off));
+    let json = folder.json("found/check.json");
+    assert!(json["off_track"]["off"].as_u64().unwrap() > 700 && json["off_track"]["length_m"] == 25_000.0, "{json}");
+    assert_eq!(folder.rundown(&["check", "--strict", "--track", "track.toml", "run.csv"]).code, Some(1));
+    folder.write("track.toml", &track.replace("25000", "41500"));
+    let said = folder.done(&["check", "--strict", "--track", "track.toml", "run.csv"]);
+    assert!(!said.out.contains("not on the described track"), "{}", said.out);
+    assert_eq!(folder.json("found/check.json")["recorders"][0]["findings"][0]["kind"], "rounded_speed");
+}

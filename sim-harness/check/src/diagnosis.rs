@@ -6,6 +6,7 @@ use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::of_most::OfMost;
 use crate::run::RunCheck;
 use crate::{LEAST_SCALE, gradients, lost_seconds, usable_of};
+use rundown_files::off_track::OffTrack;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -115,6 +116,8 @@ pub struct Check {
     pub runs: Vec<RunCheck>,
     /// Runs among which perturbed ones cannot be recognised: too few others pass where they do, or they have no timetable in common.
     pub not_compared: usize,
+    /// Locations of the runs that are used lie off the described track. None where they do not, or where no track was given.
+    pub off_track: Option<OffTrack>,
     /// The described gradients look wrong. None where they do not, or where train and track were not given.
     pub gradients: Option<gradients::Doubt>,
     /// The described resistance looks as if it were in other units. None as above.

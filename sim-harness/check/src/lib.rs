@@ -204,7 +204,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         off.into_iter().for_each(|off| run.is_off(off));
     }
     let not_compared = held_up(recordings, &mut runs, &known.stops_m);
-    Check { recorders, runs, not_compared, gradients: None, resistance: None }
+    Check { recorders, runs, not_compared, ..Check::default() }
 }
 
 /// In the order in which they appear.

@@ -3,6 +3,7 @@
 use crate::sample::Sample;
 use crate::track_file::TrackFile;
 use core::fmt;
+use serde::Serialize;
 
 /// A location may be this far beyond an end of the line, m: half a train, and the noise of a receiver.
 pub const BEYOND_M: f64 = 300.0;
@@ -11,20 +12,25 @@ pub const BEYOND_M: f64 = 300.0;
 const MOVING_MPS: f64 = 2.0;
 
 /// How many locations of moving trains are not on a track, and where they are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OffTrack {
-    length_m: f64,
-    beyond_m: f64,
-    /// Locations off the track, and all.
-    counts: [usize; 2],
+    /// Locations off the track.
+    off: usize,
+    /// All of them.
+    locations: usize,
     /// The least and the largest location, m.
-    ends_m: [f64; 2],
+    least_m: f64,
+    most_m: f64,
+    length_m: f64,
+    #[serde(skip)]
+    beyond_m: f64,
 }
 
 impl OffTrack {
     /// Of no location yet.
     pub fn new(track: &TrackFile, beyond_m: f64) -> Self {
-        Self { length_m: track.length_m, beyond_m, counts: [0; 2], ends_m: [f64::INFINITY, f64::NEG_INFINITY] }
+        let (least_m, most_m) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { off: 0, locations: 0, least_m, most_m, length_m: track.length_m, beyond_m }
     }
 
     /// Counts the rows of a run.
@@ -32,31 +38,30 @@ impl OffTrack {
         let line = -self.beyond_m..=self.length_m + self.beyond_m;
         for row in rows {
             let Some(at) = row.location_m.filter(|_| row.speed_mps.is_some_and(|v| v > MOVING_MPS)) else { continue };
-            self.counts[1] += 1;
-            self.counts[0] += usize::from(!line.contains(&at));
-            self.ends_m = [self.ends_m[0].min(at), self.ends_m[1].max(at)];
+            self.locations += 1;
+            self.off += usize::from(!line.contains(&at));
+            (self.least_m, self.most_m) = (self.least_m.min(at), self.most_m.max(at));
         }
     }
 
     /// None where all are on the track.
     pub fn any(self) -> Option<Self> {
-        (self.counts[0] > 0).then_some(self)
+        (self.off > 0).then_some(self)
     }
 
     /// Share of the locations that are off the track.
     pub fn share(&self) -> f64 {
-        self.counts[0] as f64 / self.counts[1].max(1) as f64
+        self.off as f64 / self.locations.max(1) as f64
     }
 }
 
 impl fmt::Display for OffTrack {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ([off, all], [first_m, last_m]) = (self.counts, self.ends_m);
+        let Self { off, locations, least_m, most_m, length_m, .. } = self;
         write!(
             f,
-            "{off} of {all} locations of moving trains ({:.0} %) are not on the described track: they go from {first_m:.0} to {last_m:.0} m, the track from 0 to {:.0} m. Nothing is known of gradients there; bring the runs onto its chainage with `rundown import --chainage align`, or describe the track from where their locations count, with its whole length_m",
+            "{off} of {locations} locations of moving trains ({:.0} %) are not on the described track: they go from {least_m:.0} to {most_m:.0} m, the track from 0 to {length_m:.0} m. Nothing is known of gradients there; bring the runs onto its chainage with `rundown import --chainage align`, or describe the track from where their locations count, with its whole length_m",
             100.0 * self.share(),
-            self.length_m
         )
     }
 }

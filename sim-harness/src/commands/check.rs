@@ -71,7 +71,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let all = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings));
     let findings = all.filter(|finding| finding.is_defect()).count();
     let perturbed = found.runs.iter().filter(|run| !run.perturbations.is_empty()).count();
-    let described = usize::from(found.gradients.is_some()) + usize::from(found.resistance.is_some());
+    let described = [found.gradients.is_some(), found.resistance.is_some(), found.off_track.is_some()];
+    let described = described.into_iter().filter(|is_doubted| *is_doubted).count();
     arguments.strict.check(findings + perturbed + failed.len() + warnings.len() + described)?;
     match (&arguments.out, logs) {
         (Some(out), Some(logs)) => folder::write("check", out, &Provenance::begin(&logs.inputs), |folder| {
