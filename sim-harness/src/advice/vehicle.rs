@@ -23,6 +23,10 @@ const NEARER: f64 = 0.6;
 /// A description that is so far off at the speeds that taught, root mean square of the logarithm, and a conversion that is no further than the second and this share of it: trains
 /// that never run fast do not get far from a description per km/h, whose largest term is right.
 const OTHER_UNITS: (f64, f64, f64) = (0.25, 0.1, 0.35);
+/// A conversion is no more than this share as far off as the nearest plain multiple, for a train that has less resistance than it is described to have is in no other units.
+const THAN_A_MULTIPLE: f64 = 0.5;
+/// No description is off by a larger factor but in other units.
+const MOST_MULTIPLE: f64 = 4.0;
 /// Speeds at which it is judged where nothing says which taught, m/s.
 const USUAL_MPS: Range<f64> = 16.7..33.3;
 /// Coasts that scatter so much more than expected are worth a word ...
@@ -146,6 +150,8 @@ fn deviations(estimator: &Estimator, found: &Gaussian<3>) -> f64 {
 struct Off {
     /// Root mean square of the logarithm of the ratio.
     rms: f64,
+    /// The same of the nearest multiple of it.
+    of_multiple_rms: f64,
     /// Learned over described at the fastest speed.
     fastest: f64,
 }
@@ -158,8 +164,11 @@ impl Off {
             let learned = Vector3::new(1.0, v, v * v).dot(&after.davis.mean);
             (learned / described.resistance_n_per_kg(v)).max(f64::MIN_POSITIVE)
         };
-        let squares = [start, 0.5 * (start + end), end].map(|v| ratio(v).ln().powi(2));
-        Self { rms: (squares.iter().sum::<f64>() / 3.0).sqrt(), fastest: ratio(end) }
+        let logarithms = [start, 0.5 * (start + end), end].map(|v| ratio(v).ln());
+        let mean = |of: [f64; 3]| of.iter().sum::<f64>() / 3.0;
+        let multiple = mean(logarithms).clamp(-MOST_MULTIPLE.ln(), MOST_MULTIPLE.ln());
+        let rms = |beside: f64| mean(logarithms.map(|one| (one - beside).powi(2))).sqrt();
+        Self { rms: rms(0.0), of_multiple_rms: rms(multiple), fastest: ratio(end) }
     }
 
     /// From the conversion of the description that is nearest to what was learned.
@@ -172,7 +181,12 @@ impl Off {
     /// This conversion is what was learned, and the description is not.
     fn may_be_units(&self, described: &Self) -> bool {
         let (far, near, share) = OTHER_UNITS;
-        described.rms > far && self.rms < near.min(share * described.rms)
+        described.rms > far && self.rms < near.min(share * described.rms) && self.beats_multiples(described)
+    }
+
+    /// This conversion is nearer to what was learned than any plain multiple of the description.
+    fn beats_multiples(&self, described: &Self) -> bool {
+        self.rms < THAN_A_MULTIPLE * described.of_multiple_rms
     }
 }
 
@@ -184,12 +198,17 @@ mod tests {
 
     /// What is said of a tram's description, where the runs taught the true coefficients from 10 to 50 km/h.
     fn nearest(described: Davis) -> Option<&'static str> {
+        nearest_of(TRAM, 10.0..50.0, described)
+    }
+
+    /// The same of any train and speeds, km/h.
+    fn nearest_of(truth: Davis, taught_kmh: Range<f64>, described: Davis) -> Option<&'static str> {
         let after = After {
-            davis: Gaussian::independent([TRAM.r0, TRAM.r1, TRAM.r2], [1e-3, 1e-4, 1e-5]),
+            davis: Gaussian::independent([truth.r0, truth.r1, truth.r2], [1e-3, 1e-4, 1e-5]),
             learned: Learned::Learned,
             trust: Trust::NONE,
             hops_share: 1.0,
-            taught_mps: 10.0 / 3.6..50.0 / 3.6,
+            taught_mps: taught_kmh.start / 3.6..taught_kmh.end / 3.6,
             all_taught_mps: None,
         };
         let (words, off) = Off::nearest(&described, &after)?;
@@ -205,5 +224,17 @@ mod tests {
             assert_eq!(nearest(Davis { r0: factor * r0, r1: factor * r1, r2: factor * r2 }), None, "{factor}");
             assert_eq!(nearest(Davis { r0: factor * r0, r1, r2: r2 / factor }), None, "{factor}");
         }
+    }
+
+    /// Between 50 and 80 km/h a freight train without air drag has 0.7 times the resistance, too.
+    #[test]
+    fn a_freight_train_that_is_described_by_a_multiple_is_in_no_other_units() {
+        let freight = Davis { r0: 0.0110, r1: 1.41e-4, r2: 1.26e-5 };
+        let of = |factors| nearest_of(freight, 50.0..80.0, converted(&freight, factors));
+        for factor in [0.7, 1.3, 1.4, 1.5, 2.0] {
+            assert_eq!(of([factor; 3]), None, "{factor}");
+        }
+        let named = [[1.0, 1.0, 100.0], [1.0, 1.0 / 3.6, 1.0 / 12.96], [1e3; 3]].map(of);
+        assert!(named.iter().all(Option::is_some), "{named:?}");
     }
 }
