@@ -1,12 +1,12 @@
-//! A speed that reads zero below a threshold: tachometers and satellite receivers do.
+//! A speed that reads zero below a threshold: tachometers and satellite receivers do. A radar may read one small speed there.
 //!
 //! In: rows of the runs of one recorder, as read. Out: the threshold with its interval, where the readings say that there is one.
 //!
 //! ```text
-//! P = Π (1 - T/(a Δt))          chance that no row falls between 0 and T at any start or stop, with the rate of speed a just above T
+//! P = Π (1 - (T - F)/(a Δt))    chance that no row falls between F, 0 or the small speed, and T at any start or stop, with the rate of speed a just above T
 //! ```
 //!
-//! Every start and stop passes all speeds below T within T/a. Where the rows are near enough in time that some should have been read there, and none was, the
+//! Every start and stop passes all speeds between within (T - F)/a. Where the rows are near enough in time that some should have been read there, and none was, the
 //! readings of zero beside are no standstill.
 
 use crate::agreement::{Figure, HALF_95};
@@ -15,10 +15,21 @@ use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 
 /// A threshold below is that of every recorder, km/h, or a matter of its step.
-const LEAST_KMH: f64 = 3.0;
-const STEPS: f64 = 2.5;
+const LEAST_KMH: f64 = 1.5;
+const STEPS: f64 = 3.0;
 /// Logarithm of the chance that no row falls below the threshold at any start or stop.
 const SURE: f64 = -9.0;
+/// The same of all starts, and of all stops: trains that start at a whole second have no smaller reading than what they gain in one, but do not stop so.
+const SURE_OF_EACH: f64 = 0.5 * SURE;
+/// What a radar may read below its threshold, in place of 0, is no more than this, km/h; of the readings from 0 up to here, this share and so many.
+const MOST_FLOOR_KMH: f64 = 1.5;
+const OF_FLOOR: (f64, usize) = (0.9, 6);
+/// Recorders that write a speed only where it has changed by so much skip the small ones, too: of changes less than this share of the threshold there are at least so
+/// many, and both steps of this share of the passes are alike within that, or the rows are none of a clock.
+const SMALL_CHANGE: f64 = 0.5;
+const OF_SMALL: f64 = 0.2;
+const OF_EVEN: f64 = 0.7;
+const EVEN: f64 = 0.3;
 /// Starts and stops that must say it.
 const LEAST_PASSES: usize = 6;
 /// One in so many may be a wild reading.
@@ -44,6 +55,8 @@ struct Pass {
     rate_mps2: f64,
     /// Between the reading of zero and that, s.
     step_s: f64,
+    is_start: bool,
+    is_even: bool,
 }
 
 /// A threshold.
@@ -53,14 +66,18 @@ pub struct DeadZone {
     pub threshold_kmh: Figure,
     /// Starts and stops that say it.
     pub passes: usize,
+    /// What is read below it, km/h.
+    pub floor_kmh: f64,
     /// How fast the speed changes there at least, but for one in ten, m/s².
     slow_mps2: f64,
 }
 
 /// The threshold of a recorder; none where its readings begin at the smallest speeds. `step_kmh`: step of the speeds, 0 without one.
-pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh: f64) -> Option<DeadZone> {
-    let mut passes: Vec<Pass> = runs.flat_map(passes).collect();
-    if passes.len() < LEAST_PASSES {
+pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone, step_kmh: f64) -> Option<DeadZone> {
+    let floor_mps = floor_mps(runs.clone());
+    let mut passes: Vec<Pass> = runs.clone().flat_map(|rows| passes(rows, floor_mps)).collect();
+    let even = passes.iter().filter(|pass| pass.is_even).count();
+    if passes.len() < LEAST_PASSES || (even as f64) < OF_EVEN * passes.len() as f64 {
         return None;
     }
     passes.sort_by(|a, b| a.mps.total_cmp(&b.mps));
@@ -69,11 +86,10 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh: f64) -> Option
     let least_mps = passes[wild].mps;
     // Half a step below the smallest reading nothing is known.
     let threshold_mps = least_mps - 0.5 * step_kmh / 3.6;
-    if 3.6 * threshold_mps < LEAST_KMH.max(STEPS * step_kmh) {
-        return None;
-    }
-    let log_chance = |pass: &Pass| (1.0 - threshold_mps / (pass.rate_mps2 * pass.step_s)).max(0.05).ln();
-    if passes.iter().map(log_chance).sum::<f64>() > SURE {
+    if 3.6 * threshold_mps < LEAST_KMH.max(STEPS * step_kmh)
+        || !is_sure(&passes, threshold_mps - floor_mps)
+        || !has_small_changes(runs, threshold_mps)
+    {
         return None;
     }
     // The readings just above it are even over one step of the clock: the least of them is nearer, the more there are.
@@ -85,25 +101,58 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh: f64) -> Option
     let mut rates: Vec<f64> = passes.iter().map(|pass| pass.rate_mps2).collect();
     rates.sort_by(f64::total_cmp);
     let slow_mps2 = rates[(SLOW_SHARE * rates.len() as f64) as usize];
-    Some(DeadZone { threshold_kmh: figure, passes: passes.len(), slow_mps2 })
+    Some(DeadZone { threshold_kmh: figure, passes: passes.len(), floor_kmh: 3.6 * floor_mps, slow_mps2 })
+}
+
+/// What is read below a threshold, m/s: 0, or the one small speed that there is.
+fn floor_mps<'a>(runs: impl Iterator<Item = &'a [Sample]>) -> f64 {
+    let small = |mps: &f64| *mps > 0.0 && 3.6 * mps <= MOST_FLOOR_KMH;
+    let mut read: Vec<f64> = runs.flatten().filter_map(|row| row.speed_mps).filter(small).collect();
+    read.sort_by(f64::total_cmp);
+    let Some(usual) = read.get(read.len() / 2).copied() else { return 0.0 };
+    let same = read.iter().filter(|mps| **mps == usual).count();
+    if same >= OF_FLOOR.1 && same as f64 >= OF_FLOOR.0 * read.len() as f64 { usual } else { 0.0 }
+}
+
+/// A moving train's speeds change by less than the threshold, too.
+fn has_small_changes<'a>(runs: impl Iterator<Item = &'a [Sample]>, threshold_mps: f64) -> bool {
+    let (mut all, mut small) = (0_usize, 0_usize);
+    for rows in runs {
+        let read: Vec<f64> = rows.iter().filter_map(|row| row.speed_mps).collect();
+        for pair in read.windows(2).filter(|pair| pair[0] != pair[1] && pair[0].min(pair[1]) >= threshold_mps) {
+            all += 1;
+            small += usize::from((pair[1] - pair[0]).abs() < SMALL_CHANGE * threshold_mps);
+        }
+    }
+    small as f64 > OF_SMALL * all as f64
+}
+
+/// Neither starts nor stops pass so much without a reading by chance.
+fn is_sure(passes: &[Pass], without_mps: f64) -> bool {
+    let log_chance = |pass: &Pass| (1.0 - without_mps / (pass.rate_mps2 * pass.step_s)).max(0.05).ln();
+    let of = |is_start| passes.iter().filter(|pass| pass.is_start == is_start).map(log_chance).sum::<f64>();
+    let [starts, stops] = [true, false].map(of);
+    starts + stops < SURE && starts.max(stops) < SURE_OF_EACH
 }
 
 /// Readings of zero with one above zero beside.
-fn passes(rows: &[Sample]) -> Vec<Pass> {
+fn passes(rows: &[Sample], floor_mps: f64) -> Vec<Pass> {
     let longest_s = next_row_s(usual_step_s(rows));
-    let ahead = rows.windows(3).filter_map(|three| pass([&three[0], &three[1], &three[2]], longest_s));
-    let back = rows.windows(3).filter_map(|three| pass([&three[2], &three[1], &three[0]], longest_s));
+    let pass = |three: [&Sample; 3], is_start| pass(three, longest_s, floor_mps, is_start);
+    let ahead = rows.windows(3).filter_map(|three| pass([&three[0], &three[1], &three[2]], true));
+    let back = rows.windows(3).filter_map(|three| pass([&three[2], &three[1], &three[0]], false));
     ahead.chain(back).collect()
 }
 
 /// From a reading of zero, the first, up.
-fn pass([zero, first, second]: [&Sample; 3], longest_s: f64) -> Option<Pass> {
+fn pass([zero, first, second]: [&Sample; 3], longest_s: f64, floor_mps: f64, is_start: bool) -> Option<Pass> {
     let step_s = (first.time_s - zero.time_s).abs();
     let next_s = (second.time_s - first.time_s).abs();
     let (mps, next_mps) = (first.speed_mps?, second.speed_mps?);
-    let is_start = zero.speed_mps? == 0.0 && mps > 0.0 && next_mps > mps;
+    let leaves = zero.speed_mps? <= floor_mps && mps > floor_mps && next_mps > mps;
     let is_even = step_s > 0.0 && next_s > 0.0 && step_s.max(next_s) <= longest_s.min(LONGEST_STEP_S);
-    (is_start && is_even).then(|| Pass { mps, rate_mps2: (next_mps - mps) / next_s, step_s })
+    let alike = (step_s - next_s).abs() <= EVEN * step_s.max(next_s);
+    (leaves && is_even).then(|| Pass { mps, rate_mps2: (next_mps - mps) / next_s, step_s, is_start, is_even: alike })
 }
 
 impl DeadZone {
@@ -115,7 +164,7 @@ impl DeadZone {
         let (mut count, mut line) = (0, 0);
         let mut from = 0;
         while from < rows.len() {
-            let is_zero = |row: &Sample| row.speed_mps == Some(0.0);
+            let is_zero = |row: &Sample| row.speed_mps.is_some_and(|mps| 3.6 * mps <= self.floor_kmh);
             let to = from + rows[from..].iter().take_while(|row| is_zero(row)).count();
             if to == from {
                 from += 1;

@@ -295,8 +295,10 @@ impl RecorderCheck {
         };
         let left_out = usable.iter().map(|i| found.leave_out(&mut recordings[*i].rows));
         let count: usize = left_out.map(|(count, _)| count).sum();
-        let passes = found.passes;
-        let text = format!("no reading between 0 and that at {passes} starts and stops; {count} readings of zero");
+        let dead_zone::DeadZone { passes, floor_kmh, .. } = found;
+        let floor = if floor_kmh > 0.0 { format!("{floor_kmh:.1}") } else { "0".to_owned() };
+        let text =
+            format!("no reading between {floor} and that at {passes} starts and stops; {count} readings of {floor}");
         self.found_by(Kind::DeadZone, found.threshold_kmh, "km/h", Done::LeftOut, text);
     }
 

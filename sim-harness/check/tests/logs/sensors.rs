@@ -1,6 +1,8 @@
 //! Are speeds that read zero below a threshold and speeds that repeat old values found, left out, and taken for nothing else?
 
 use crate::simulated::{Recorder, all, kinds, only};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use rundown_check::check;
 use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
@@ -45,6 +47,75 @@ fn a_threshold_is_found_with_its_speed_and_zeros_beside_movement_are_left_out() 
         }
     }
     assert!(10 * inside >= 8 * sets, "{inside} of {sets} intervals");
+}
+
+#[test]
+fn low_thresholds_and_a_radar_that_reads_half_a_kmh_below_are_found() {
+    for (seed, kmh, floor_kmh) in
+        [(0, 2.0, 0.0), (1, 2.0, 0.0), (2, 3.0, 0.0), (3, 3.0, 0.0), (4, 5.0, 0.5), (5, 3.0, 0.5)]
+    {
+        let tachometer = Recorder { quantum_kmh: 0.1, noise_m: 0.3, ..Recorder::default() };
+        let mut recordings = tachometer.runs(43_000 + seed, 6, 5);
+        assert!(!kinds(&check(&mut recordings.clone())).contains(&Kind::DeadZone), "{seed}");
+        below(&mut recordings, kmh);
+        let moves = |rows: &[Sample], i: usize| (0.0 < rows[i].speed_mps.unwrap()) as usize;
+        for recording in recordings.iter_mut().filter(|_| floor_kmh > 0.0) {
+            let read = recording.rows.clone();
+            for i in 1..read.len() - 1 {
+                if read[i].speed_mps == Some(0.0) && moves(&read, i - 1) + moves(&read, i + 1) > 0 {
+                    recording.rows[i].speed_mps = Some(floor_kmh / 3.6);
+                }
+            }
+        }
+        let found = check(&mut recordings);
+        let finding = only(&found, Kind::DeadZone);
+        assert!((finding.figure.value - kmh).abs() < 0.3 && finding.done == Done::LeftOut, "{seed}: {finding}");
+        let rows = || recordings.iter().flat_map(|recording| &recording.rows);
+        assert!(!rows().any(|row| row.speed_mps.is_some_and(|mps| 0.0 < mps && 3.6 * mps < kmh - 0.1)), "{seed}");
+        assert!(rows().filter(|row| row.speed_mps == Some(0.0)).count() > 200, "{seed}: a stand is a stand");
+    }
+}
+
+/// A recorder that writes another speed only where it has changed by 2 km/h skips the small ones, too.
+#[test]
+fn speeds_that_follow_in_steps_of_their_change_have_no_threshold() {
+    let tachometer = Recorder { quantum_kmh: 0.1, noise_m: 0.3, ..Recorder::default() };
+    let mut recordings = tachometer.runs(45_000, 8, 5);
+    for recording in &mut recordings {
+        let mut last_mps = 0.0;
+        for row in &mut recording.rows {
+            let mps = row.speed_mps.unwrap();
+            last_mps = if (mps - last_mps).abs() * 3.6 >= 1.9 || mps == 0.0 { mps } else { last_mps };
+            row.speed_mps = Some(last_mps);
+        }
+    }
+    assert!(!kinds(&check(&mut recordings)).contains(&Kind::DeadZone));
+}
+
+/// Starts at whole seconds have no smaller reading than what a train gains in one, and are no threshold.
+#[test]
+fn trains_that_start_at_whole_seconds_have_no_threshold() {
+    let mut random = ChaCha8Rng::seed_from_u64(44_000);
+    let (mut rows, mut time_s, mut at_m) = (Vec::new(), 0.0, 0.0);
+    for _ in 0..12 {
+        let top_mps = random.random_range(14.0..16.0);
+        let mut mps: f64 = 0.0;
+        for second in 0..110 {
+            let before = mps;
+            mps = match second {
+                0..30 => 0.0,
+                30..60 => (mps + 0.8).min(top_mps),
+                60..80 => mps,
+                _ => (mps - 0.7).max(0.0),
+            };
+            at_m += 0.5 * (before + mps);
+            let read_mps = (36.0 * mps).round() / 36.0;
+            rows.push(Sample { time_s, location_m: Some(at_m), speed_mps: Some(read_mps), ..Sample::default() });
+            time_s += 1.0;
+        }
+    }
+    let mut recordings = [Recording { name: "run".into(), rows, ..Recording::default() }];
+    assert!(!kinds(&check(&mut recordings)).contains(&Kind::DeadZone));
 }
 
 /// With rows that are far apart the smallest reading is above the threshold by chance: the interval says so.
