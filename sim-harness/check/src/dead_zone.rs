@@ -14,7 +14,7 @@ use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 
-/// A threshold below is that of every recorder, km/h, or a matter of its step.
+/// A threshold below is that of every recorder, km/h, or a matter of its step: of steps that a wheel has scaled the first looks like what a radar reads.
 const LEAST_KMH: f64 = 1.5;
 const STEPS: f64 = 3.0;
 /// Logarithm of the chance that no row falls below the threshold at any start or stop.
@@ -86,7 +86,7 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone, step_kmh: f64) -
     let least_mps = passes[wild].mps;
     // Half a step below the smallest reading nothing is known.
     let threshold_mps = least_mps - 0.5 * step_kmh / 3.6;
-    if 3.6 * threshold_mps < LEAST_KMH.max(STEPS * step_kmh)
+    if 3.6 * threshold_mps < LEAST_KMH.max(STEPS * step_kmh.max(3.6 * floor_mps))
         || !is_sure(&passes, threshold_mps - floor_mps)
         || !has_small_changes(runs, threshold_mps)
     {

@@ -92,6 +92,20 @@ fn speeds_that_follow_in_steps_of_their_change_have_no_threshold() {
     assert!(!kinds(&check(&mut recordings)).contains(&Kind::DeadZone));
 }
 
+/// Their step is none of those that are known, and the first of them is the only small speed.
+#[test]
+fn whole_kmh_of_another_wheel_have_no_threshold() {
+    for (seed, gain) in [(0, 0.973), (1, 0.986), (2, 1.013), (3, 1.027)] {
+        let odometer = Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() };
+        let mut recordings = odometer.hopping(46_000 + seed, 8, 10);
+        for row in recordings.iter_mut().flat_map(|recording| &mut recording.rows) {
+            row.speed_mps = row.speed_mps.map(|mps| gain * mps);
+            row.location_m = row.location_m.map(|m| gain * m);
+        }
+        assert!(!kinds(&check(&mut recordings)).contains(&Kind::DeadZone), "{seed}");
+    }
+}
+
 /// Starts at whole seconds have no smaller reading than what a train gains in one, and are no threshold.
 #[test]
 fn trains_that_start_at_whole_seconds_have_no_threshold() {
