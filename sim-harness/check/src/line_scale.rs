@@ -25,8 +25,10 @@ pub const LEAST_STOPS: usize = 4;
 const LEAST_SHARE: f64 = 0.8;
 /// So many stops from either end of a run are tried as described ones.
 const ENDS: usize = 3;
-/// How far a platform is from where it is described, in all runs alike, standard deviation, m.
+/// How far a platform is from where it is described, in all runs alike, standard deviation, m: what is believed before the stops are seen.
 const PLATFORM_SD_M: f64 = 50.0;
+/// So many platforms that belief is worth beside those that a line goes through. Those of a tram are known to metres, of a freight line to none.
+const BELIEVED_PLATFORMS: f64 = 5.0;
 
 /// Stops of a run at the described ones: the straight line through them.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +41,8 @@ pub struct StopsLine {
     pub stops: usize,
     /// Root of the sum of squares of the described locations about their mean, m.
     spread_m: f64,
+    /// How far platforms are from where they are described, by the stops beside the line, standard deviation, m.
+    platform_sd_m: f64,
 }
 
 /// Where a run stands, and the line through those of its stops that are described ones.
@@ -57,12 +61,13 @@ pub(crate) struct Scaled {
     /// Runs whose stops say so, with the most stops that agree in one.
     runs: usize,
     stops: usize,
+    platform_sd_m: f64,
 }
 
 impl Scaled {
     pub(crate) fn evidence(&self) -> String {
-        let Self { runs, stops, .. } = self;
-        format!("up to {stops} stops of a run agree so, in {runs} runs; platforms are known to {PLATFORM_SD_M:.0} m")
+        let Self { runs, stops, platform_sd_m, .. } = self;
+        format!("up to {stops} stops of a run agree so, in {runs} runs; platforms are known to {platform_sd_m:.0} m")
     }
 }
 
@@ -113,7 +118,8 @@ pub(crate) fn put_right(
         }
     }
     let stops = lines.iter().map(|line| line.stops).max().unwrap_or_default();
-    Some(Scaled { scale, runs: lines.len(), stops })
+    let platform_sd_m = median(lines.iter().map(|line| line.platform_sd_m))?;
+    Some(Scaled { scale, runs: lines.len(), stops, platform_sd_m })
 }
 
 /// A run with too few stops begins where it is described to.
@@ -128,7 +134,7 @@ fn own_offset_m(recording: &Recording, described_m: &[f64], scale: f64) -> f64 {
 fn usual(fits: &[StopsLine]) -> Option<Figure> {
     let value = median(fits.iter().map(|fit| fit.scale))?;
     let of_runs = spread(fits.iter().map(|fit| fit.scale - value)) / (fits.len() as f64).sqrt();
-    let of_platforms = PLATFORM_SD_M / median(fits.iter().map(|fit| fit.spread_m))?;
+    let of_platforms = median(fits.iter().map(|fit| fit.platform_sd_m / fit.spread_m))?;
     let scale = Figure { value, sd: of_runs.hypot(of_platforms) };
     ((value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE).then_some(scale)
 }
@@ -174,7 +180,12 @@ pub fn through(calls_m: &[f64], described_m: &[f64], scale: f64, offset_m: f64) 
     let square: f64 = agree.iter().map(|(stop, _)| (stop - described).powi(2)).sum();
     let product: f64 = agree.iter().map(|(stop, call)| (stop - described) * (call - read)).sum();
     let scale = product / square;
-    let fit = StopsLine { scale, offset_m: read - scale * described, stops: agree.len(), spread_m: square.sqrt() };
+    let offset_m = read - scale * described;
+    let off_m2: f64 = agree.iter().map(|(stop, call)| (call - offset_m - scale * stop).powi(2)).sum();
+    // A line has two numbers; the others are the posterior mean of a variance.
+    let platforms = BELIEVED_PLATFORMS + (n - 2.0).max(0.0);
+    let platform_sd_m = ((BELIEVED_PLATFORMS * PLATFORM_SD_M.powi(2) + off_m2) / platforms).sqrt();
+    let fit = StopsLine { scale, offset_m, stops: agree.len(), spread_m: square.sqrt(), platform_sd_m };
     scale.is_finite().then_some(fit)
 }
 
@@ -188,12 +199,12 @@ mod tests {
     const STOPS_M: [f64; 5] = [0.0, 9_000.0, 22_000.0, 41_000.0, 60_000.0];
 
     /// Runs that stop within some metres of platforms which are themselves off, counted by a wheel that is off.
-    fn runs(read: f64, platforms: [f64; 5]) -> Vec<Recording> {
+    fn runs_along(read: f64, platforms: &[(f64, f64)], within_m: f64) -> Vec<Recording> {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let run = |index: usize| {
             let (mut rows, mut time_s) = (Vec::new(), 0.0);
-            for (stop, off_m) in STOPS_M.iter().zip(platforms) {
-                let at_m = stop + off_m + rng.random_range(-15.0..15.0);
+            for (stop, off_m) in platforms {
+                let at_m = stop + off_m + rng.random_range(-within_m..within_m);
                 for (ahead_m, mps) in [(-100.0, 10.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (100.0, 10.0)] {
                     time_s += 10.0;
                     let location_m = Some(700.0 + read * (at_m + ahead_m));
@@ -205,9 +216,18 @@ mod tests {
         (0..6).map(run).collect()
     }
 
+    fn runs(read: f64, platforms: [f64; 5]) -> Vec<Recording> {
+        let platforms: Vec<(f64, f64)> = STOPS_M.into_iter().zip(platforms).collect();
+        runs_along(read, &platforms, 15.0)
+    }
+
+    fn found_along(recordings: &mut [Recording], described_m: &[f64]) -> Option<Scaled> {
+        let stops: Vec<Option<RunStops>> = recordings.iter().map(|one| of_run(one, described_m)).collect();
+        put_right(recordings, &[0, 1, 2, 3, 4, 5], &stops, described_m)
+    }
+
     fn found(recordings: &mut [Recording]) -> Option<Scaled> {
-        let stops: Vec<Option<RunStops>> = recordings.iter().map(|one| of_run(one, &STOPS_M)).collect();
-        put_right(recordings, &[0, 1, 2, 3, 4, 5], &stops, &STOPS_M)
+        found_along(recordings, &STOPS_M)
     }
 
     fn other_unit(recording: &Recording) -> Option<(f64, usize)> {
@@ -223,6 +243,24 @@ mod tests {
             let last_m = recordings[0].rows.last().unwrap().location_m.unwrap();
             assert!((last_m - 60_080.0).abs() < 120.0, "{last_m}");
         }
+    }
+
+    /// 20 stops in 9 km: with platforms known to 50 m a wheel shows from 1.8 % on.
+    #[test]
+    fn stops_that_are_all_near_their_line_show_a_smaller_wheel_than_scattered_ones() {
+        let described_m: Vec<f64> = (0..20).map(|stop| 450.0 * f64::from(stop)).collect();
+        let along = |read: f64, off_m: f64| {
+            // No straight line in it.
+            let off = |i: usize| off_m * [1.0, -1.0, -1.0, 1.0][i % 4];
+            let platforms: Vec<(f64, f64)> = described_m.iter().enumerate().map(|(i, at_m)| (*at_m, off(i))).collect();
+            found_along(&mut runs_along(read, &platforms, 3.0), &described_m)
+        };
+        for read in [0.985, 0.988, 1.012, 1.015] {
+            let one = along(read, 5.0).unwrap().scale;
+            assert!(one.away_from(read) < 2.0 && one.sd < 0.0025, "{one:?}");
+            assert!(along(read, 60.0).is_none(), "{read}");
+        }
+        assert!(along(1.0, 5.0).is_none());
     }
 
     #[test]
