@@ -69,7 +69,7 @@
 //!
 //! | feature | default | adds |
 //! |---|---|---|
-//! | `onboard` | yes | [`onboard`]: store, authentication, task, serial line; with it AES, CMAC, `embedded-storage`, `embedded-hal-nb` |
+//! | `onboard` | yes | [`onboard`]: store, authentication, task, serial line; with it `embedded-storage`, `embedded-hal-nb` |
 //! | `alloc` | no | effects are read and written by name (TOML, JSON), which takes an allocator |
 //! | `mps2`, `emulator`, `filter-step` | no | test firmware for the emulator; nothing in the library |
 #![no_std]

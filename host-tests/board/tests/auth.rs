@@ -41,6 +41,28 @@ fn secured_messages_are_these_bytes() {
     assert_eq!(sealed(&mut desk(&board), b"new track"), expected);
 }
 
+/// The board's AES and CMAC beside those of the crates `aes` and `cmac`: keys without order, messages of every length up to some blocks.
+#[test]
+fn macs_are_as_another_implementation_has_them() {
+    use cmac::{Cmac, KeyInit, Mac};
+    use rand::{RngExt, SeedableRng};
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+    for length in (0..100).cycle().take(1000) {
+        let (key, epoch): ([u8; 16], u32) = (random.random(), random.random());
+        let message: Vec<u8> = (0..length).map(|_| random.random()).collect();
+        let provisioning = Provisioning { key: Key::new(key), ..provisioning() };
+        let announced = Verifier::new(Ok(provisioning), Ok(epoch)).announcement().unwrap();
+        let secured = sealed(&mut Signer::new(&provisioning, &announced).unwrap(), &message);
+        let mut expected = Cmac::<aes::Aes128>::new(&key.into());
+        expected.update(&[1]);
+        expected.update(&TRACK.to_le_bytes());
+        expected.update(&provisioning.train.0.to_le_bytes());
+        expected.update(&secured[length..length + 8]);
+        expected.update(&message);
+        assert_eq!(secured[length + 8..], expected.finalize().into_bytes()[..8], "{message:x?} with {key:x?}");
+    }
+}
+
 #[test]
 fn every_forged_byte_is_refused_and_changes_nothing() {
     let mut board = board(3);

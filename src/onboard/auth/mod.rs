@@ -34,6 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod aes;
 mod error;
 mod mac;
 pub mod provisioning;
