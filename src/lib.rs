@@ -87,6 +87,7 @@ pub mod model;
 #[cfg(feature = "onboard")]
 pub mod onboard;
 mod plain;
+mod roots;
 pub mod tick;
 pub mod uplink;
 

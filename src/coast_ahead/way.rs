@@ -182,7 +182,7 @@ fn height_m2(line: &Line<'_>, location_m: Real) -> Real {
 #[inline]
 fn speed(before: f32, energy: f32, way_m: f32) -> Result<f32, Stands> {
     if energy > STANDS_M2_PER_S2 {
-        return Ok(libm::sqrt(energy.into()) as f32);
+        return Ok(crate::roots::square_root(energy.into()) as f32);
     }
     // Also where it is NaN; what is made of it is not finite then.
     Err(Stands { after_m: way_m * (before - STANDS_M2_PER_S2) / (before - energy) })

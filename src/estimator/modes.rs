@@ -285,7 +285,7 @@ fn evidence(
         acceleration_sd_mps2: core::f64::consts::SQRT_2 * config.sensor.speed_sd_mps() / interval_s,
         resistance_n_per_kg: effort.resistance_n_per_kg,
         // The same where the track is certain, and there for nothing.
-        resistance_sd_n_per_kg: if of_track > 0.0 { libm::hypot(of_train, of_track) } else { of_train },
+        resistance_sd_n_per_kg: if of_track > 0.0 { crate::roots::hypotenuse(of_train, of_track) } else { of_train },
         max_effort_n_per_kg,
     }
 }

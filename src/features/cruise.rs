@@ -112,7 +112,7 @@ impl HeldSpeeds {
             let change = centre_mps(i as Real) - mean;
             squares += change * change * Real::from(*time_ms) / total;
         }
-        let statistic = Statistic { count: (total / 1000.0) as u32, mean, sd: libm::sqrt(squares) };
+        let statistic = Statistic { count: (total / 1000.0) as u32, mean, sd: crate::roots::square_root(squares) };
         Some((median?, statistic))
     }
 }
@@ -158,7 +158,7 @@ mod tests {
         speeds.add(133.0 / 3.6, 139.0 / 3.6, 120.0);
         let (_, statistic) = speeds.cruise_speed(10.0).unwrap();
         assert!((statistic.mean * 3.6 - 136.0).abs() < 0.05);
-        assert!((statistic.sd * 3.6 - 6.0 / libm::sqrt(12.0)).abs() < 0.1); // of a uniform distribution
+        assert!((statistic.sd * 3.6 - 6.0 / crate::roots::square_root(12.0)).abs() < 0.1); // of a uniform distribution
         assert!((119..=121).contains(&statistic.count));
     }
 }

@@ -37,7 +37,11 @@ impl WeightedMoments {
     /// Standard deviation with n - 1 in the denominator.
     pub(super) fn statistic(&self) -> Statistic {
         let n = Real::from(self.count);
-        let sd = if self.count < 2 { 0.0 } else { libm::sqrt((self.squares / self.weight * n / (n - 1.0)).max(0.0)) };
+        let sd = if self.count < 2 {
+            0.0
+        } else {
+            crate::roots::square_root((self.squares / self.weight * n / (n - 1.0)).max(0.0))
+        };
         Statistic { count: self.count, mean: self.mean, sd }
     }
 }
@@ -85,7 +89,7 @@ impl LineFit {
         let at_lower = mean - slope * self.x / n;
         let free = n - if sloped { 2.0 } else { 1.0 };
         let rest = (self.yy - at_lower * self.y - slope * self.xy).max(0.0);
-        let sd = if free > 0.0 { libm::sqrt(rest / free) } else { 0.0 };
+        let sd = if free > 0.0 { crate::roots::square_root(rest / free) } else { 0.0 };
         Some(EffortLine { effort: Statistic { count: self.count, mean, sd }, at_lower_n_per_kg: at_lower, slope })
     }
 }
@@ -103,7 +107,7 @@ mod tests {
             repeated.add(value, 1.0);
         }
         assert_eq!(weighted.statistic().mean, 2.0);
-        assert_eq!(repeated.statistic(), Statistic { count: 3, mean: 2.0, sd: libm::sqrt(3.0) });
+        assert_eq!(repeated.statistic(), Statistic { count: 3, mean: 2.0, sd: crate::roots::square_root(3.0) });
         weighted.add(Real::NAN, 0.0);
         assert_eq!(weighted.statistic().count, 2);
     }

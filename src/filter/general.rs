@@ -163,7 +163,7 @@ impl<const N: usize> GeneralUkf<N> {
         let mut covariance = SMatrix::<Real, L, L>::zeros();
         let mut cross = SMatrix::<Real, N, L>::zeros();
         for FactorColumn { d, dl, .. } in eliminate::<N, N>(&belief.covariance)? {
-            let away = dl * libm::sqrt(c / d);
+            let away = dl * crate::roots::square_root(c / d);
             let [above, below] = [g(&(belief.mean + away)) - centre, g(&(belief.mean - away)) - centre];
             m += (above + below) * w;
             covariance += (above * above.transpose() + below * below.transpose()) * w;

@@ -268,7 +268,7 @@ impl<'a> UnderTrain<'a> {
         if within(self.front.room_m) && within(self.tail.room_m) {
             return None;
         }
-        Some(self.beyond_edges(libm::sqrt(epsilon_m2)))
+        Some(self.beyond_edges(crate::roots::square_root(epsilon_m2)))
     }
 
     /// Taken by value: a train that nobody points at may live in registers.

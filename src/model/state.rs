@@ -36,5 +36,5 @@ pub fn davis<const N: usize>(state: &SVector<Real, N>) -> Davis {
 /// Standard deviation of r(v) by a belief of r0, r1, r2, N/kg.
 pub fn resistance_sd(belief: &Gaussian<3>, speed_mps: Real) -> Real {
     let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
-    libm::sqrt(at.dot(&(belief.covariance * at)).max(0.0))
+    crate::roots::square_root(at.dot(&(belief.covariance * at)).max(0.0))
 }

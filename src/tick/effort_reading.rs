@@ -363,7 +363,7 @@ fn square(x: f32) -> f32 {
 }
 
 fn root(x: f32) -> f32 {
-    libm::sqrt(x.into()) as f32
+    crate::roots::square_root(x.into()) as f32
 }
 
 /// Share of a change that a column misses for each unit of `s`.
@@ -435,7 +435,7 @@ mod tests {
                 count += 1.0;
             }
         }
-        (reading, libm::sqrt(square / count))
+        (reading, crate::roots::square_root(square / count))
     }
 
     /// Trains that power from a stop and then brake show the end of each powering phase alone.
@@ -524,7 +524,7 @@ mod tests {
                 }
                 last = [before_s, time_s];
             }
-            let deviations = libm::sqrt(square / Real::from(known));
+            let deviations = crate::roots::square_root(square / Real::from(known));
             assert!(known > 990, "{column}, {spacing}: {known} of 1000 are known");
             assert!(deviations < 2.0, "{column}, {spacing}: errors of {deviations} standard deviations");
         }

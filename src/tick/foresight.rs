@@ -110,7 +110,7 @@ impl Trust {
     /// the better of the two; more if they scatter more.
     pub fn worse_by(&self) -> Real {
         let square = 4.0 * self.apart * self.scatter(self.squares - self.worse);
-        if self.coasts >= FEWEST_COASTS && square > 0.0 { self.worse / libm::sqrt(square) } else { 0.0 }
+        if self.coasts >= FEWEST_COASTS && square > 0.0 { self.worse / crate::roots::square_root(square) } else { 0.0 }
     }
 
     /// Numbers that sums over coasts can be.

@@ -434,7 +434,7 @@ impl Segment {
         // White acceleration noise of this tick, spread over its sub-steps so that their sum has the same variance.
         let gusts = config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0;
         let effort = Real::from(tick.effort.variance);
-        let noise_mps2 = libm::sqrt(((gusts + tick.track_density) / tick.dt_s + effort) * sub_steps);
+        let noise_mps2 = crate::roots::square_root(((gusts + tick.track_density) / tick.dt_s + effort) * sub_steps);
         let mut begin_s = tick.time_s - tick.dt_s;
         let (began_mps, believed) = (self.belief.mean[SPEED], davis(&self.belief.mean));
         for _ in 0..sub_steps as u32 {

@@ -176,7 +176,7 @@ impl Vehicle {
     pub fn wind_sd_mps(&self, config: &MemoryConfig) -> Real {
         let variance: Real =
             self.hypotheses.iter().map(|hypothesis| hypothesis.weight * hypothesis.scale * hypothesis.scale).sum();
-        config.wind_sd_mps * libm::sqrt(variance)
+        config.wind_sd_mps * crate::roots::square_root(variance)
     }
 
     /// What is known of its effort column.

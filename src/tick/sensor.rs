@@ -55,6 +55,6 @@ impl SensorConfig {
     pub fn speed_sd_mps(&self) -> Real {
         let quantum_mps = self.speed_quantum_kmh / 3.6;
         let noise_mps = self.speed_noise_kmh / 3.6;
-        libm::sqrt(quantum_mps * quantum_mps / 12.0 + noise_mps * noise_mps)
+        crate::roots::square_root(quantum_mps * quantum_mps / 12.0 + noise_mps * noise_mps)
     }
 }

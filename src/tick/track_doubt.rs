@@ -51,7 +51,11 @@ impl TrackDoubtConfig {
     #[inline(never)]
     pub fn mean_sd_n_per_kg(&self, line: &Line<'_>, location_m: Real, speed_mps: Real, time_s: Real) -> Real {
         let density = self.density(line, location_m, speed_mps);
-        if density > 0.0 { libm::sqrt(density / time_s).min(self.sd_n_per_kg(line, location_m)) } else { 0.0 }
+        if density > 0.0 {
+            crate::roots::square_root(density / time_s).min(self.sd_n_per_kg(line, location_m))
+        } else {
+            0.0
+        }
     }
 
     /// Standard deviation of the force of one gradient, N/kg.

@@ -115,7 +115,7 @@ impl SpeedOffset {
     #[inline(never)]
     pub fn found(&self) -> Option<(f32, f32)> {
         // The root of double precision is in the flash already.
-        let sd = libm::sqrt((self.scatter() / self.information).into()) as f32;
+        let sd = crate::roots::square_root((self.scatter() / self.information).into()) as f32;
         (self.information > 0.0).then(|| (self.vector / self.information, sd))
     }
 

@@ -216,6 +216,6 @@ impl Foreseen {
         let apart = if apart * self.open > 0.0 { 0.0 } else { apart };
         let variance = self.variance + noise;
         let tail = 1.0 / (1.0 + apart * apart / (5.0 * variance));
-        tail * tail * tail / libm::sqrt(variance)
+        tail * tail * tail / crate::roots::square_root(variance)
     }
 }
