@@ -1,6 +1,6 @@
 //! The MAC: AES-128-CMAC over what must not be exchanged, and the trailer that carries it.
 
-use super::aes::encrypt;
+use super::aes::RoundKeys;
 use super::provisioning::{Key, Provisioning};
 use crate::onboard::bytes::take;
 
@@ -76,12 +76,12 @@ impl Trailer {
 
 /// Of the parts one after the other.
 fn cmac(key: &Key, parts: &[&[u8]]) -> [u8; 16] {
-    let key = key.bytes();
+    let keys = RoundKeys::new(&key.bytes());
     let (mut block, mut filled) = ([0; 16], 0);
     for byte in parts.iter().copied().flatten() {
         // Not before there is more: the last block is another one.
         if filled == block.len() {
-            encrypt(&key, &mut block);
+            keys.encrypt(&mut block);
             filled = 0;
         }
         if let Some(place) = block.get_mut(filled) {
@@ -90,14 +90,14 @@ fn cmac(key: &Key, parts: &[&[u8]]) -> [u8; 16] {
         filled += 1;
     }
     let mut subkey = [0; 16];
-    encrypt(&key, &mut subkey);
+    keys.encrypt(&mut subkey);
     let mut subkey = doubled(u128::from_be_bytes(subkey));
     if let Some(place) = block.get_mut(filled) {
         *place ^= 0x80;
         subkey = doubled(subkey);
     }
     block = (u128::from_be_bytes(block) ^ subkey).to_be_bytes();
-    encrypt(&key, &mut block);
+    keys.encrypt(&mut block);
     block
 }
 
