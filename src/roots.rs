@@ -2,7 +2,7 @@
 //!
 //! In: numbers. Out: the nearest double, which is the same one wherever it is computed; of the sum the double that libm's `hypot` gives.
 //!
-//! A processor without doubles finds a root bit by bit: 600 B less than libm's, which is the faster one on a host.
+//! A processor without doubles finds half of a root bit by bit, and the other half by divisions: 700 B less than libm's, which is the faster one on a host.
 
 use crate::Real;
 
@@ -46,21 +46,35 @@ fn by_bits(x: Real) -> Real {
     let mantissa = if exponent == 0 { stored << 1 } else { stored | 1 << STORED };
     let up = mantissa.leading_zeros() as i32 - 11;
     let exponent = exponent - up - BIAS;
-    // The exponent is halved, and what is left of it belongs to the mantissa.
-    let mut rest = mantissa << up;
+    // The exponent is halved, and what is left of it belongs to the mantissa: 54 bits, from the top.
+    let mut bits = mantissa << (up + 10);
     if exponent & 1 != 0 {
-        rest <<= 1;
+        bits <<= 1;
     }
-    let (mut root, mut bit) = (0_u64, 1 << (STORED + 1));
-    while bit != 0 {
-        rest <<= 1;
-        let step = 2 * root + bit;
-        if step <= rest {
+    let (mut root, mut rest) = (0_u32, 0_u32);
+    for _ in 0..27 {
+        rest = rest << 2 | (bits >> 62) as u32;
+        bits <<= 2;
+        let step = root << 2 | 1;
+        root <<= 1;
+        if rest >= step {
             rest -= step;
-            root += bit;
+            root |= 1;
         }
-        bit >>= 1;
     }
+    // The other half of the root is what is left over twice the first half, or one less (Zimmermann, "Karatsuba square root", 1999).
+    let mut lower = 0_u32;
+    for _ in 0..13 {
+        rest <<= 2;
+        // The first half is not 0.
+        let digit = rest.checked_div(root).unwrap_or(0);
+        rest -= digit * root;
+        lower = (lower << 2) + digit;
+    }
+    if u64::from(rest) << 28 < u64::from(lower) * u64::from(lower) {
+        lower -= 1;
+    }
+    let root = (u64::from(root) << 27) + u64::from(lower);
     // One bit more than a double has; no root lies in the middle between two. The first bit adds one to the exponent.
     Real::from_bits(((((exponent >> 1) + BIAS - 1) as u64) << STORED) + root.div_ceil(2))
 }
