@@ -72,7 +72,7 @@ fn bytes(planes: &Planes) -> [u8; 16] {
         let mut word = 0;
         for bit in 0..8 {
             let rows = planes[bit % 4] >> (4 * column + 4 * (bit & 4)) & 0xF;
-            word |= (rows * 0x0020_4081 & 0x0101_0101) << bit;
+            word |= ((rows * 0x0020_4081) & 0x0101_0101) << bit;
         }
         *bytes = u32::to_le_bytes(word);
     }
@@ -113,7 +113,7 @@ fn mix_columns(state: &mut Planes) {
     let (mut below, last) = (last << 16, last >> 16);
     for (bit, plane) in state.iter_mut().enumerate() {
         let both = sum(*plane);
-        *plane = below ^ last * bits_of(REDUCED, bit) ^ next_row(*plane) ^ next_row(next_row(both));
+        *plane = below ^ (last * bits_of(REDUCED, bit)) ^ next_row(*plane) ^ next_row(next_row(both));
         below = both;
     }
 }
