@@ -118,8 +118,16 @@ impl Profile {
     /// The point at a location.
     #[inline]
     fn search(&self, location_m: Real) -> TrackPoint {
-        let begun = self.pieces.partition_point(|p| p.from_m <= location_m);
-        self.point(begun.saturating_sub(1), location_m)
+        // By halves of a power of two, the flat start being behind every location: less to do than for halves of what is left.
+        let (mut index, mut ahead) = (0, 1 << (self.pieces.len() | 1).ilog2());
+        while ahead > 0 {
+            let there = index + ahead;
+            if self.pieces.get(there).is_some_and(|piece| piece.from_m <= location_m) {
+                index = there;
+            }
+            ahead /= 2;
+        }
+        self.point(index, location_m)
     }
 
     /// The point at a distance of either sign, found by walking from here.
@@ -141,9 +149,13 @@ impl Profile {
 
     #[inline]
     fn point(&self, index: usize, location_m: Real) -> TrackPoint {
-        let piece = self.piece(index);
+        let (piece, end_m) = match self.pieces.get(index..) {
+            Some([piece, next, ..]) => (piece, next.from_m),
+            Some([last]) => (last, Real::INFINITY),
+            _ => (&FLAT_START, Real::INFINITY),
+        };
         let behind_m = location_m - piece.from_m;
-        let before_m = self.begin_m(index + 1) - location_m;
+        let before_m = end_m - location_m;
         TrackPoint {
             location_m,
             index,
