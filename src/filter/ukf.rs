@@ -271,16 +271,17 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         let noise = process.noise_variance();
         let in_gain = if self.reuse_points { 0.0 } else { noise };
         self.propagate(belief, process, in_gain)?;
-        let innovation = self.take_in(belief, observation, z)?;
+        let innovation = self.update(belief, observation, z)?;
         if self.reuse_points && noise != 0.0 {
             let b = process.carry(&SVector::zeros(), 1.0);
             for j in 0..K {
                 for i in j..K {
-                    belief.covariance[(i, j)] += noise * b[i] * b[j];
+                    let element = belief.covariance[(i, j)] + noise * b[i] * b[j];
+                    belief.covariance[(i, j)] = element;
+                    belief.covariance[(j, i)] = element;
                 }
             }
         }
-        mirror(&mut belief.covariance);
         Ok(innovation)
     }
 
@@ -297,22 +298,6 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         self.propagate(belief, process, process.noise_variance())?;
         mirror(&mut belief.covariance);
         Ok(())
-    }
-
-    /// Update, Eq. (12)-(18), one reading after another; a missing or gated reading is left out.
-    ///
-    /// # Errors
-    /// [`NotPositiveDefinite`] with the row of the variance that is no longer above zero; `belief` is then of no use.
-    #[inline]
-    pub fn update(
-        &self,
-        belief: &mut Gaussian<N>,
-        observation: &impl MeasurementModel<M>,
-        z: &[Option<Real>; M],
-    ) -> Result<Innovation<M>, NotPositiveDefinite> {
-        let innovation = self.take_in(belief, observation, z)?;
-        mirror(&mut belief.covariance);
-        Ok(innovation)
     }
 
     /// Eq. (7)-(11) in the form that the module's header derives. Leaves only the lower triangle of the covariance good.
@@ -363,9 +348,12 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         Ok(())
     }
 
-    /// [`Ukf::update`] of the lower triangle.
+    /// Update, Eq. (12)-(18), one reading after another; a missing or gated reading is left out.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`] with the row of the variance that is no longer above zero; `belief` is then of no use.
     #[inline]
-    fn take_in<O: MeasurementModel<M>>(
+    pub fn update<O: MeasurementModel<M>>(
         &self,
         belief: &mut Gaussian<N>,
         observation: &O,
@@ -416,6 +404,8 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
                 }
             }
         }
+        // The check comes last: else the compiler stores what is below the diagonal twice.
+        mirror(covariance);
         for row in 0..N {
             above_zero(covariance[(row, row)], row)?;
         }
