@@ -315,6 +315,22 @@ mod tests {
     }
 
     #[test]
+    fn a_search_finds_the_last_piece_that_has_begun() {
+        let mut profile = Profile::NONE;
+        assert_eq!(profile.search(10.0).index, 0);
+        profile.restart();
+        for pieces in 1..70_u32 {
+            for location_m in (0..720).map(|i| Real::from(i) - 5.0) {
+                let begun = profile.pieces.partition_point(|piece| piece.from_m <= location_m);
+                assert_eq!(profile.search(location_m).index, begun - 1, "{pieces} pieces, {location_m}");
+            }
+            assert_eq!(profile.search(Real::NAN).index, 0);
+            assert_eq!(profile.search(Real::NEG_INFINITY).index, 0);
+            assert!(profile.push(Gradient { from_m: 10.0 * Real::from(pieces), permille: 1.0 }));
+        }
+    }
+
+    #[test]
     fn the_integral_of_the_height_is_its_mean_times_the_length() {
         let profile = profile();
         for direction in [Direction::Up, Direction::Down] {

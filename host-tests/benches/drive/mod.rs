@@ -70,11 +70,13 @@ impl Drive {
     /// Steps of `rundown::filter::ukf`.
     pub fn ours(&self, steps: usize) -> Gaussian<SIZE> {
         let line = self.line();
-        let ukf = Ukf { spread: black_box(Spread::PAPER), gate: [None; 2], reuse_points: true };
+        // As in a replay, where they come from a file: nothing is worked out beforehand.
+        let (spread, reuse_points, observation, dt_s) = black_box((Spread::PAPER, true, OBSERVATION, DT_S));
+        let ukf = Ukf { spread, gate: [None; 2], reuse_points };
         self.run(steps, |belief, effort, location_m, speed_mps| {
-            let motion = Motion::new(&line, &belief.mean, effort, DT_S, Evaluate::Beginning);
+            let motion = Motion::new(&line, &belief.mean, effort, dt_s, Evaluate::Beginning);
             let z = [Some(location_m), Some(speed_mps)];
-            black_box(ukf.step(belief, &motion, &OBSERVATION, &z)).expect("positive definite");
+            black_box(ukf.step(belief, &motion, &observation, &z)).expect("positive definite");
         })
     }
 
