@@ -1,5 +1,5 @@
-//! Hands the memory layout of the chosen board to the linker, as the `board.x` that `memory.x` includes, and the commit to the firmware. Does nothing for
-//! the host.
+//! Hands the memory layout of the chosen board to the linker, as the `board.x` that `memory.x` includes, and the commit
+//! to the firmware. Does nothing for the host.
 
 use std::path::Path;
 use std::process::Command;
@@ -33,7 +33,8 @@ fn main() -> io::Result<()> {
 const SOURCES: [&str; 8] =
     [".cargo/config.toml", "build.rs", "Cargo.lock", "Cargo.toml", "memory.x", "src", "wire/Cargo.toml", "wire/src"];
 
-/// First eight digits of the commit, with a `+` where sources differ from it; none outside of git. The same commit gives the same, at any time and place.
+/// First eight digits of the commit, with a `+` where sources differ from it; none outside of git. The same commit
+/// gives the same, at any time and place.
 fn commit() -> Option<String> {
     // Another commit, a branch that moves, a changed source: asked again.
     let branch = git(&["symbolic-ref", "-q", "HEAD"]);

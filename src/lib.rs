@@ -1,4 +1,5 @@
-//! Rundown: on-board train motion estimator after Cunillera et al. 2022, `no_std`, in fixed memory. It learns the running resistance of a train that coasts:
+//! Rundown: on-board train motion estimator after Cunillera et al. 2022, `no_std`, in fixed memory. It learns the
+//! running resistance of a train that coasts:
 //!
 //! ```
 //! use rundown::{Config, Direction, Estimator, Measurement, Track, Train, TrainDescription};
@@ -47,7 +48,8 @@
 //! estimate + track with its targets -> coast_ahead: speed and time at the next one
 //! ```
 //!
-//! [`estimator`] alone knows this order. Beside it stand [`onboard::store`] (the vehicle survives the power cut) and [`onboard::auth`] (who may change what).
+//! [`estimator`] alone knows this order. Beside it stand [`onboard::store`] (the vehicle survives the power cut) and
+//! [`onboard::auth`] (who may change what).
 //!
 //! | equation, section | item |
 //! |---|---|
@@ -63,8 +65,9 @@
 //!
 //! What leaves the board and what comes to it are messages of [`link`], over a serial line or CAN.
 //!
-//! *Tick*: one measurement and its answer. *Run*: from one long stop to the next. *Regime*: what the driver does. *Vehicle*: what is known of the train beyond the day.
-//! *Final coast*: coasting before the brake that leaves line speed. Effort and resistance are per rotating mass γ m, in N/kg; traction positive, brake negative, uphill positive,
+//! *Tick*: one measurement and its answer. *Run*: from one long stop to the next. *Regime*: what the driver does.
+//! *Vehicle*: what is known of the train beyond the day. *Final coast*: coasting before the brake that leaves line
+//! speed. Effort and resistance are per rotating mass γ m, in N/kg; traction positive, brake negative, uphill positive,
 //! resistance positive against travel.
 //!
 //! | feature | default | adds |
@@ -101,5 +104,6 @@ pub use model::{
 pub use rundown_wire::link;
 pub use tick::measurement::Measurement;
 
-/// Number type of the whole estimator. With the spread of the paper textbook weights are near 1.7e6, so single precision is not enough.
+/// Number type of the whole estimator. With the spread of the paper textbook weights are near 1.7e6, so single
+/// precision is not enough.
 pub type Real = f64;

@@ -1,4 +1,5 @@
-//! Lists of a fixed capacity from items. `collect` panics where there are more items than room; here the first ones are kept.
+//! Lists of a fixed capacity from items. `collect` panics where there are more items than room; here the first ones are
+//! kept.
 
 use heapless::Vec;
 

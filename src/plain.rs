@@ -7,8 +7,8 @@
 //! list              its length, as a u32, then each    else          one after the other, in the order of the declaration
 //! ```
 //!
-//! These are postcard's bytes. One function of a type serves all ways, and an error is noted and not handed up: on the board this takes a third of the code
-//! of serde's derived functions. A value that is written is not changed.
+//! These are postcard's bytes. One function of a type serves all ways, and an error is noted and not handed up: on the
+//! board this takes a third of the code of serde's derived functions. A value that is written is not changed.
 
 use heapless::{Deque, Vec};
 use nalgebra::{ArrayStorage, SMatrix};

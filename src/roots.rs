@@ -1,8 +1,10 @@
 //! Square roots of doubles, and of sums of two squares.
 //!
-//! In: numbers. Out: the nearest double, which is the same one wherever it is computed; of the sum the double that libm's `hypot` gives.
+//! In: numbers. Out: the nearest double, which is the same one wherever it is computed; of the sum the double that
+//! libm's `hypot` gives.
 //!
-//! A processor without doubles finds half of a root bit by bit, and the other half by divisions: 700 B less than libm's, which is the faster one on a host.
+//! A processor without doubles finds half of a root bit by bit, and the other half by divisions: 700 B less than
+//! libm's, which is the faster one on a host.
 
 use crate::Real;
 
@@ -23,7 +25,8 @@ pub(crate) fn hypotenuse(a: Real, b: Real) -> Real {
     square_root(small_below + large_below + small + large)
 }
 
-/// x² without a rounding: its double, and what that lacks (Dekker, "A floating-point technique for extending the available precision", 1971).
+/// x² without a rounding: its double, and what that lacks (Dekker, "A floating-point technique for extending the
+/// available precision", 1971).
 fn square(x: Real) -> (Real, Real) {
     let shifted = x * 134_217_729.0;
     let upper = x - shifted + shifted;
@@ -62,7 +65,8 @@ fn by_bits(x: Real) -> Real {
             root |= 1;
         }
     }
-    // The other half of the root is what is left over twice the first half, or one less (Zimmermann, "Karatsuba square root", 1999).
+    // The other half of the root is what is left over twice the first half, or one less (Zimmermann, "Karatsuba square
+    // root", 1999).
     let mut lower = 0_u32;
     for _ in 0..13 {
         rest <<= 2;

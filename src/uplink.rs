@@ -1,5 +1,5 @@
-//! Uplink: what is sent to the board. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured,
-//! and measurements too where [`SecurityConfig`] says so.
+//! Uplink: what is sent to the board. What only asks (a measurement, [`Command::Status`]) comes open or secured; all
+//! else changes the board and must be secured, and measurements too where [`SecurityConfig`] says so.
 //!
 //! ```text
 //! open       version, 0, postcard of Uplink
@@ -276,7 +276,8 @@ pub fn decode(payload: &[u8]) -> Option<Uplink> {
     plain::read_all(&mut uplink, payload).then_some(uplink)
 }
 
-/// Whether a payload may come open, by its first bytes; none: it is too short, or of no kind. The rest of it is not read.
+/// Whether a payload may come open, by its first bytes; none: it is too short, or of no kind. The rest of it is not
+/// read.
 pub fn may_come_open(security: &SecurityConfig, payload: &[u8]) -> Option<bool> {
     const MEASUREMENT: u32 = 0;
     const COMMAND: u32 = 5;
@@ -354,7 +355,8 @@ mod tests {
         others.into_iter().chain(commands.into_iter().map(Request::Command)).chain(settings)
     }
 
-    /// Each request, whole, with every byte changed and cut short everywhere, is read as postcard reads it, who writes it.
+    /// Each request, whole, with every byte changed and cut short everywhere, is read as postcard reads it, who writes
+    /// it.
     #[test]
     fn every_request_is_read_as_it_was_written() {
         for request in requests() {

@@ -1,4 +1,5 @@
-//! Time of one step of the paper's model and of a run of 90 steps, textbook against ours: `cargo bench -p host-tests --bench step`.
+//! Time of one step of the paper's model and of a run of 90 steps, textbook against ours:
+//! `cargo bench -p host-tests --bench step`.
 
 mod drive;
 

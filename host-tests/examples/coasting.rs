@@ -1,7 +1,9 @@
-//! Prints coverage and sharpness of the coast-ahead prediction: `cargo run --release -p host-tests --example coasting [vehicles] [runs] [scenario] [wind_change_mps]`.
+//! Prints coverage and sharpness of the coast-ahead prediction:
+//! `cargo run --release -p host-tests --example coasting [vehicles] [runs] [scenario] [wind_change_mps]`.
 //!
-//! Truth is what the simulated train does when it coasts from there. A row: predictions, share of truths inside the 90 % interval, its half width, rms error, bias, rms of
-//! error over standard deviation; of the speed at the target, then of the time.
+//! Truth is what the simulated train does when it coasts from there. A row: predictions, share of truths inside the 90
+//! % interval, its half width, rms error, bias, rms of error over standard deviation; of the speed at the target, then
+//! of the time.
 
 use host_tests::coasting::{Calibration, Judged, judge, published};
 use host_tests::prelude::*;

@@ -1,4 +1,5 @@
-//! `cargo xtask emulate`: a run through the firmware in the emulator and through the task on the host; the first tick that differs is named.
+//! `cargo xtask emulate`: a run through the firmware in the emulator and through the task on the host; the first tick
+//! that differs is named.
 //!
 //! Arguments: RUN.csv TRAIN.toml TRACK.toml [FRAMES.bin]
 

@@ -1,4 +1,5 @@
-//! `cargo xtask budget`: plays that ask more of the board than the reference run, through the firmware in the emulator and the task on the host.
+//! `cargo xtask budget`: plays that ask more of the board than the reference run, through the firmware in the emulator
+//! and the task on the host.
 //!
 //! Out: a line for each with its name, the depth of the stack, and the longest call of the application.
 

@@ -1,4 +1,5 @@
-//! Coast-ahead predictions judged against truth: what the train would do if it coasted from there, driven on by the simulator.
+//! Coast-ahead predictions judged against truth: what the train would do if it coasted from there, driven on by the
+//! simulator.
 
 use crate::prelude::*;
 use board_tests::described::measurements;
@@ -173,7 +174,8 @@ impl Calibration {
     }
 }
 
-/// How often predictions are published, by a run's ticks with a target: all, and while truly coasting: published, of so many.
+/// How often predictions are published, by a run's ticks with a target: all, and while truly coasting: published, of so
+/// many.
 pub fn published(config: &Config, judged: &[Judged]) -> [[usize; 2]; 2] {
     let mut counts = [[0; 2]; 2];
     let mut steady = Steady::NONE;

@@ -1,4 +1,5 @@
-//! A second encoder, written from the rules of `WIRE.md` and not with postcard: each field of a value with its path, its type and its bytes.
+//! A second encoder, written from the rules of `WIRE.md` and not with postcard: each field of a value with its path,
+//! its type and its bytes.
 //!
 //! The examples of the document are made of it, and the encoder of the frames is compared with it.
 

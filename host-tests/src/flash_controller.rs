@@ -1,5 +1,5 @@
-//! The flash controller of an STM32L4 as its reference manual and errata have it, over [`Flash`]: sticky flags, keys, a busy flag, a data cache that goes stale, and
-//! a supply that can be cut at any access.
+//! The flash controller of an STM32L4 as its reference manual and errata have it, over [`Flash`]: sticky flags, keys, a
+//! busy flag, a data cache that goes stale, and a supply that can be cut at any access.
 
 use crate::flash::{CutMode, Flash, PAGE, WORD};
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};

@@ -1,4 +1,5 @@
-//! What the integration tests share: the task on a board of the host and of the emulator, a flash that fails, a CAN controller, the textbook filter, and the measure of accuracy.
+//! What the integration tests share: the task on a board of the host and of the emulator, a flash that fails, a CAN
+//! controller, the textbook filter, and the measure of accuracy.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -21,7 +21,8 @@ pub fn recording(path: &Path) -> Recording {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The logs that tests read, with their track and train: those of the folder that `RUNDOWN_LOGS` names, else the run of `data/reference`.
+/// The logs that tests read, with their track and train: those of the folder that `RUNDOWN_LOGS` names, else the run of
+/// `data/reference`.
 pub struct Logs {
     /// Where track, train and what else describes the logs lie.
     pub folder: PathBuf,

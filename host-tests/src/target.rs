@@ -1,4 +1,5 @@
-//! The firmware in the emulator beside the task on the host: the same messages in, and frame by frame the same bytes out.
+//! The firmware in the emulator beside the task on the host: the same messages in, and frame by frame the same bytes
+//! out.
 
 use crate::board::{PROVISIONING, Wire, task};
 use crate::flash::Flash;
@@ -96,7 +97,8 @@ pub struct Same {
     pub messages: Vec<Vec<u8>>,
 }
 
-/// Plays a log to both. All frames must be the same, but for [`Body::Health`] and [`Body::Versions`], which tell of the hardware and the build.
+/// Plays a log to both. All frames must be the same, but for [`Body::Health`] and [`Body::Versions`], which tell of the
+/// hardware and the build.
 ///
 /// # Errors
 /// The first tick whose frames differ, with both; or why a session ended.

@@ -1,9 +1,12 @@
-//! The paper's filter exactly as it is printed: the reference implementation that `rundown::filter::ukf` is compared with, in result and cost.
+//! The paper's filter exactly as it is printed: the reference implementation that `rundown::filter::ukf` is compared
+//! with, in result and cost.
 //!
-//! In: a belief, any function f, a measurement of some of the components. Out: the belief one step later, and what lay between.
+//! In: a belief, any function f, a measurement of some of the components. Out: the belief one step later, and what lay
+//! between.
 //!
-//! Written from Eq. (7)-(18) alone, with nalgebra's matrices and its own Cholesky loop. From `rundown` it takes only the containers
-//! ([`Gaussian`], `Spread`) and, in [`Motion`], the descriptions of track and train: weights, points, sums, gain and update are its own.
+//! Written from Eq. (7)-(18) alone, with nalgebra's matrices and its own Cholesky loop. From `rundown` it takes only
+//! the containers ([`Gaussian`], `Spread`) and, in [`Motion`], the descriptions of track and train: weights, points,
+//! sums, gain and update are its own.
 //!
 //! ```text
 //! X0 = x, X_i = x ± sqrt(L + λ) l_i         Eq. (7), (8)     Y_i = f(X_i)
@@ -199,7 +202,8 @@ impl<'a> Motion<'a> {
         motion
     }
 
-    /// The same motion for states whose location is counted from here: with weights of 1.7e6 every digit that the numbers do not carry counts.
+    /// The same motion for states whose location is counted from here: with weights of 1.7e6 every digit that the
+    /// numbers do not carry counts.
     pub fn seen_from(mut self, origin_m: f64) -> Self {
         self.origin_m = origin_m;
         self

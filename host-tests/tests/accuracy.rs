@@ -1,7 +1,7 @@
 //! How near does it come to the truth? Fleets of simulated vehicles on both sides of the manufacturer's values.
 //!
-//! The limits are the goals of the project where they are met, rounded up for another set of seeds, and elsewhere what was reached; the full table is printed by
-//! `rundown accuracy-bench`.
+//! The limits are the goals of the project where they are met, rounded up for another set of seeds, and elsewhere what
+//! was reached; the full table is printed by `rundown accuracy-bench`.
 
 use host_tests::accuracy::{BAND_KMH, FleetFigures, JudgedVehicle, NOMINAL, judge, replay};
 use host_tests::prelude::*;
@@ -45,7 +45,8 @@ fn gated_learning_follows_the_truth() {
     assert!(cruise_kmh < 0.7 && power_percent < 1.6, "{cruise_kmh} {power_percent}");
 }
 
-/// The paper's loop computes the effort from the speed that it explains: what it estimates says nothing about the train.
+/// The paper's loop computes the effort from the speed that it explains: what it estimates says nothing about the
+/// train.
 #[test]
 fn the_papers_loop_does_not_follow_the_truth() {
     let config = Config::with_mode(Mode::Paper);
@@ -81,8 +82,9 @@ fn an_effort_column_teaches_however_it_was_made_and_whatever_its_gain() {
     }
 }
 
-/// 5 % low at 140 km/h and right at standstill. Rows that were doubted by white noise alone taught an r(v) that was 15 % too large at 20 km/h and 7 % (rms) off in
-/// all, seven standard deviations; now it is 2.8 %, and still two of them, because all runs are off alike.
+/// 5 % low at 140 km/h and right at standstill. Rows that were doubted by white noise alone taught an r(v) that was 15
+/// % too large at 20 km/h and 7 % (rms) off in all, seven standard deviations; now it is 2.8 %, and still two of them,
+/// because all runs are off alike.
 #[test]
 fn a_gain_that_changes_with_the_speed_makes_no_other_resistance() {
     let sensors = Sensors { sampling_s: 1.0, effort_noise_share: 0.02, ..Sensors::default() };
@@ -101,7 +103,8 @@ fn a_gain_that_changes_with_the_speed_makes_no_other_resistance() {
     assert!(table.vehicle[1].rmse_percent() < 3.5 && table.vehicle[1].deviations() < 3.0);
 }
 
-/// A late column was learned from with a bias of 2 to 3 %, and the intervals held a third to a half of the truths after 67 runs (74 % after 10).
+/// A late column was learned from with a bias of 2 to 3 %, and the intervals held a third to a half of the truths after
+/// 67 runs (74 % after 10).
 #[test]
 fn the_interval_of_a_late_column_holds() {
     let fleet = fleets::all().into_iter().find(|fleet| fleet.name == "late").unwrap();
@@ -143,7 +146,8 @@ fn gain_and_age_of_an_effort_column_are_carried_and_a_swapped_recorder_is_believ
     assert!((share - 0.5).abs() < 0.15, "{share}");
 }
 
-/// `s` is a share of the tick: what rows of 10 s say of it, believed of rows of 1 s, hid most of the second for as long as the vehicle ran.
+/// `s` is a share of the tick: what rows of 10 s say of it, believed of rows of 1 s, hid most of the second for as long
+/// as the vehicle ran.
 #[test]
 fn a_column_of_another_tick_keeps_its_gain_and_its_age_is_learned_again() {
     let every = |sampling_s| {
@@ -164,11 +168,12 @@ fn a_column_of_another_tick_keeps_its_gain_and_its_age_is_learned_again() {
     }
 }
 
-/// Nothing was learned on hops before: the errors after 20 runs were the 16 % of the descriptions. What is learned must hold: gentle brakes that were taken
-/// for coasts gave a suburban train a fifth too much.
+/// Nothing was learned on hops before: the errors after 20 runs were the 16 % of the descriptions. What is learned must
+/// hold: gentle brakes that were taken for coasts gave a suburban train a fifth too much.
 #[test]
 fn short_coasts_teach_metros_trams_and_suburban_trains() {
-    // With an effort column the first hop of each run, which is not known to be one, teaches by it; by all hops 9 % after ten runs, 31 % inside.
+    // With an effort column the first hop of each run, which is not known to be one, teaches by it; by all hops 9 %
+    // after ten runs, 31 % inside.
     let fleets_and_limits =
         [("metro", 9.0, 0.95), ("tram", 6.0, 0.95), ("suburban-1s", 13.0, 0.95), ("suburban-effort", 5.0, 0.8)];
     for (name, most_percent, least_inside) in fleets_and_limits {
@@ -203,8 +208,9 @@ fn speeds_that_are_cut_off_are_found_and_put_right() {
     assert!(table.feature_p90()[2] < 0.9, "cruise speed");
 }
 
-/// Fast logs show each rounding step many times over; r must not be believed more than it is known. It is not known better than from 10 s samples
-/// either: over these five runs the error stays near that of the first, with a bias of 1 %.
+/// Fast logs show each rounding step many times over; r must not be believed more than it is known. It is not known
+/// better than from 10 s samples either: over these five runs the error stays near that of the first, with a bias of 1
+/// %.
 #[test]
 fn one_second_logs_are_not_overconfident() {
     let fast = Scenario { sensors: Sensors { sampling_s: 1.0, ..Sensors::default() }, ..Scenario::default() };

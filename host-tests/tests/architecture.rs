@@ -1,7 +1,8 @@
 //! Do imports go the way that `ARCHITECTURE.md` says? Its tables are read here, so that page and code cannot part.
 //!
-//! A module is read from its `mod name;` on, as the compiler does; what stands under `#[cfg(test)]` is left out. A name that a module re-exports counts
-//! as an import of the file that defines it, and the front page of a crate re-exports without importing.
+//! A module is read from its `mod name;` on, as the compiler does; what stands under `#[cfg(test)]` is left out. A name
+//! that a module re-exports counts as an import of the file that defines it, and the front page of a crate re-exports
+//! without importing.
 
 use host_tests::project::{root, shown, text};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -240,7 +241,8 @@ impl Target {
         Some(at)
     }
 
-    /// From file to file, with the line. What a module's own file holds is common to the modules inside it, so that they may use it.
+    /// From file to file, with the line. What a module's own file holds is common to the modules inside it, so that
+    /// they may use it.
     fn edges(&self) -> Vec<(PathBuf, usize, PathBuf)> {
         let mut edges = Vec::new();
         for (module, (file, source)) in &self.modules {

@@ -1,4 +1,5 @@
-//! Does the board's CAN controller carry messages: filters, full mailboxes, overrun, bus-off, a controller that does not answer?
+//! Does the board's CAN controller carry messages: filters, full mailboxes, overrun, bus-off, a controller that does
+//! not answer?
 
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use heapless::spsc::Queue;

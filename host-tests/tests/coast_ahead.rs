@@ -1,6 +1,7 @@
 //! Is the coast-ahead prediction right as often as it says, does it stand still, and does the board say it?
 //!
-//! Truth is what the simulated train does when it coasts from there: the simulator's own integrator, with the wind and the load of that run.
+//! Truth is what the simulated train does when it coasts from there: the simulator's own integrator, with the wind and
+//! the load of that run.
 
 use host_tests::board::{case_study, running};
 use host_tests::coasting::{Calibration, Judged, judge, published};

@@ -1,4 +1,5 @@
-//! Can the documents be trusted? Links lead somewhere, tests that are named exist, the library's snippet runs; lines are short, words are the field's.
+//! Can the documents be trusted? Links lead somewhere, tests that are named exist, the library's snippet runs; lines
+//! are short, words are the field's.
 
 #[path = "documents/snippet.rs"]
 mod snippet;
@@ -91,6 +92,31 @@ fn lines_of_prose_end_at_120_characters() {
     let mut findings = Vec::new();
     for (path, text) in documents() {
         for (number, line) in lines(&text).filter(|(_, line)| !line.starts_with(['|', '#'])) {
+            let length = line.chars().count();
+            if length > LINE {
+                findings.push(format!("{}: {length} characters, at most {LINE}", place(&path, number)));
+            }
+        }
+    }
+    report(&findings);
+}
+
+/// The comments of a file, with their numbers: what stands behind the slashes, outside of code blocks.
+fn comments(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut code = false;
+    text.lines().enumerate().filter_map(move |(index, line)| {
+        let said = line.trim_start().strip_prefix("//")?.trim_start_matches(['/', '!']);
+        let fence = said.trim_start().starts_with("```");
+        code ^= fence;
+        (!code && !fence && !said.trim_start().starts_with('|')).then_some((index + 1, line))
+    })
+}
+
+#[test]
+fn comments_end_at_120_characters() {
+    let mut findings = Vec::new();
+    for (path, text) in read(".rs") {
+        for (number, line) in comments(&text) {
             let length = line.chars().count();
             if length > LINE {
                 findings.push(format!("{}: {length} characters, at most {LINE}", place(&path, number)));

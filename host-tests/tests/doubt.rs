@@ -1,4 +1,5 @@
-//! A track that is not as described: what is learned on it is doubted, and the trust in it falls where the description was believed.
+//! A track that is not as described: what is learned on it is doubted, and the trust in it falls where the description
+//! was believed.
 
 use host_tests::accuracy::{Errors, davis, replay, resistance};
 use host_tests::prelude::*;

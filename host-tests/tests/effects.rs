@@ -1,4 +1,5 @@
-//! Does the model with a named effect come nearer to a truth that has it? The truth is integrated here, with equations of its own.
+//! Does the model with a named effect come nearer to a truth that has it? The truth is integrated here, with equations
+//! of its own.
 //!
 //! `cargo test -p host-tests --test effects -- --nocapture` prints the figures.
 
@@ -198,7 +199,8 @@ fn hidden() -> Vec<(Effect, Extra)> {
     ]
 }
 
-/// Given a truth with an effect / When the model has the same effect / Then the learned r(v) is near the truth's, and further without it.
+/// Given a truth with an effect / When the model has the same effect / Then the learned r(v) is near the truth's, and
+/// further without it.
 #[test]
 fn an_effect_in_the_model_does_not_hide_in_the_resistance() {
     let surroundings = Surroundings { temperature_c: Some(-10.0), day: Some(20_100.0) };

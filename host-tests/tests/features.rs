@@ -1,4 +1,5 @@
-//! Whole runs with a known truth: integrated in steps of 0.1 s, then read in whole km/h every 10 s or every second, at any phase of the sampling grid.
+//! Whole runs with a known truth: integrated in steps of 0.1 s, then read in whole km/h every 10 s or every second, at
+//! any phase of the sampling grid.
 
 use rundown::features::{FeatureConfig, FeatureExtractor, Features, Observation};
 use rundown::tick::regime::{PaperRule, Regime};

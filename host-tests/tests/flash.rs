@@ -1,4 +1,5 @@
-//! Does the sequence of the STM32L4's flash lose what was learned, or refuse for ever: sticky flags, a busy controller, a stale cache, power cuts at every access?
+//! Does the sequence of the STM32L4's flash lose what was learned, or refuse for ever: sticky flags, a busy controller,
+//! a stale cache, power cuts at every access?
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use host_tests::flash::{CUT_MODES, Flash, PAGE, TornReads};

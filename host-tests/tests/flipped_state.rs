@@ -1,4 +1,5 @@
-//! What does a flipped bit in the memory of a run do? Every bit of the state is flipped once, in the middle of a segment that teaches.
+//! What does a flipped bit in the memory of a run do? Every bit of the state is flipped once, in the middle of a
+//! segment that teaches.
 //!
 //! Row 36 of `docs/faults.md` promises more than the code keeps: no checksum is looked at. Here stands what is kept.
 

@@ -1,4 +1,5 @@
-//! Is a hidden effect found, named and sized, and is nothing found where nothing is hidden? The workflow gets a folder as `rundown simulate` writes it, without its truth.
+//! Is a hidden effect found, named and sized, and is nothing found where nothing is hidden? The workflow gets a folder
+//! as `rundown simulate` writes it, without its truth.
 
 use rundown::model::effects::Effect;
 use rundown_gap::answer::notes::notes;
@@ -116,8 +117,9 @@ fn medium_and_faint_effects_are_found_in_many_runs() {
     }
 }
 
-/// Drawn between 150 and 600 s, the time constant is none of those that are tried first. Its limits are too narrow since the gain of the effort is a nuisance:
-/// of three sets (seeds 41 to 43) two miss by 2 % of the time constant (docs/not-done.md).
+/// Drawn between 150 and 600 s, the time constant is none of those that are tried first. Its limits are too narrow
+/// since the gain of the effort is a nuisance: of three sets (seeds 41 to 43) two miss by 2 % of the time constant
+/// (docs/not-done.md).
 #[test]
 fn a_warm_up_has_its_time_constant_and_limits_near_it() {
     let (set, score, Answer { found, .. }) = of_size(Size::Clear, MANY, &["warm_up"], true, false, 41);
@@ -178,7 +180,8 @@ fn a_dragging_brake_is_distinguished_from_winds_without_an_effort_column() {
     assert!(notes.iter().any(|note| note.contains("coasting alone")), "{notes:?}");
 }
 
-/// In one direction a tunnel and a wrong gradient differ by the speeds of the runs alone: both are reported, with what would separate them, or the right one.
+/// In one direction a tunnel and a wrong gradient differ by the speeds of the runs alone: both are reported, with what
+/// would separate them, or the right one.
 #[test]
 fn a_tunnel_in_one_direction_is_named_or_shared() {
     for seed in [1_231_151_716, 1_714_657_528] {

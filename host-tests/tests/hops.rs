@@ -61,7 +61,8 @@ fn learned_s(mode: Mode, between: &Between) -> f64 {
     estimator.end_run(&mut state, &mut vehicle).learned_s
 }
 
-/// Speeds that were held on gentle slopes taught that the resistance is what balances the slope: trams and suburban trains of another simulator ended 20 to 37 % too low.
+/// Speeds that were held on gentle slopes taught that the resistance is what balances the slope: trams and suburban
+/// trains of another simulator ended 20 to 37 % too low.
 #[test]
 fn a_fall_of_the_speed_under_power_is_no_coast_where_the_effort_is_measured() {
     let learned_s = |effort_n_per_kg| learned_s(Mode::Measured, &Between { effort_n_per_kg, ..HELD });
@@ -71,7 +72,8 @@ fn a_fall_of_the_speed_under_power_is_no_coast_where_the_effort_is_measured() {
     }
 }
 
-/// Metros and trams coast for a quarter of a minute. What shows it of whole km/h begins and ends too late for that; shorter pieces would be chosen for their rounding.
+/// Metros and trams coast for a quarter of a minute. What shows it of whole km/h begins and ends too late for that;
+/// shorter pieces would be chosen for their rounding.
 #[test]
 fn short_coasts_teach_where_speeds_are_finer_than_whole_kmh() {
     let coast = |step_kmh, uphill_permille, lasts_s| {

@@ -1,4 +1,5 @@
-//! Does `rundown link` tell a board what a replay knows? A board on the host behind a TCP port, and the same log through `replay`.
+//! Does `rundown link` tell a board what a replay knows? A board on the host behind a TCP port, and the same log
+//! through `replay`.
 
 use host_tests::board::{PROVISIONING, Wire, task};
 use host_tests::flash::Flash;
@@ -81,7 +82,8 @@ fn board(line: Line) -> String {
     address
 }
 
-/// The reference run on a day that gets colder; for some rows nobody knows how cold, and once the thermometer is broken.
+/// The reference run on a day that gets colder; for some rows nobody knows how cold, and once the thermometer is
+/// broken.
 fn with_temperatures(log: &str) -> String {
     let mut cold = String::new();
     for (row, line) in log.lines().enumerate() {
@@ -211,7 +213,8 @@ fn a_run_without_a_summary_is_an_error() {
     assert_eq!(code, ExitCode::from(5));
 }
 
-/// The train and the first rows of the reference run, with what comes in parts: gradients, curves, targets, a table. Where it lies.
+/// The train and the first rows of the reference run, with what comes in parts: gradients, curves, targets, a table.
+/// Where it lies.
 fn in_parts() -> tempfile::TempDir {
     let reference = |name: &str| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name);

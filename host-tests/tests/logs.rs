@@ -1,7 +1,7 @@
 //! Are logs read? The run of `data/reference`, or those of the folder `RUNDOWN_LOGS` (docs/replay.md).
 //!
-//! What needs coordinates reads 105 stop-to-stop runs recorded by phone on one suburban line, 1 s samples. They are not part of the project
-//! (their licence is the GPL).
+//! What needs coordinates reads 105 stop-to-stop runs recorded by phone on one suburban line, 1 s samples. They are not
+//! part of the project (their licence is the GPL).
 
 use host_tests::prelude::*;
 use host_tests::reference::{Logs, train_and_track};
@@ -12,11 +12,13 @@ use rundown_files::track_file::CentreLinePoint;
 use serde::Deserialize;
 use std::collections::HashMap;
 
-/// Half of all matched locations lie within this of the recording's own projection, m: the origin of a run is given to 1 m.
+/// Half of all matched locations lie within this of the recording's own projection, m: the origin of a run is given to
+/// 1 m.
 const MATCH_MEDIAN_M: f64 = 0.3;
 /// All of them lie within this, m.
 const MATCH_MAX_M: f64 = 1.0;
-/// After a longer silence the recording's own location is not to be trusted, s: twice it is 300 and 600 m from where the coordinates lie.
+/// After a longer silence the recording's own location is not to be trusted, s: twice it is 300 and 600 m from where
+/// the coordinates lie.
 const LONG_GAP_S: f64 = 60.0;
 
 /// A row of the recording's own index.

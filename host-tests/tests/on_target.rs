@@ -1,4 +1,5 @@
-//! Is it the same code? The firmware in the emulator and the task on the host, fed with the same logs, say the same bytes.
+//! Is it the same code? The firmware in the emulator and the task on the host, fed with the same logs, say the same
+//! bytes.
 
 use emulator::Settings;
 use host_tests::accuracy::{description, measurements};

@@ -1,4 +1,5 @@
-//! What is left when the power goes? The firmware on the test board of the emulator, whose flash is a file: killing the emulator is the loss of power.
+//! What is left when the power goes? The firmware on the test board of the emulator, whose flash is a file: killing the
+//! emulator is the loss of power.
 
 use emulator::{Board, Emulator, FlashFile, Settings};
 use host_tests::board::{PROVISIONING, described};

@@ -1,7 +1,10 @@
-//! Logs as they come from trains, through import, diagnosis and replay: does what always holds hold, and did the answer change?
+//! Logs as they come from trains, through import, diagnosis and replay: does what always holds hold, and did the answer
+//! change?
 //!
-//! The folders of `data/logs`, and the folder `RUNDOWN_LOGS` where that is set (docs/replay.md). Logs that are no run logs, or lie beside an
-//! `import.toml`, are imported first. With the emulator a run of each folder is played to the firmware too. The answer is compared with `golden/runs.csv` in the folder, which `BLESS=1` (or `RUNDOWN_BLESS=1`) writes.
+//! The folders of `data/logs`, and the folder `RUNDOWN_LOGS` where that is set (docs/replay.md). Logs that are no run
+//! logs, or lie beside an `import.toml`, are imported first. With the emulator a run of each folder is played to the
+//! firmware too. The answer is compared with `golden/runs.csv` in the folder, which `BLESS=1` (or `RUNDOWN_BLESS=1`)
+//! writes.
 
 use host_tests::prelude::*;
 use host_tests::reference::data;
@@ -17,7 +20,8 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 use tempfile::TempDir;
 
-/// Columns behind the name, each with the share by which a value may differ: other platforms round alike, so this only hides the printing.
+/// Columns behind the name, each with the share by which a value may differ: other platforms round alike, so this only
+/// hides the printing.
 const COLUMNS: [(&str, f64); 9] = [
     ("rows", 0.0),
     ("steps", 0.0),

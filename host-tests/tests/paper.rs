@@ -1,4 +1,5 @@
-//! Is this the method of the paper? Its tables, thresholds and worked numbers, and the one number that its step gets wrong.
+//! Is this the method of the paper? Its tables, thresholds and worked numbers, and the one number that its step gets
+//! wrong.
 
 use host_tests::accuracy::train;
 use host_tests::prelude::*;
@@ -84,7 +85,8 @@ fn feature_windows_and_brake_steps_are_those_of_section_3_3() {
     assert_eq!(features.max_power_window_kmh, [50.0, 90.0]);
 }
 
-/// Ten seconds of coasting on the flat from `v0`, in steps of at most `sub_step_s`: the speed lost, by the motion model.
+/// Ten seconds of coasting on the flat from `v0`, in steps of at most `sub_step_s`: the speed lost, by the motion
+/// model.
 fn lost_mps(v0: f64, davis: &Davis, sub_steps: u32, evaluate: Evaluate) -> f64 {
     let train = train();
     let flat = Track::try_new(10_000.0, []).unwrap();
@@ -112,8 +114,8 @@ fn truly_lost_mps(v0: f64) -> f64 {
     v0 - v
 }
 
-/// By how much, in %, the whole resistance must be scaled so that the model loses the true speed: the bias of an estimate that
-/// sees speeds only.
+/// By how much, in %, the whole resistance must be scaled so that the model loses the true speed: the bias of an
+/// estimate that sees speeds only.
 fn bias_percent(v0: f64, sub_steps: u32, evaluate: Evaluate) -> f64 {
     let truth = truly_lost_mps(v0);
     let lost = |scale: f64| {

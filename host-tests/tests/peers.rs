@@ -1,6 +1,7 @@
 //! Do independent implementations of SLCAN and ISO-TP understand the board's side of the CAN link, and it them?
 //!
-//! python-can and can-isotp (`host-tests/peers/`) talk over TCP to a device that is played here. They are looked for in the Python environment `target/peers`, then in the `python3` of the path:
+//! python-can and can-isotp (`host-tests/peers/`) talk over TCP to a device that is played here. They are looked for in
+//! the Python environment `target/peers`, then in the `python3` of the path:
 //! `python3 -m venv target/peers && target/peers/bin/pip install -r host-tests/peers/requirements.txt`.
 
 use embedded_can::{Frame, nb::Can};
@@ -20,7 +21,8 @@ use std::time::Duration;
 
 const SIZES: [usize; 12] = [1, 2, 3, 4, 7, 8, 20, 58, 59, 100, 500, 512];
 
-/// The controller, with a count of the flow control frames that pass it and the shortest time between consecutive frames of one message.
+/// The controller, with a count of the flow control frames that pass it and the shortest time between consecutive
+/// frames of one message.
 struct Watched<C> {
     controller: C,
     clock: Clock,
@@ -149,7 +151,8 @@ fn talk(kind: &str, config: Config, peer_block_size: u8, peer_separation_ms: u8)
     (counters, [watch.answers_sent, watch.answers_received], watch.shortest_gap_us)
 }
 
-/// Flow control frames that the messages of the peer need: one for each first frame, one after each whole block but the last frame.
+/// Flow control frames that the messages of the peer need: one for each first frame, one after each whole block but the
+/// last frame.
 fn answers(single: usize, first: usize, consecutive: usize, block_size: usize) -> usize {
     SIZES
         .iter()

@@ -93,7 +93,8 @@ fn regimes_are_equal(estimates: &[Estimate], reference: &[Row]) {
     }
 }
 
-/// One run against its 50-digit twin: state and covariance of every step to the rounding of double precision, regimes by name.
+/// One run against its 50-digit twin: state and covariance of every step to the rounding of double precision, regimes
+/// by name.
 fn equals_50_digits(spread: Spread<SIZE>, difference: Difference, name: &str) {
     let estimates = replayed(spread, difference);
     let reference = rows(name);

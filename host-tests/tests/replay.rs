@@ -10,7 +10,8 @@ use rundown::tick::paper::Difference;
 use rundown::tick::regime::Regime;
 use std::fmt::Write as _;
 
-/// Columns after the name, each with the difference that is accepted: another platform rounds libm the same, so these only hide the printing.
+/// Columns after the name, each with the difference that is accepted: another platform rounds libm the same, so these
+/// only hide the printing.
 const COLUMNS: [(&str, f64); 10] = [
     ("ticks", 0.0),
     ("r60_n_per_kg", 2e-8),
@@ -110,7 +111,8 @@ fn replays_give_the_accepted_answers() {
     }
 }
 
-/// The filter begins a coast with a speed that it takes from the next reading; what is published is no less sure than the reading.
+/// The filter begins a coast with a speed that it takes from the next reading; what is published is no less sure than
+/// the reading.
 #[test]
 fn the_published_speed_is_as_sure_as_a_reading_where_a_coast_begins() {
     let (train, track) = train_and_track();

@@ -7,7 +7,8 @@ use rundown::onboard::store::Store;
 use rundown::onboard::store::persisted::Persisted;
 use rundown_truth::scenario::fleet;
 
-/// Every learned vehicle is believed again, bit for bit: in each mode, for trains far off their description, in calm and in wind.
+/// Every learned vehicle is believed again, bit for bit: in each mode, for trains far off their description, in calm
+/// and in wind.
 #[test]
 fn a_boot_after_every_run_changes_no_bit_of_what_is_learned() {
     let train = TrainId::of("2451");

@@ -1,4 +1,5 @@
-//! Does it behave? Logs with faults cut into them; every scenario is judged against truth or against the same log without the fault.
+//! Does it behave? Logs with faults cut into them; every scenario is judged against truth or against the same log
+//! without the fault.
 
 use host_tests::accuracy::{BAND_KMH, Errors, estimator, measurements, resistance};
 use host_tests::prelude::*;
@@ -230,7 +231,8 @@ fn a_stuck_location_is_named_and_the_speed_is_used() {
     assert!(found.count(Cause::StuckLocation) >= 8);
     let error_m = found.error_m(found.k + 9);
     assert!(error_m.abs() < 150.0, "{error_m}");
-    // Named with the second sample, invalid after a minute, and r stands still once the longest gap of a segment has passed
+    // Named with the second sample, invalid after a minute, and r stands still once the longest gap of a segment has
+    // passed
     assert_eq!(found.validity(1), Validity::Held(Cause::StuckLocation));
     assert_eq!(found.validity(9), Validity::Invalid(Cause::StuckLocation));
     assert_frozen(&found.estimates[found.k + 5..found.k + 10]);
@@ -276,7 +278,8 @@ fn eight_hours_of_standstill_change_nothing() {
     assert!(estimates.last().unwrap().belief.sd(LOCATION) <= 40.0);
 }
 
-/// The final coast of 20 runs with a spike of the speed in its middle: when, the truth, and what is said with it and without.
+/// The final coast of 20 runs with a spike of the speed in its middle: when, the truth, and what is said with it and
+/// without.
 fn spikes(change_kmh: f64) -> impl Iterator<Item = (usize, Run, Vec<Estimate>, [RunSummary; 2])> {
     let scenario = Scenario::default();
     let estimator = estimator(Config::default(), &scenario);
@@ -460,7 +463,8 @@ fn a_location_that_wanders_over_a_minute_does_not_bend_the_resistance() {
     }
 }
 
-/// Share of the time that went to another regime than the true one, as far as the sums show it. Both enumerations have one order.
+/// Share of the time that went to another regime than the true one, as far as the sums show it. Both enumerations have
+/// one order.
 fn misjudged_share(run: &Run, summary: &RunSummary) -> f64 {
     let times_s = summary.features.regime_time_s;
     let total_s: f64 = times_s.iter().sum();
@@ -498,7 +502,8 @@ fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
         assert!(gaps().any(|gap_s| gap_s < 6.0) && gaps().any(|gap_s| gap_s > 14.0));
         let (_, expected) = replay(&estimator, &regular);
         let (estimates, found) = replay(&estimator, &jittered);
-        // Then every sample is believed, and train and driver are the same. Other samples have other rounding errors: hence the tolerances.
+        // Then every sample is believed, and train and driver are the same. Other samples have other rounding errors:
+        // hence the tolerances.
         assert!(estimates.iter().all(|e| e.validity == Validity::Valid), "seed {seed}");
         let DavisTruth { r0, r1, r2 } = run.facts.davis;
         regular_errors.add(BAND_KMH, &expected.run_davis, &Davis { r0, r1, r2 });
@@ -522,7 +527,8 @@ fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
     println!("rms error of r(v): regular {regular:.2} %, jittered {jittered:.2} %");
     let [regular_share, jittered_share] = [regular_misjudged, jittered_misjudged].map(|sum| sum / 20.0);
     println!("time in the wrong regime: regular {regular_share:.4}, jittered {jittered_share:.4}");
-    // The recogniser's evidence is whole ticks of together 10 s at least: here 10 to 20 s, so a change of regime is placed less well.
+    // The recogniser's evidence is whole ticks of together 10 s at least: here 10 to 20 s, so a change of regime is
+    // placed less well.
     assert!(jittered_share < regular_share + 0.03);
     assert!(jittered < 1.3 * regular + 0.1, "{jittered} % against {regular} %");
 }
@@ -585,7 +591,8 @@ fn a_speed_that_sticks_in_the_middle_of_a_segment_freezes_the_resistance() {
     });
 }
 
-/// Means over a second in rows 1 and 2 s apart, and in every fifth row: of a tick longer than the shortest one nothing was known, and nothing learned.
+/// Means over a second in rows 1 and 2 s apart, and in every fifth row: of a tick longer than the shortest one nothing
+/// was known, and nothing learned.
 #[test]
 fn efforts_in_rows_that_are_not_evenly_spaced_teach() {
     let sensors = Sensors { sampling_s: 1.0, effort_noise_share: 0.02, ..Sensors::default() };

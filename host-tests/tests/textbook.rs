@@ -1,8 +1,9 @@
-//! Is `rundown::filter::ukf` the filter that is printed? The reference implementation is `host_tests::textbook`, Eq. (7)-(18) word for word.
+//! Is `rundown::filter::ukf` the filter that is printed? The reference implementation is `host_tests::textbook`, Eq.
+//! (7)-(18) word for word.
 //!
-//! With α = 1 both forms round to the last digits and must agree to 1e-9 standard deviations. With α = 0.001 the reference has weights near
-//! 1.7e6: it subtracts numbers that agree to six digits or more, so what remains of sixteen digits bounds the comparison, not `rundown`
-//! (`reference.rs` shows that against 50 digits).
+//! With α = 1 both forms round to the last digits and must agree to 1e-9 standard deviations. With α = 0.001 the
+//! reference has weights near 1.7e6: it subtracts numbers that agree to six digits or more, so what remains of sixteen
+//! digits bounds the comparison, not `rundown` (`reference.rs` shows that against 50 digits).
 
 use host_tests::accuracy::{NOMINAL, train};
 use host_tests::prelude::*;
@@ -223,10 +224,10 @@ fn alpha_beta_and_kappa_enter_as_printed() {
     }
 }
 
-/// The reference loses here: it sums numbers x with weights of 1.7e6 that cancel to 1, so a step of it is good to about 1.7e6 · 1.1e-16 · |x| / sd,
-/// which is 1e-8 sd for a speed of 30 m/s known to 0.5 m/s, and ten to a hundred times that where few digits of a mean are uncertain.
-/// So each step begins from our belief, and locations are counted from near the train: then it reaches 3e-6 sd. What accumulates over a run is
-/// compared with 50 digits, by `reference.rs`.
+/// The reference loses here: it sums numbers x with weights of 1.7e6 that cancel to 1, so a step of it is good to about
+/// 1.7e6 · 1.1e-16 · |x| / sd, which is 1e-8 sd for a speed of 30 m/s known to 0.5 m/s, and ten to a hundred times that
+/// where few digits of a mean are uncertain. So each step begins from our belief, and locations are counted from near
+/// the train: then it reaches 3e-6 sd. What accumulates over a run is compared with 50 digits, by `reference.rs`.
 #[test]
 fn points_of_table_1_agree_as_far_as_the_reference_reaches() {
     let shape = PlainSpread { alpha: 1e-3, ..WIDE };
@@ -256,7 +257,8 @@ fn the_gain_of_a_measured_effort_is_a_constant_like_the_others() {
     }
 }
 
-/// A pendulum whose length is estimated: nothing enters linearly, and what the pairs see is taken from differences of a.
+/// A pendulum whose length is estimated: nothing enters linearly, and what the pairs see is taken from differences of
+/// a.
 struct Pendulum {
     dt_s: f64,
     q: f64,
@@ -397,7 +399,8 @@ proptest! {
     }
 }
 
-/// The reference implementation itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn from.
+/// The reference implementation itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn
+/// from.
 #[test]
 fn the_reference_has_the_weights_of_the_paper() {
     let shape = PlainSpread { alpha: 1e-3, ..WIDE };

@@ -1,7 +1,8 @@
-//! Does the simulator do what it says? Each effect against its law, written here a second time from the description of the train and the line;
-//! energy; drivers under effects; logs read back.
+//! Does the simulator do what it says? Each effect against its law, written here a second time from the description of
+//! the train and the line; energy; drivers under effects; logs read back.
 //!
-//! The account of a step: speed change over time against the described model under the effort in newton. What is missing is what the effect took.
+//! The account of a step: speed change over time against the described model under the effort in newton. What is
+//! missing is what the effect took.
 
 use host_tests::prelude::*;
 use rundown_files::replay::{Tick, replay_carried_by};
@@ -202,7 +203,8 @@ fn every_effect_takes_what_its_law_says() {
     }
 }
 
-/// For each step the difference between what is missing in the described model and the law, and the largest value of the law, N/kg.
+/// For each step the difference between what is missing in the described model and the law, and the largest value of
+/// the law, N/kg.
 fn account(scenario: &Scenario, trace: &[TruthSample], facts: &Facts, law: &Law) -> (Vec<f64>, f64) {
     let up = facts.plan.heading == Heading::Up;
     let sign = if up { 1.0 } else { -1.0 };
@@ -352,7 +354,8 @@ fn wind_of_the_runs_has_its_size_and_some_runs_are_some() {
     assert!((sd - 3.0).abs() < 0.5 && mean.abs() < 0.7, "{mean} ± {sd} m/s");
 }
 
-/// Work at the wheels = kinetic + potential energy + losses, with every effect alone and all at once, in both directions, on hills.
+/// Work at the wheels = kinetic + potential energy + losses, with every effect alone and all at once, in both
+/// directions, on hills.
 #[test]
 fn energy_is_kept_under_every_effect() {
     let mut sets: Vec<Vec<Effect>> = every_effect().into_iter().map(|(e, _)| vec![e]).collect();
@@ -444,7 +447,8 @@ fn every_real_line_can_be_driven_both_ways() {
     assert_eq!(lines, 5);
 }
 
-/// A data set on disk is what a workflow reads: same runs, both directions, all columns; and the estimator finds the true train in it.
+/// A data set on disk is what a workflow reads: same runs, both directions, all columns; and the estimator finds the
+/// true train in it.
 #[test]
 fn a_data_set_is_read_back_and_replayed() {
     let text = "runs = 12\nseed = 3\ndirections = \"both\"\n[train]\ntrue_davis_over_described = [1.1, 1.1, 1.1]\n\

@@ -1,4 +1,5 @@
-//! Are these the bytes? `WIRE.md` is read here and held to the code; broken bytes never panic; frames of the first version stay readable.
+//! Are these the bytes? `WIRE.md` is read here and held to the code; broken bytes never panic; frames of the first
+//! version stay readable.
 //!
 //! `BLESS=1 cargo test -p host-tests --test wire` writes `docs/wire-examples.md`. It never writes `WIRE.md`, nor
 //! `data/golden/wire_v1.txt`: released bytes do not change.
@@ -461,7 +462,8 @@ fn a_message_that_ends_early_is_none() {
     }
 }
 
-/// Every byte of every example replaced by every other one. What is still read is written again: its bytes are a message.
+/// Every byte of every example replaced by every other one. What is still read is written again: its bytes are a
+/// message.
 #[test]
 fn no_changed_byte_panics() {
     let (mut tried, mut still_read) = (0, 0);
@@ -552,7 +554,8 @@ fn the_board_names_what_it_does_not_know() {
     assert_eq!(secured(&[21, 10]), Refusal::Malformed);
     assert_eq!(secured(&[21, 5, 3, 0]), Refusal::Malformed);
 
-    // Every request but a measurement and the question for the status must be secured; of the effects only those that the model has are taken.
+    // Every request but a measurement and the question for the status must be secured; of the effects only those that
+    // the model has are taken.
     for (name, frame) in all() {
         let Frame::Up(protection, request) = &frame else {
             continue;

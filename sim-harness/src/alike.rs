@@ -1,6 +1,7 @@
 //! Messages of many files: the first few of each kind whole, the others counted.
 //!
-//! In: messages that read `file:line: field: expected X, found Y`. Of one kind are those that differ in the file, in numbers and in what was found.
+//! In: messages that read `file:line: field: expected X, found Y`. Of one kind are those that differ in the file, in
+//! numbers and in what was found.
 
 /// Messages of one kind that are said whole.
 const SAID: usize = 3;

@@ -1,4 +1,5 @@
-//! Injected defects: how often the diagnosis of logs finds each, how near its figure is, and how often it accuses a clean log.
+//! Injected defects: how often the diagnosis of logs finds each, how near its figure is, and how often it accuses a
+//! clean log.
 //!
 //! ```text
 //! scenario, seed -> runs of a recorder -> defect, of known size -> diagnosis -> found? figure? interval? anything else?
@@ -413,7 +414,8 @@ mod tests {
     use super::*;
     use rundown_check::finding::Done;
 
-    /// The first four of eight runs, those of another unit, are off by 2.3 km: what is found of each run, as the described stops say.
+    /// The first four of eight runs, those of another unit, are off by 2.3 km: what is found of each run, as the
+    /// described stops say.
     fn half_off(seed: u64, stops_m: &[f64]) -> Vec<Option<Done>> {
         let mut recordings = on_stations(&["suburban"], &Clean::Satellites.sensors(), seed).unwrap();
         for (i, recording) in recordings.iter_mut().enumerate() {
@@ -450,7 +452,8 @@ mod tests {
         let bench = bench(&Defect::ALL, 5, 77, || ()).unwrap();
         let text = bench.table();
         println!("{text}\n{:?}", bench.accused);
-        // Speeds that are held show where the speed changes fast: hardly in intercity runs; means of eight short runs are near the noise.
+        // Speeds that are held show where the speed changes fast: hardly in intercity runs; means of eight short runs
+        // are near the noise.
         let held = [Defect::Held, Defect::HeldPieces, Defect::SmoothedSpeed].map(|defect| defect.words().0);
         for row in &bench.rows {
             let missed = if held.contains(&row.what) { 2 } else { 1 };

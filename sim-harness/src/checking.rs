@@ -312,7 +312,8 @@ pub fn findings(found: &Check) -> Filled {
     filled(columns(), of_recorders.chain(of_runs))
 }
 
-/// A few lines: each recorder, then its runs in which something else was found; how many logs there are, and which cannot be read.
+/// A few lines: each recorder, then its runs in which something else was found; how many logs there are, and which
+/// cannot be read.
 pub fn words(found: &Check, failed: &[Failed]) -> String {
     let mut text = String::new();
     for recorder in &found.recorders {

@@ -38,7 +38,8 @@ pub fn field(name: &str) -> Result<&'static str, String> {
     found.ok_or_else(|| format!("expected a field of {}, found {name:?}", draft::FIELDS.join(", ")))
 }
 
-/// Reads a file of SFERA, SUMO, OSRD, railtoolkit or ALTRIOS; `set` has values that a train lacks there, or that replace its own.
+/// Reads a file of SFERA, SUMO, OSRD, railtoolkit or ALTRIOS; `set` has values that a train lacks there, or that
+/// replace its own.
 ///
 /// # Errors
 /// [`ReadError`] with the place; a value that neither has is refused by name.

@@ -1,4 +1,5 @@
-//! What was learned of a train, in files for other tools: the results of a replay or a board's recording in, a folder out.
+//! What was learned of a train, in files for other tools: the results of a replay or a board's recording in, a folder
+//! out.
 
 use crate::exchange::sfera::{self, Identity};
 use crate::exchange::{self, provenance};

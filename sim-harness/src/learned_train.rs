@@ -1,6 +1,7 @@
 //! The train as its runs have shown it: the description with what was learned in the place of what was stated.
 //!
-//! In: a replay, its folder, or the recording of a board, and the train file it was made with. Out: a [`LearnedTrain`], which is a train file again, and which of its values are learned.
+//! In: a replay, its folder, or the recording of a board, and the train file it was made with. Out: a [`LearnedTrain`],
+//! which is a train file again, and which of its values are learned.
 //!
 //! | value | from |
 //! |---|---|
@@ -8,8 +9,9 @@
 //! | largest tractive effort, largest power | the described capability, or what drivers used where that is more: a [`Limit`] |
 //! | all else | the description: mass, rotating mass factor, length, brake; it must be that with which the results were made |
 //!
-//! What drivers used is their habit: the median over the runs of the largest effort at low speed, and of the largest power. It is no bound of the train:
-//! what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show no habit. Runs that the replay set aside count nowhere.
+//! What drivers used is their habit: the median over the runs of the largest effort at low speed, and of the largest
+//! power. It is no bound of the train: what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show
+//! no habit. Runs that the replay set aside count nowhere.
 
 use rundown::model::resistance::Davis;
 use rundown::tick::foresight::ORDINARY_SCATTER;

@@ -19,8 +19,9 @@
 //! | how does the host reach a board, and talk to it? | `link`, `session` |
 //! | what does a board say, live? | `display` |
 //!
-//! The last two are the cargo feature `link`, which is on by default: all that needs what a board needs. Files are read by `rundown_files`, what
-//! really happens is `rundown_truth`, pages are drawn by `rundown_pages`, the gap workflow is `rundown_gap`, what a DAS computer says to the board `rundown_desk`.
+//! The last two are the cargo feature `link`, which is on by default: all that needs what a board needs. Files are read
+//! by `rundown_files`, what really happens is `rundown_truth`, pages are drawn by `rundown_pages`, the gap workflow is
+//! `rundown_gap`, what a DAS computer says to the board `rundown_desk`.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 

@@ -47,8 +47,8 @@ pub fn read(
     Recording::read(file, bad_rows, line, direction).map_err(|error| Failed::of(&file.path, &error))
 }
 
-/// Diagnoses recordings, puts right what is beyond doubt, and refuses those that cannot be used. Out: each in its place, and what was found.
-/// `seen`: the logs that were read before.
+/// Diagnoses recordings, puts right what is beyond doubt, and refuses those that cannot be used. Out: each in its
+/// place, and what was found. `seen`: the logs that were read before.
 pub fn diagnosed_each(
     mut recordings: Vec<Recording>,
     known: &Known,

@@ -1,4 +1,5 @@
-//! Runs of Parquet files, one after the other. A unit's files must follow each other in time; a run does not go on in the next file.
+//! Runs of Parquet files, one after the other. A unit's files must follow each other in time; a run does not go on in
+//! the next file.
 
 use rundown_files::map_matching::CentreLine;
 use rundown_files::parquet::{ParquetError, RunReader};
@@ -16,7 +17,8 @@ pub struct ParquetRuns {
 }
 
 impl ParquetRuns {
-    /// Parquet files and folders of them, also deeper, in the order of their paths; none where no argument leads to one.
+    /// Parquet files and folders of them, also deeper, in the order of their paths; none where no argument leads to
+    /// one.
     ///
     /// # Errors
     /// A file or folder cannot be read, or some arguments lead to Parquet files and others do not.

@@ -1,7 +1,7 @@
 //! What a board learned, from a recording of what it said.
 //!
-//! In: what `rundown display --record` or `rundown link --record` wrote, or the bytes of a serial line. Out: the end of each run; and the train as described
-//! to the board, where the recording has what was sent to it.
+//! In: what `rundown display --record` or `rundown link --record` wrote, or the bytes of a serial line. Out: the end of
+//! each run; and the train as described to the board, where the recording has what was sent to it.
 
 use crate::display::sent::SentSetup;
 use crate::link::record::{self, Way};
@@ -21,8 +21,8 @@ pub struct BoardRecording {
     pub train: Option<TrainFile>,
     /// Frames that never arrived, or cannot be understood.
     pub missing: u64,
-    /// Numbers of runs between those that end in it, first and last of each gap: whole runs that were not recorded, or of which
-    /// the end was lost. Each run numbers its frames from 0 on, so `missing` does not know of theirs.
+    /// Numbers of runs between those that end in it, first and last of each gap: whole runs that were not recorded, or
+    /// of which the end was lost. Each run numbers its frames from 0 on, so `missing` does not know of theirs.
     pub missing_runs: Vec<[u32; 2]>,
     /// What is there of a last line or frame that was cut off, and was left out.
     pub cut: Option<String>,

@@ -132,8 +132,9 @@ where
         Ok(false)
     }
 
-    /// Asks until it is answered: by an answer to one of the questions, not to an earlier one, or by what else closes it. With the frames: the refusal, if the
-    /// last one is one, unless it only shows that the board did what was asked for before, and its answer was lost.
+    /// Asks until it is answered: by an answer to one of the questions, not to an earlier one, or by what else closes
+    /// it. With the frames: the refusal, if the last one is one, unless it only shows that the board did what was asked
+    /// for before, and its answer was lost.
     fn exchange(
         &mut self,
         to: &'static str,
@@ -177,7 +178,8 @@ where
         }
     }
 
-    /// Describes train, track and configuration, and begins a run. Asks for the status first, until the board answers: it may be just starting.
+    /// Describes train, track and configuration, and begins a run. Asks for the status first, until the board answers:
+    /// it may be just starting.
     pub fn prepare(
         &mut self,
         description: &Description,

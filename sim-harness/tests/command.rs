@@ -357,7 +357,8 @@ fn the_demo_says_what_it_saw_and_where_the_report_lies() {
     readme_shows(&text);
 }
 
-/// README.md shows lines of the demo, in their order and to the last digit; `(...)` stands for what it leaves out of a line.
+/// README.md shows lines of the demo, in their order and to the last digit; `(...)` stands for what it leaves out of a
+/// line.
 fn readme_shows(text: &str) {
     let readme = include_str!("../../README.md");
     let (_, shown) = readme.split_once("shortened:\n\n```text\n").unwrap();

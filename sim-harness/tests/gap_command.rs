@@ -149,7 +149,8 @@ fn where_a_folder_cannot_be_made_nothing_is_written() {
     assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 1);
 }
 
-/// Trains that power, keep their speed and brake, in logs without an effort column: nothing tells the resistance, nor does the one that coasts, which is held out, tell what noise leaves.
+/// Trains that power, keep their speed and brake, in logs without an effort column: nothing tells the resistance, nor
+/// does the one that coasts, which is held out, tell what noise leaves.
 #[test]
 fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
     let folder = simulated(1, "");

@@ -1,4 +1,5 @@
-//! Does `rundown gap` begin with the diagnosis of its logs: put right what a recorder did, say so everywhere, name no effect for it, and leave out what cannot be used?
+//! Does `rundown gap` begin with the diagnosis of its logs: put right what a recorder did, say so everywhere, name no
+//! effect for it, and leave out what cannot be used?
 
 mod common;
 

@@ -1,4 +1,5 @@
-//! Does the page of outputs say what the files hold? It is made again and compared, and each JSON file is walked along its table.
+//! Does the page of outputs say what the files hold? It is made again and compared, and each JSON file is walked along
+//! its table.
 
 mod common;
 
@@ -204,7 +205,8 @@ fn parquet_header(path: &Path) -> csv::StringRecord {
     schema.columns().iter().map(|column| column.name()).collect()
 }
 
-/// Every file in a folder that a command wrote is on the page, with the very columns or fields; and those of `expected` are there.
+/// Every file in a folder that a command wrote is on the page, with the very columns or fields; and those of `expected`
+/// are there.
 fn all_declared(command: &str, folder: &Path, expected: &[&str]) {
     let (tables, mut found) = (declared(), Vec::new());
     files(folder, &mut found);

@@ -1,4 +1,5 @@
-//! Does `rundown study` show what it computes? The numbers behind each picture, the same bytes from the same seed, runs from CSV and Parquet.
+//! Does `rundown study` show what it computes? The numbers behind each picture, the same bytes from the same seed, runs
+//! from CSV and Parquet.
 
 mod common;
 
@@ -160,7 +161,8 @@ fn the_numbers_are_those_of_the_runs() {
         assert_eq!(cross.numbers("power_kw"), [largest], "{run}");
     }
 
-    // Figs. 3, 5 and 6 are those of the run nearest to the paper's, a row a sample: fast and braked gently if there is one, then by its regimes.
+    // Figs. 3, 5 and 6 are those of the run nearest to the paper's, a row a sample: fast and braked gently if there is
+    // one, then by its regimes.
     let shares = ["traction", "cruise", "coast", "brake"].map(|name| runs.numbers(&format!("paper_share_{name}")));
     let (top_kmh, brake_mps2) = (runs.numbers("top_kmh"), runs.numbers("paper_largest_brake_mps2"));
     let off = |run: usize| -> f64 {
@@ -400,8 +402,9 @@ fn the_headline_speaks_of_all_sets_and_not_of_the_first() {
     assert!(said.out.contains("Judged on one set of runs alone"), "{}", said.out);
 }
 
-/// `data/golden/paper` has what `rundown study --all --seeds 20 --out paper` wrote: claims/claims.md and readings/readings.md, with which docs/paper.md
-/// is compared, and study/claims.csv, whose words are those of the first set.
+/// `data/golden/paper` has what `rundown study --all --seeds 20 --out paper` wrote: claims/claims.md and
+/// readings/readings.md, with which docs/paper.md is compared, and study/claims.csv, whose words are those of the first
+/// set.
 #[test]
 fn the_first_set_of_runs_says_what_was_measured() {
     let folder = Folder::new();
@@ -448,7 +451,8 @@ fn an_experiment_is_a_figure_and_the_table_behind_it() {
     assert_eq!(said.out.replace("wind\n", ""), again.out.replace("again\n", ""));
 }
 
-/// A skewed, truncating recorder and another train: its runs are compared as recorded and put right, the band of the paper's r0 is left out.
+/// A skewed, truncating recorder and another train: its runs are compared as recorded and put right, the band of the
+/// paper's r0 is left out.
 #[test]
 fn readings_are_compared_on_recorded_runs_and_what_they_say_nothing_of_is_left_out() {
     let scenario = "runs = 8\n[train]\ndavis = { r0 = 8e-3, r1 = 1.6e-4, r2 = 2.8e-5 }\n[sensors]\nspeed = \"truncated\"\nspeed_lag_s = [10.0, 10.0]\n";

@@ -1,4 +1,5 @@
-//! Logs that are mostly unusable or in wrong units: are they named, is the exit code theirs, and does the vehicle stay as it was?
+//! Logs that are mostly unusable or in wrong units: are they named, is the exit code theirs, and does the vehicle stay
+//! as it was?
 
 mod common;
 

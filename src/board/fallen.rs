@@ -26,7 +26,8 @@ fn without_detour(path: &str) -> &str {
 }
 
 /// Takes the stack from its top again, because there may be none left, then goes on in [`fault`].
-// SAFETY: the vector table's entry for the fault. The frame is where the stack pointer points at entry; nothing returns, so what lay on the stack is not needed.
+// SAFETY: the vector table's entry for the fault. The frame is where the stack pointer points at entry; nothing
+// returns, so what lay on the stack is not needed.
 #[unsafe(naked)]
 #[unsafe(export_name = "HardFault")]
 #[unsafe(link_section = ".HardFault.rundown")]
@@ -42,7 +43,8 @@ unsafe extern "C" fn hard_fault() -> ! {
 
 extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
     let failure = if painted_stack::holds(frame.cast()) {
-        // SAFETY: the processor has put its frame there, within the stack; the words that were just pushed lie at its other end.
+        // SAFETY: the processor has put its frame there, within the stack; the words that were just pushed lie at its
+        // other end.
         Failure::Fault { at: unsafe { (*frame).pc() } }
     } else {
         Failure::StackOverflow
@@ -51,7 +53,8 @@ extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
     SCB::sys_reset()
 }
 
-// SAFETY: touches the kept RAM only, in the way of `kept_ram`, and does not return. An interrupt that nobody bound; its number takes the place of the address.
+// SAFETY: touches the kept RAM only, in the way of `kept_ram`, and does not return. An interrupt that nobody bound; its
+// number takes the place of the address.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     kept_ram::write_down(Failure::Fault { at: number.unsigned_abs().into() });

@@ -10,7 +10,8 @@ struct Ram(UnsafeCell<MaybeUninit<[u32; WORDS]>>);
 // SAFETY: one core, and every access below is a volatile copy of plain words within a critical section.
 unsafe impl Sync for Ram {}
 
-// SAFETY: no other symbol has this name, which the tests look up. The section is neither zeroed nor set; the type allows any content.
+// SAFETY: no other symbol has this name, which the tests look up. The section is neither zeroed nor set; the type
+// allows any content.
 #[unsafe(export_name = "KEPT")]
 #[unsafe(link_section = ".uninit.kept")]
 static RAM: Ram = Ram(UnsafeCell::new(MaybeUninit::uninit()));
@@ -20,7 +21,8 @@ pub fn load() -> Option<Kept> {
     let words = cortex_m::interrupt::free(|_| {
         let mut words = [0; WORDS];
         for (index, word) in words.iter_mut().enumerate() {
-            // SAFETY: within the array, aligned; RAM holds some bits after power-on too, and every bit pattern is a u32.
+            // SAFETY: within the array, aligned; RAM holds some bits after power-on too, and every bit pattern is a
+            // u32.
             *word = unsafe { RAM.0.get().cast::<u32>().add(index).read_volatile() };
         }
         words

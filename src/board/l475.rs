@@ -123,9 +123,10 @@ unsafe extern "C" {
     static _key: u8;
 }
 
-/// A word that was torn by a loss of power is reported as a double-bit error, by this interrupt, at every read of it. In the records and the key it is cleared
-/// and counted, or the firmware would stay here for ever: the reader sees wrong bytes, and a checksum refuses them. Anywhere else the program is damaged, and
-/// what it would do next nobody knows.
+/// A word that was torn by a loss of power is reported as a double-bit error, by this interrupt, at every read of it.
+/// In the records and the key it is cleared and counted, or the firmware would stay here for ever: the reader sees
+/// wrong bytes, and a checksum refuses them. Anywhere else the program is damaged, and what it would do next nobody
+/// knows.
 // SAFETY: touches one register that nothing else uses, one atomic, and the kept RAM where it does not return.
 #[exception]
 unsafe fn NonMaskableInt() {

@@ -1,12 +1,14 @@
-//! The functions that the compiler calls to copy and to fill memory. The linker takes these before the compiler's, which are ten times as large.
+//! The functions that the compiler calls to copy and to fill memory. The linker takes these before the compiler's,
+//! which are ten times as large.
 //!
-//! Names and calls are those of Arm's run-time ABI (RTABI, 4.3.4): nothing is returned, and a fill has its length before its byte. The core reads and writes a word at any
-//! address, several at once only at multiples of four.
+//! Names and calls are those of Arm's run-time ABI (RTABI, 4.3.4): nothing is returned, and a fill has its length
+//! before its byte. The core reads and writes a word at any address, several at once only at multiples of four.
 
 use core::arch::naked_asm;
 
 /// From the first byte on.
-// SAFETY: the name belongs to this function. It writes r0 to r3 and r12, which are its own, and r4 and r5, which it gives back.
+// SAFETY: the name belongs to this function. It writes r0 to r3 and r12, which are its own, and r4 and r5, which it
+// gives back.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 extern "aapcs" fn __aeabi_memcpy(to: *mut u8, from: *const u8, length: usize) {

@@ -1,5 +1,5 @@
-//! The metal: registers and linker symbols. The only place with `unsafe`; what can be decided without a register is in `rundown::onboard`,
-//! and what a board must offer in `rundown::onboard::board`.
+//! The metal: registers and linker symbols. The only place with `unsafe`; what can be decided without a register is in
+//! `rundown::onboard`, and what a board must offer in `rundown::onboard::board`.
 //!
 //! | here | what |
 //! |---|---|

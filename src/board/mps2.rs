@@ -1,4 +1,5 @@
-//! Arm MPS2 with AN386 (Cortex-M4F, 25 MHz), test-only: in the emulator its watchdog bites, and its PSRAM, kept in a file, plays the flash over a loss of power.
+//! Arm MPS2 with AN386 (Cortex-M4F, 25 MHz), test-only: in the emulator its watchdog bites, and its PSRAM, kept in a
+//! file, plays the flash over a loss of power.
 //!
 //! The interrupts bear the reference board's names, so that both boards run the same `firmware.rs`.
 
@@ -19,7 +20,8 @@ use serial::SerialPort;
 
 const CLOCK_HZ: u32 = 25_000_000;
 
-/// As the reference board, without a clock tree. There is no reset register either: a reset that kept the RAM counts as the watchdog's.
+/// As the reference board, without a clock tree. There is no reset register either: a reset that kept the RAM counts as
+/// the watchdog's.
 pub struct Mps2;
 
 impl Board for Mps2 {
@@ -45,7 +47,8 @@ impl Board for Mps2 {
         })
     }
 
-    /// Fails as the test wants it: 1 the tick task hangs, 2 the link task hangs, 3 panic, 4 endless recursion, 5 undefined instruction. Once, unless 0x100 is added.
+    /// Fails as the test wants it: 1 the tick task hangs, 2 the link task hangs, 3 panic, 4 endless recursion, 5
+    /// undefined instruction. Once, unless 0x100 is added.
     fn provoke(point: FailurePoint) {
         let word = &raw mut _provoke;
         // SAFETY: a word of the PSRAM that nothing else uses; volatile, because the test changes it.
@@ -85,7 +88,8 @@ const LOCK: *mut u32 = (DOG + 0xC00) as *mut u32;
 
 impl DogTimer {
     fn start() -> Self {
-        // SAFETY: registers of the watchdog, which nothing else touches. Key of the technical reference manual; interrupt and reset enabled.
+        // SAFETY: registers of the watchdog, which nothing else touches. Key of the technical reference manual;
+        // interrupt and reset enabled.
         unsafe {
             LOCK.write_volatile(0x1ACC_E551);
             LOAD.write_volatile(CLOCK_HZ);
@@ -102,7 +106,8 @@ impl Watchdog for DogTimer {
     }
 }
 
-/// Half of the watchdog's time is over: why was written down by the timer; nothing is left to do but to wait for the reset.
+/// Half of the watchdog's time is over: why was written down by the timer; nothing is left to do but to wait for the
+/// reset.
 // SAFETY: touches nothing.
 #[exception]
 unsafe fn NonMaskableInt() {

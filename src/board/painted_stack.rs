@@ -19,7 +19,8 @@ pub fn high_water() -> u32 {
     let words = (high as usize - low as usize) / size_of::<u32>();
     let known = USED.load(Ordering::Relaxed);
     let below = (0..words.saturating_sub(known)).rev().map(|index| {
-        // SAFETY: between the two symbols is RAM, aligned; read volatile, because what lies in use changes below the compiler's eyes.
+        // SAFETY: between the two symbols is RAM, aligned; read volatile, because what lies in use changes below the
+        // compiler's eyes.
         unsafe { low.add(index).read_volatile() }
     });
     let used = known + words_used(below);

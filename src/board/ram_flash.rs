@@ -1,5 +1,5 @@
-//! RAM that plays the flash in the emulator, which has no flash controller: on the mps2-an386 a file holds it over the loss of power, on the
-//! B-L475E-IOT01A it is lost.
+//! RAM that plays the flash in the emulator, which has no flash controller: on the mps2-an386 a file holds it over the
+//! loss of power, on the B-L475E-IOT01A it is lost.
 
 use rundown::onboard::flash::{MemoryFlash, RECORDS};
 

@@ -1,8 +1,10 @@
-//! The functions that the compiler calls for doubles. The linker takes these before the compiler's, whose sums and products are
-//! twice as slow, whose quotient is faster and twice as large, and whose comparisons and conversions are three times as large.
+//! The functions that the compiler calls for doubles. The linker takes these before the compiler's, whose sums and
+//! products are twice as slow, whose quotient is faster and twice as large, and whose comparisons and conversions are
+//! three times as large.
 //!
-//! Names and calls are those of Arm's run-time ABI (RTABI, tables 2, 3, 6 to 8): the bits of a double in two core registers, also where there are registers for floats.
-//! Sums and products are written for usual numbers, with a first bit and a result that has one; the others go to `rundown::onboard::doubles`, against which all of them are held
+//! Names and calls are those of Arm's run-time ABI (RTABI, tables 2, 3, 6 to 8): the bits of a double in two core
+//! registers, also where there are registers for floats. Sums and products are written for usual numbers, with a first
+//! bit and a result that has one; the others go to `rundown::onboard::doubles`, against which all of them are held
 //! (`cargo xtask budget`, image `filter-step`), and so do quotients and conversions, which are rare.
 
 use core::arch::naked_asm;
@@ -25,7 +27,8 @@ extern "aapcs" fn __aeabi_dsub(a: u64, b: u64) -> u64 {
 }
 
 /// a + b.
-// SAFETY: the name belongs to this function. It writes r0 to r3 and r12, which are its own, and r4 to r7, which it gives back.
+// SAFETY: the name belongs to this function. It writes r0 to r3 and r12, which are its own, and r4 to r7, which it
+// gives back.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 pub(crate) extern "aapcs" fn __aeabi_dadd(a: u64, b: u64) -> u64 {
@@ -121,7 +124,8 @@ pub(crate) extern "aapcs" fn __aeabi_dadd(a: u64, b: u64) -> u64 {
         "sub r4, r4, #1",
         "tst r1, #0x100000",
         "bne 3b",
-        // More places are free only where the exponents are one apart at most: all bits are there. Up by r6, but not below the least exponent.
+        // More places are free only where the exponents are one apart at most: all bits are there. Up by r6, but not
+        // below the least exponent.
         "8:",
         "orrs r5, r0, r1",
         "beq 0f",
@@ -175,7 +179,8 @@ pub(crate) extern "aapcs" fn __aeabi_dadd(a: u64, b: u64) -> u64 {
 }
 
 /// a b.
-// SAFETY: the name belongs to this function. It writes r0 to r3 and r12, which are its own, and r4 to r7, which it gives back.
+// SAFETY: the name belongs to this function. It writes r0 to r3 and r12, which are its own, and r4 to r7, which it
+// gives back.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 extern "aapcs" fn __aeabi_dmul(a: u64, b: u64) -> u64 {
@@ -244,7 +249,8 @@ extern "aapcs" fn __aeabi_ddiv(a: u64, b: u64) -> u64 {
     doubles::divide(a, b)
 }
 
-/// Compares a with b, as the flags say: the carry is clear where a is less, zero is set where they are equal. Of what is no number neither.
+/// Compares a with b, as the flags say: the carry is clear where a is less, zero is set where they are equal. Of what
+/// is no number neither.
 // SAFETY: leaves all registers as they are but for r12 and the flags.
 #[unsafe(naked)]
 extern "aapcs" fn compared() {

@@ -1,4 +1,5 @@
-//! Time in counts of the system timer, which runs with the processor's clock here and in the emulator (a cycle counter does not).
+//! Time in counts of the system timer, which runs with the processor's clock here and in the emulator (a cycle counter
+//! does not).
 
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::SYST;
@@ -28,7 +29,8 @@ pub fn start(timer: &mut SYST, clock_hz: u32) {
     timer.enable_interrupt();
 }
 
-/// Time since the start, µs, from the periods of the timer that have passed. For tasks below the timer's priority: there the count and the periods fit.
+/// Time since the start, µs, from the periods of the timer that have passed. For tasks below the timer's priority:
+/// there the count and the periods fit.
 #[cfg(feature = "can")]
 pub fn now_us(periods: &AtomicU32) -> u64 {
     let period = PERIOD.load(Ordering::Relaxed);
@@ -69,8 +71,8 @@ impl Stopwatch {
     }
 }
 
-/// Does what no stopwatch counts: handing bytes to the line, which takes some µs here and in the emulator as long as there are bytes, for its
-/// line takes all at once. From one priority only.
+/// Does what no stopwatch counts: handing bytes to the line, which takes some µs here and in the emulator as long as
+/// there are bytes, for its line takes all at once. From one priority only.
 pub fn apart<T>(what: impl FnOnce() -> T) -> T {
     let count = SYST::get_current();
     let done = what();

@@ -16,8 +16,9 @@ use crate::tick::estimate::{Estimate, Validity};
 const PASSED_M: Real = 50.0;
 /// Slower than this the train stands or is about to, m/s.
 const LEAST_MPS: Real = 3.0;
-/// Length of a step, m, and most steps: what lies behind `STEP_M x MOST_STEPS` is reached with longer ones. The longest call of the board has room for so many in
-/// the ticks that send neither features nor status; `tests` below measures what the steps cost in accuracy.
+/// Length of a step, m, and most steps: what lies behind `STEP_M x MOST_STEPS` is reached with longer ones. The longest
+/// call of the board has room for so many in the ticks that send neither features nor status; `tests` below measures
+/// what the steps cost in accuracy.
 const STEP_M: Real = 400.0;
 const MOST_STEPS: u32 = 20;
 
@@ -283,7 +284,8 @@ mod tests {
                 }
             }
         }
-        // m/s and share of the time. The largest are those of trains that crawl over the last hill after 20 km; above 40 km/h they are 0.02 m/s and 0.1 %.
+        // m/s and share of the time. The largest are those of trains that crawl over the last hill after 20 km; above
+        // 40 km/h they are 0.02 m/s and 0.1 %.
         assert!(largest[0] < 0.1 && largest[1] < 0.011, "{largest:?}");
     }
 

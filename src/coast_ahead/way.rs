@@ -1,4 +1,5 @@
-//! A coasting train over a distance: v² and time, how they answer to the speed at the beginning and to r0, r1, r2, and what noise adds.
+//! A coasting train over a distance: v² and time, how they answer to the speed at the beginning and to r0, r1, r2, and
+//! what noise adds.
 //!
 //! In: where it begins, steps of distance. Out: [`Way`] at the end of each, or where the train stands.
 //!
@@ -10,10 +11,12 @@
 //! noise          variance of E grows by 4 v² q dt
 //! ```
 //!
-//! The sensitivities by the trapezoid rule with v midway. Named effects move the mean and add no slope, as in [`crate::model::effects::Acting`].
+//! The sensitivities by the trapezoid rule with v midway. Named effects move the mean and add no slope, as in
+//! [`crate::model::effects::Acting`].
 //!
-//! Single precision but for locations and heights: the board's processor has it, double precision costs it five times the instructions. An error of 1e-7 of v² is nothing beside what is not known of it, and
-//! no result of the estimator depends on it.
+//! Single precision but for locations and heights: the board's processor has it, double precision costs it five times
+//! the instructions. An error of 1e-7 of v² is nothing beside what is not known of it, and no result of the estimator
+//! depends on it.
 
 use crate::Real;
 use crate::model::effects::Acting;

@@ -69,7 +69,8 @@ pub struct Config {
 settings! {
     /// What may come without a MAC.
     SecurityConfig in "security" {
-        /// Measurements are taken secured only: one that comes open is refused, `not_secured`. Else whoever reaches the line can send them.
+        /// Measurements are taken secured only: one that comes open is refused, `not_secured`. Else whoever reaches the
+        /// line can send them.
         secured_measurements: bool = false;
     }
 }
@@ -81,7 +82,8 @@ impl Default for Config {
 }
 
 impl Config {
-    /// The default values. Constants, for the board copies them out of its flash: to compute each of them where it is written takes twice as much.
+    /// The default values. Constants, for the board copies them out of its flash: to compute each of them where it is
+    /// written takes twice as much.
     pub const DEFAULT: Self = Self {
         mode: Mode::Gated,
         sensor: SensorConfig::DEFAULT,
@@ -99,7 +101,8 @@ impl Config {
         track_doubt: TrackDoubtConfig::DEFAULT,
     };
 
-    /// All of it, for a digest: that of a configuration which leaves the later sections as they are by default is what it always was.
+    /// All of it, for a digest: that of a configuration which leaves the later sections as they are by default is what
+    /// it always was.
     pub(crate) fn pass(&mut self, bytes: &mut Bytes<'_>) {
         self.mode.pass(bytes);
         self.sensor.pass(bytes);

@@ -1,7 +1,8 @@
-//! The tick: measurement -> plausibility -> kinematics -> effort -> regime -> learning (ukf) -> features. Only this file knows the order.
+//! The tick: measurement -> plausibility -> kinematics -> effort -> regime -> learning (ukf) -> features. Only this
+//! file knows the order.
 //!
-//! What is set once ([`Estimator`]: configuration, train, track) comes by `&`, what changes every tick ([`RunState`]) by `&mut`.
-//! The board, the replay and the tests run the same [`Estimator::step`].
+//! What is set once ([`Estimator`]: configuration, train, track) comes by `&`, what changes every tick ([`RunState`])
+//! by `&mut`. The board, the replay and the tests run the same [`Estimator::step`].
 
 pub mod config;
 mod modes;
@@ -41,7 +42,8 @@ use rundown_wire::{Learned, errors};
 /// Without a location for longer than this the location is invalid; the same for the speed, s.
 const INVALID_AFTER_S: Real = 60.0;
 
-/// What is set once: configuration, train, track, effects. The board lends its track and effects (`T = &mut Track`, `E = &mut Effects`), for they take 16 kB and 2 kB.
+/// What is set once: configuration, train, track, effects. The board lends its track and effects (`T = &mut Track`,
+/// `E = &mut Effects`), for they take 16 kB and 2 kB.
 #[derive(Clone, Debug)]
 pub struct Estimator<T = Track, E = Effects> {
     config: Config,
@@ -199,7 +201,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         MemoryConfig { wind_sd_mps: self.effects().wind_sd_mps().unwrap_or(memory.wind_sd_mps), ..memory }
     }
 
-    /// Largest tractive effort and largest brake effort, N/kg, both positive, as the model believes them at a location and speed.
+    /// Largest tractive effort and largest brake effort, N/kg, both positive, as the model believes them at a location
+    /// and speed.
     pub fn limits_n_per_kg(&self, location_m: Real, speed_mps: Real) -> (Real, Real) {
         self.effects().limits_n_per_kg(&self.train, location_m, speed_mps)
     }
@@ -235,7 +238,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         run
     }
 
-    /// As [`Estimator::begin_run`], in the place of another run: a run takes 14 kB, which the board never has on its stack.
+    /// As [`Estimator::begin_run`], in the place of another run: a run takes 14 kB, which the board never has on its
+    /// stack.
     pub fn begin_run_in(&self, run: &mut RunState, vehicle: &Vehicle, direction: Direction) {
         let gain_sd = self.config.learning.gain_sd;
         let begin = match self.config.mode {
@@ -247,7 +251,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         run.truncated = self.config.mode != Mode::Paper && self.cuts_off(vehicle);
     }
 
-    /// The runs have shown that speeds are cut off, which the configuration does not say: from the next run on they are put right, but for the `paper` mode.
+    /// The runs have shown that speeds are cut off, which the configuration does not say: from the next run on they are
+    /// put right, but for the `paper` mode.
     pub fn cuts_off(&self, vehicle: &Vehicle) -> bool {
         let sensor = &self.config.sensor;
         sensor.rounding == Rounding::Rounded && vehicle.speed_offset().is_truncated(sensor)
@@ -331,7 +336,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         summary
     }
 
-    /// As [`Estimator::end_run`], in the place of another summary: it takes 3 kB, which the board does not have on its stack.
+    /// As [`Estimator::end_run`], in the place of another summary: it takes 3 kB, which the board does not have on its
+    /// stack.
     #[inline(never)]
     pub fn end_run_in(&self, run: &mut RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
         summary.run_davis = run.davis();

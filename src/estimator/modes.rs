@@ -30,7 +30,8 @@ use crate::tick::short_hops::{self, Pieces};
 const LOST_S: Real = 60.0;
 /// Where coasting is less likely than this no segment is tried.
 const LEAST_COASTS: Real = 0.02;
-/// An effort beyond this share of the described resistance is none of a coasting train, whatever the zero and the noise of its sensor.
+/// An effort beyond this share of the described resistance is none of a coasting train, whatever the zero and the noise
+/// of its sensor.
 const POWERED_SHARE: Real = 0.5;
 /// Below, wheels slip and couplers stretch, m/s.
 const SLOWEST_MEASURED_MPS: Real = 3.0;
@@ -106,8 +107,8 @@ pub(super) fn learning_tick(
     };
     let recognition = recognise(config, run, line, acting, &now, ReadNow { read, standing, short_hops });
     let learned = match config.mode {
-        // Of hops the effort column shows the ends of powering only, for then the train brakes: what its age and gain are off by there the resistance would be.
-        // Coasts need neither.
+        // Of hops the effort column shows the ends of powering only, for then the train brakes: what its age and gain
+        // are off by there the resistance would be. Coasts need neither.
         Mode::Measured if short_hops.is_some() => {
             run.waits = None;
             learn_coasting(config, run, line, acting, judged, &recognition, short_hops)
@@ -303,8 +304,8 @@ fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Ti
     }
 }
 
-/// One row of measured effort: the tick that waits teaches, of which the `effort` is known now, and the one that ends here waits. Rows without an effort lie
-/// within a tick. Out: the innovation of a step of the segment.
+/// One row of measured effort: the tick that waits teaches, of which the `effort` is known now, and the one that ends
+/// here waits. Rows without an effort lie within a tick. Out: the innovation of a step of the segment.
 fn learn_measured(
     config: &Config,
     run: &mut RunState,
@@ -332,7 +333,8 @@ fn learn_measured(
     learned
 }
 
-/// Begins, continues or ends a segment of measured effort with the tick that waits. Out: the innovation of a step of it.
+/// Begins, continues or ends a segment of measured effort with the tick that waits. Out: the innovation of a step of
+/// it.
 fn learn_waiting(
     config: &Config,
     run: &mut RunState,
@@ -361,7 +363,8 @@ fn learn_waiting(
     Ok(None)
 }
 
-/// By its effort column the train powers or brakes, which the speed alone may not show: a speed that is held on a gentle slope falls and rises like a coast.
+/// By its effort column the train powers or brakes, which the speed alone may not show: a speed that is held on a
+/// gentle slope falls and rises like a coast.
 fn is_powered(config: &Config, judged: &Judged, described_n_per_kg: Real) -> bool {
     let is_power = |effort: Real| effort.abs() > POWERED_SHARE * described_n_per_kg;
     config.mode == Mode::Measured && judged.effort_n_per_kg.is_some_and(is_power)
@@ -373,8 +376,8 @@ fn usual(config: &Config, least_change: LeastChange) -> Counts {
     Counts { believed: false, end_cut_s, min_segment_s, least_change, on_short_hops: false }
 }
 
-/// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or not; else it begins after an
-/// interval that was coasted as a whole.
+/// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or
+/// not; else it begins after an interval that was coasted as a whole.
 fn learn_coasting(
     config: &Config,
     run: &mut RunState,

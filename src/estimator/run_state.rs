@@ -1,6 +1,7 @@
 //! What changes every tick of a run, and its snapshot.
 //!
-//! In: nothing but what [`crate::estimator`] writes here. Out: the belief at any time; the whole state as bytes, from which the run goes on.
+//! In: nothing but what [`crate::estimator`] writes here. Out: the belief at any time; the whole state as bytes, from
+//! which the run goes on.
 
 use crate::Real;
 use crate::features::{FeatureExtractor, Observation};
@@ -86,7 +87,8 @@ impl RunState {
         self.begin(Gaussian::ZEROED, Column::default(), Direction::Up);
     }
 
-    /// Begins with a belief of this run's train and the gain of its effort column, in place and without a copy of the features' buffers. The surroundings stay.
+    /// Begins with a belief of this run's train and the gain of its effort column, in place and without a copy of the
+    /// features' buffers. The surroundings stay.
     pub(crate) fn begin(&mut self, begin: Gaussian<4>, column: Column, direction: Direction) {
         let mut journey = self.journey;
         journey.begin();
@@ -135,7 +137,8 @@ impl RunState {
         &self.features
     }
 
-    /// Writes the whole state, and changes nothing of it. The bytes are of this version of the library only; at most [`MAX_SNAPSHOT`].
+    /// Writes the whole state, and changes nothing of it. The bytes are of this version of the library only; at most
+    /// [`MAX_SNAPSHOT`].
     ///
     /// # Errors
     /// [`NoSnapshot`]: `buffer` is too small.
@@ -171,7 +174,8 @@ impl RunState {
         }
     }
 
-    /// The whole state: location and speed of the segment where one runs, of the readings elsewhere; the coefficients as far as they are valid.
+    /// The whole state: location and speed of the segment where one runs, of the readings elsewhere; the coefficients
+    /// as far as they are valid.
     pub(crate) fn belief(&self) -> Gaussian<SIZE> {
         // Where a tick waits the segment is one behind.
         let moving = self.learner.moving().filter(|_| self.waits.is_none());

@@ -1,18 +1,20 @@
 //! Final coast and final brake, section 3.3.
 //!
-//! In: the switching points up to the last standstill, where the train still is, and the top speed since the stop before it. Out: two [`Phase`]s.
+//! In: the switching points up to the last standstill, where the train still is, and the top speed since the stop
+//! before it. Out: two [`Phase`]s.
 //!
-//! - The final brake begins with the first brake application by which the train leaves line speed, and ends where the train stands. A 40 km/h zone before the
-//!   platform is inside it: brake to 40 km/h, holding or coasting there, brake to the platform. What is done at less than `approach_share` of
-//!   the top speed does not begin a new final brake, it continues the one before. A brake at line speed after which the train
-//!   coasts on is not final.
+//! - The final brake begins with the first brake application by which the train leaves line speed, and ends where the
+//!   train stands. A 40 km/h zone before the platform is inside it: brake to 40 km/h, holding or coasting there, brake
+//!   to the platform. What is done at less than `approach_share` of the top speed does not begin a new final brake, it
+//!   continues the one before. A brake at line speed after which the train coasts on is not final.
 //! - The final coast is the coasting from which this brake begins; cruising may lie between them, traction may not.
 
 use super::{Phase, SwitchingPoint};
 use crate::Real;
 use crate::tick::regime::Regime;
 
-/// Final coast and final brake, of so many switching points. None before the train has stood after a brake, and none where it `is_there` no more.
+/// Final coast and final brake, of so many switching points. None before the train has stood after a brake, and none
+/// where it `is_there` no more.
 pub(super) fn final_phases<'a>(
     points: usize,
     at: impl Fn(usize) -> Option<&'a SwitchingPoint>,

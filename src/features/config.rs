@@ -1,7 +1,7 @@
 //! What of section 3.3 depends on the network and the train: speed windows, brake steps, lengths of time.
 //!
-//! The defaults are those of the case study. Its discards of section 4.4 are in the windows: efforts below 10 and between 30 and 50 km/h lie in none,
-//! nor do those near the line's top speed of 140 km/h.
+//! The defaults are those of the case study. Its discards of section 4.4 are in the windows: efforts below 10 and
+//! between 30 and 50 km/h lie in none, nor do those near the line's top speed of 140 km/h.
 
 use crate::Real;
 use crate::model::bounds::field_name;
@@ -19,20 +19,24 @@ settings! {
         max_power_window_kmh: [Real; 2] = [50.0, 90.0];
         /// Edges of the ATB-EG steps, falling, km/h (section 3.3).
         brake_steps_kmh: [Real; 4] = [130.0, 80.0, 60.0, 40.0];
-        /// Interruptions of a phase of at most this many ticks (or as many times `window_s`) are bridged; 0 bridges none.
+        /// Interruptions of a phase of at most this many ticks (or as many times `window_s`) are bridged; 0 bridges
+        /// none.
         bridge_samples: u32 = 2, 0.0 to 10.0;
-        /// An interruption whose effort moves the speed by more than this is real at any length, and so is an on/off cycle inside one tick of a coast, km/h.
-        /// Rounding to 1 km/h alone can make 1.
+        /// An interruption whose effort moves the speed by more than this is real at any length, and so is an on/off
+        /// cycle inside one tick of a coast, km/h. Rounding to 1 km/h alone can make 1.
         bridge_speed_kmh: Real = 1.6, 0.0 to 50.0;
         /// Below this the train comes to a stop within the interval, km/h.
         stop_speed_kmh: Real = 1.0, 0.0 to 20.0;
-        /// Time over which a rate is taken, s: the sampling of the case study. Ticks that come faster are taken together.
+        /// Time over which a rate is taken, s: the sampling of the case study. Ticks that come faster are taken
+        /// together.
         window_s: Real = 10.0, 1.0 to 60.0;
-        /// Width of one cruising level, km/h: cruising slower than the fastest by more than this belongs to another level.
+        /// Width of one cruising level, km/h: cruising slower than the fastest by more than this belongs to another
+        /// level.
         cruise_band_kmh: Real = 10.0, 1.0 to 100.0;
         /// Coasting and re-accelerating that change the speed by no more than this hold the speed, km/h.
         cruise_cycle_kmh: Real = 8.0, 0.0 to 50.0;
-        /// Share of the top speed since the last stop below which the train has left line speed and approaches the platform.
+        /// Share of the top speed since the last stop below which the train has left line speed and approaches the
+        /// platform.
         approach_share: Real = 0.5, 0.0 to 1.0;
     }
 }

@@ -1,14 +1,17 @@
 //! Cruise speed of a run, section 3.3: median of the speeds at the highest speed level that was held.
 //!
-//! In: stretches of time in which the speed was held, as straight lines of speed over time. Out: median, mean, standard deviation.
+//! In: stretches of time in which the speed was held, as straight lines of speed over time. Out: median, mean, standard
+//! deviation.
 //!
-//! - Held means: cruising, or coasting and re-accelerating in turns without changing the speed by more than `cruise_cycle_kmh` (section 4.2 shows both
-//!   techniques). A final coast or an acceleration changes it by more.
-//! - The level: from the fastest held speed down over `cruise_band_kmh`. So 40 km/h held in a station zone does not count when 140 km/h is held later,
-//!   for however short a time; but less than a tenth of the held time is no level (one sample at the end of an acceleration).
+//! - Held means: cruising, or coasting and re-accelerating in turns without changing the speed by more than
+//!   `cruise_cycle_kmh` (section 4.2 shows both techniques). A final coast or an acceleration changes it by more.
+//! - The level: from the fastest held speed down over `cruise_band_kmh`. So 40 km/h held in a station zone does not
+//!   count when 140 km/h is held later, for however short a time; but less than a tenth of the held time is no level
+//!   (one sample at the end of an acceleration).
 //!
-//! Memory is fixed: a histogram of time with bins of 0.5 km/h up to 360 km/h, each centred on a whole or half km/h (so that readings in whole
-//! km/h fall on centres); the median is interpolated inside its bin. Times are kept in whole ms. `count` is seconds.
+//! Memory is fixed: a histogram of time with bins of 0.5 km/h up to 360 km/h, each centred on a whole or half km/h (so
+//! that readings in whole km/h fall on centres); the median is interpolated inside its bin. Times are kept in whole ms.
+//! `count` is seconds.
 
 use super::Statistic;
 use crate::Real;

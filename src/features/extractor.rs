@@ -1,10 +1,11 @@
 //! One run, tick by tick, to its features.
 //!
-//! In: [`Observation`]s in order of time, one a tick. Out: [`Features`] at any time. Memory is fixed (11.3 kB, most of it the histogram of
-//! held speeds and the course of the last minutes); a tick costs some hundred operations, a few thousand where a switching point is new.
+//! In: [`Observation`]s in order of time, one a tick. Out: [`Features`] at any time. Memory is fixed (11.3 kB, most of
+//! it the histogram of held speeds and the course of the last minutes); a tick costs some hundred operations, a few
+//! thousand where a switching point is new.
 //!
-//! A tick without effort (dropout) adds its time to its regime and nothing else. It cuts the intervals that rates, powers and efforts are
-//! taken from, but not the phases: these go on when the regime after the gap is that before it.
+//! A tick without effort (dropout) adds its time to its regime and nothing else. It cuts the intervals that rates,
+//! powers and efforts are taken from, but not the phases: these go on when the regime after the gap is that before it.
 
 use super::approach::final_phases;
 use super::hindsight::Hindsight;
@@ -95,7 +96,8 @@ impl FeatureExtractor {
         }
     }
 
-    /// A recorder that has no rows while the train stands often lacks the last seconds before, too: it stood where it goes on from.
+    /// A recorder that has no rows while the train stands often lacks the last seconds before, too: it stood where it
+    /// goes on from.
     fn stops_before(&mut self, config: &FeatureConfig, tick: &Observation) -> bool {
         let here = |stands: &Observation| (tick.location_m - stands.location_m).abs() < PLATFORM_M;
         let Some(stands) = self.course.stop_ahead(config).filter(here) else {
@@ -144,7 +146,8 @@ impl FeatureExtractor {
         features
     }
 
-    /// As [`FeatureExtractor::features`], in the place of others: they take 2.6 kB, which the board does not have on its stack.
+    /// As [`FeatureExtractor::features`], in the place of others: they take 2.6 kB, which the board does not have on
+    /// its stack.
     pub fn features_in(&self, config: &FeatureConfig, features: &mut Features) {
         let line_speed_mps = config.approach_share * self.arrival_top_speed_mps;
         let at = |i| self.recent.get(i).map(|(_, point)| point);
@@ -400,7 +403,8 @@ mod tests {
 
     #[test]
     fn final_phases_begin_between_ticks() {
-        // Braked at 0.4 m/s² (14.4 km/h in 10 s), begun 4 s before the end of its first interval; stands within its last.
+        // Braked at 0.4 m/s² (14.4 km/h in 10 s), begun 4 s before the end of its first interval; stands within its
+        // last.
         let mut rows =
             std::vec![(100.0, Cruise), (100.0, Cruise), (100.0, Coast), (100.0, Coast), (100.0, Coast), (100.0, Coast)];
         rows.extend((0..7).map(|k| (100.0 - 5.76 - 14.4 * Real::from(k), Brake)));

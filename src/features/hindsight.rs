@@ -1,7 +1,8 @@
 //! The resistance's share of the mean power, corrected when more is known.
 //!
-//! A run accelerates before it coasts, so the power is calculated with a resistance that is learned only later. In: each interval that counted,
-//! with the Davis coefficients of its time. Out: by how much the mean power changes with the coefficients known now.
+//! A run accelerates before it coasts, so the power is calculated with a resistance that is learned only later. In:
+//! each interval that counted, with the Davis coefficients of its time. Out: by how much the mean power changes with
+//! the coefficients known now.
 //!
 //! ```text
 //! ΔP = Σ Δt v (Δr0 + Δr1 v + Δr2 v²) / Σ Δt

@@ -1,9 +1,10 @@
 //! What happened between two ticks, and stretches of about `window_s` made of it.
 //!
-//! In: two ticks in a row. Out: [`Interval`], with the effort that is the mean since the tick before, and the regime of the later tick,
-//! which was recognised from just this effort. Ticks that come faster than `window_s` are taken together: over 1 s a speed in whole km/h is
-//! wrong by up to 0.28 m/s², over 10 s by a tenth of it. Such a [`Stretches`] has the regime that held longest in it.
-//! An interval without effort (dropout) ends the stretch it falls in, and the next one does not follow it.
+//! In: two ticks in a row. Out: [`Interval`], with the effort that is the mean since the tick before, and the regime of
+//! the later tick, which was recognised from just this effort. Ticks that come faster than `window_s` are taken
+//! together: over 1 s a speed in whole km/h is wrong by up to 0.28 m/s², over 10 s by a tenth of it. Such a
+//! [`Stretches`] has the regime that held longest in it. An interval without effort (dropout) ends the stretch it falls
+//! in, and the next one does not follow it.
 
 use super::Observation;
 use crate::Real;
@@ -69,7 +70,8 @@ impl Interval {
         0.5 * (self.before_mps + self.after_mps)
     }
 
-    /// Mean effort times mean speed, W/kg. Its kinetic part, (v2² - v1²) / 2 dt, is exact however the speed runs in between.
+    /// Mean effort times mean speed, W/kg. Its kinetic part, (v2² - v1²) / 2 dt, is exact however the speed runs in
+    /// between.
     pub(super) fn power_w_per_kg(&self) -> Real {
         self.work_j_per_kg / self.dt_s
     }

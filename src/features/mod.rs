@@ -1,6 +1,7 @@
 //! Features of the driving style and of the train's limits, section 3.3.
 //!
-//! In: one [`Observation`] a tick, with its confirmed regime. Out: [`Features`], at any time. [`FeatureExtractor`] does it.
+//! In: one [`Observation`] a tick, with its confirmed regime. Out: [`Features`], at any time. [`FeatureExtractor`] does
+//! it.
 //!
 //! ```text
 //! interval -> steady -> statistic     largest effort, power, brake rates
@@ -9,8 +10,8 @@
 //!                    -> cruise                held speeds
 //! ```
 //!
-//! Assumes that effort, acceleration and regime of a tick speak of the interval that ends with it. Power is effort times speed;
-//! the paper's "divided by" is a slip. Without readings there is less to count, and the counts say so.
+//! Assumes that effort, acceleration and regime of a tick speak of the interval that ends with it. Power is effort
+//! times speed; the paper's "divided by" is a slip. Without readings there is less to count, and the counts say so.
 
 mod approach;
 mod config;
@@ -207,27 +208,31 @@ impl Energy {
 pub struct Features {
     /// Largest tractive effort at low speed.
     pub max_effort: Option<EffortLine>,
-    /// Tractive power per rotating mass while accelerating, effort times speed, W/kg; one value for each stretch of `window_s`, weighted with its time.
-    /// Within 0.8 % of the true mean in 90 % of 400 runs (`host-tests/tests/features.rs`).
+    /// Tractive power per rotating mass while accelerating, effort times speed, W/kg; one value for each stretch of
+    /// `window_s`, weighted with its time. Within 0.8 % of the true mean in 90 % of 400 runs
+    /// (`host-tests/tests/features.rs`).
     pub power_w_per_kg: Statistic,
-    /// Its largest value in the narrower window (red crosses of Fig. 9), W/kg. The largest of some values with the noise of readings in whole km/h:
-    /// 6 % above the true power on average.
+    /// Its largest value in the narrower window (red crosses of Fig. 9), W/kg. The largest of some values with the
+    /// noise of readings in whole km/h: 6 % above the true power on average.
     pub max_power_w_per_kg: Option<Real>,
     /// Brake rates, positive, m/s², by ATB-EG step: above 130, 130-80, 80-60, 60-40, below 40 km/h.
     pub brake_rate_mps2: [Statistic; 5],
     /// Cruise speed, m/s: statistic of the speeds held at the fastest level (see `cruise.rs`), count in s.
     pub cruise_speed_mps: Statistic,
-    /// Median of the same speeds, m/s (the paper's cruise speed); within 0.5 km/h in 90 % of 400 runs read in whole km/h every 10 s.
+    /// Median of the same speeds, m/s (the paper's cruise speed); within 0.5 km/h in 90 % of 400 runs read in whole
+    /// km/h every 10 s.
     pub cruise_speed_median_mps: Option<Real>,
     /// Coasting from which the final brake begins.
     pub final_coast: Option<Phase>,
-    /// Brake by which the train leaves line speed for the last standstill; a low speed zone before the platform is inside it.
+    /// Brake by which the train leaves line speed for the last standstill; a low speed zone before the platform is
+    /// inside it.
     pub final_brake: Option<Phase>,
     /// Where the regime changed, in order; short interruptions are bridged.
     pub switching_points: Vec<SwitchingPoint, MAX_SWITCHING_POINTS>,
     /// Switching points beyond the capacity.
     pub switching_points_lost: u32,
-    /// Time in each regime, s, indexed by `Regime as usize`; each tick's time counts for its regime, only the interval of a stop is divided.
+    /// Time in each regime, s, indexed by `Regime as usize`; each tick's time counts for its regime, only the interval
+    /// of a stop is divided.
     pub regime_time_s: [Real; 5],
     /// Energy per rotating mass.
     pub energy: Energy,

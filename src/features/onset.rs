@@ -2,24 +2,27 @@
 //!
 //! In: the course of effort, speed and location around a [`Boundary`]. Out: a [`SwitchingPoint`].
 //!
-//! The effort of a tick is a mean over the interval before it, so the interval with the change has a share of both levels. With I the
-//! integral of the effort over time, u1 the level before T0, u2 the level after T1 and the change between them,
+//! The effort of a tick is a mean over the interval before it, so the interval with the change has a share of both
+//! levels. With I the integral of the effort over time, u1 the level before T0, u2 the level after T1 and the change
+//! between them,
 //!
 //! ```text
 //! I(T1) - I(T0) = u1 (t - T0) + u2 (T1 - t)
 //! t = (u2 T1 - u1 T0 - (I(T1) - I(T0))) / (u2 - u1)
 //! ```
 //!
-//! which is where two straight lines of speed meet, with resistance and gradient taken out. It asks only for speeds at T0 and T1 and two levels, not for
-//! rates over single ticks, and so needs no other formula for ticks of 1 s. T0 and T1 lie a `window_s` (at least one tick) off the boundary, a level is
-//! the mean over one further `window_s` of traction or brake and three of cruising or coasting. t is not let out of T0..T1;
-//! when it comes out at an edge, the recognition was late or early, and the window is moved there, twice at most.
-//! Where a phase is too short to have a level the boundary between the samples stands.
+//! which is where two straight lines of speed meet, with resistance and gradient taken out. It asks only for speeds at
+//! T0 and T1 and two levels, not for rates over single ticks, and so needs no other formula for ticks of 1 s. T0 and T1
+//! lie a `window_s` (at least one tick) off the boundary, a level is the mean over one further `window_s` of traction
+//! or brake and three of cruising or coasting. t is not let out of T0..T1; when it comes out at an edge, the
+//! recognition was late or early, and the window is moved there, twice at most. Where a phase is too short to have a
+//! level the boundary between the samples stands.
 //!
 //! A train that stops: the speed before the last interval, over the deceleration before it.
 //!
-//! Measured on 400 runs with a known truth, readings of whole km/h every 10 s (`host-tests/tests/features.rs`): start of the final brake within 2.5 s in 90 % of the runs
-//! (median 1.4 s late, for the brake takes 1 to 6 s to build up), of the final coast within 6.8 s, stop within 0.6 s. Every 1 s: 2.9, 5.1 and 0.4 s.
+//! Measured on 400 runs with a known truth, readings of whole km/h every 10 s (`host-tests/tests/features.rs`): start
+//! of the final brake within 2.5 s in 90 % of the runs (median 1.4 s late, for the brake takes 1 to 6 s to build up),
+//! of the final coast within 6.8 s, stop within 0.6 s. Every 1 s: 2.9, 5.1 and 0.4 s.
 //!
 //! Memory: 64 knots at least a sixth of `window_s` apart, 107 s of a fast log.
 
@@ -105,7 +108,8 @@ impl Course {
         }
     }
 
-    /// Number of the first knot for which this holds, if it holds for all after it. Halving, because a comparison costs a processor without doubles much.
+    /// Number of the first knot for which this holds, if it holds for all after it. Halving, because a comparison costs
+    /// a processor without doubles much.
     fn first(&self, holds: impl Fn(usize, &Knot) -> bool) -> usize {
         let (mut low, mut high) = (0, self.knots.len() + 1);
         while low < high {
@@ -142,7 +146,8 @@ impl Course {
 
     /// First knot not earlier than this, with the same tolerance; the present when there is none.
     fn on_to(&self, time_s: Real) -> Option<Knot> {
-        // A knot's interval is not longer than the whole course, so that earlier ones cannot be it; a second for the rounding.
+        // A knot's interval is not longer than the whole course, so that earlier ones cannot be it; a second for the
+        // rounding.
         let begin_s = self.knot(0)?.time_s;
         let earliest_s = (time_s + 0.3 * begin_s) / 1.3 - 1.0;
         let start = self.first_from(earliest_s);
@@ -178,7 +183,8 @@ impl Course {
         })
     }
 
-    /// The switching point of a boundary. `after_s` and `before_s` are the neighbouring switching points, where there are any.
+    /// The switching point of a boundary. `after_s` and `before_s` are the neighbouring switching points, where there
+    /// are any.
     pub(super) fn locate(
         &self,
         config: &FeatureConfig,
@@ -217,14 +223,16 @@ impl Course {
         Some(Knot { time_s, speed_mps: 0.0, ..end })
     }
 
-    /// The course at a time before, and the deceleration from there to `last`, m/s²; none where the train did not slow down, or there is nothing before.
+    /// The course at a time before, and the deceleration from there to `last`, m/s²; none where the train did not slow
+    /// down, or there is nothing before.
     fn slowing(&self, last: &Knot, since_s: Real) -> Option<(Knot, Real)> {
         let before = self.back_to(since_s)?;
         let rate_mps2 = (before.speed_mps - last.speed_mps) / (last.time_s - before.time_s);
         (rate_mps2 > 0.0 && rate_mps2.is_finite()).then_some((before, rate_mps2))
     }
 
-    /// The train as it will stand, if it would within `window_s` as it slows down now: for a log that ends or pauses before that.
+    /// The train as it will stand, if it would within `window_s` as it slows down now: for a log that ends or pauses
+    /// before that.
     pub(super) fn stop_ahead(&self, config: &FeatureConfig) -> Option<Observation> {
         let (head, last) = (self.head?, self.last_good?);
         let (before, rate_mps2) = self.slowing(&head, head.time_s - config.window_s)?;

@@ -1,17 +1,21 @@
 //! Phases: stretches of one regime, with short interruptions bridged.
 //!
-//! In: intervals between ticks with their regime. Out: a [`Boundary`] wherever a phase gives way to the next, and the speeds that were held.
+//! In: intervals between ticks with their regime. Out: a [`Boundary`] wherever a phase gives way to the next, and the
+//! speeds that were held.
 //!
-//! A regime is recognised from the mean effort since the tick before, so a phase begins at the tick *before* its first sample; where within the
-//! neighbouring intervals it really began is the question of [`super::onset`].
+//! A regime is recognised from the mean effort since the tick before, so a phase begins at the tick *before* its first
+//! sample; where within the neighbouring intervals it really began is the question of [`super::onset`].
 //!
-//! - Bridged: an interruption of at most `bridge_samples` ticks (or that many times `window_s`) with the same regime on both sides. Without this, single
-//!   samples split the final coast and its start is found 125 to 370 s late. Not bridged: a standstill, and an interruption whose effort
-//!   alone moved the speed by more than `bridge_speed_kmh`, for that is a driver and no noise.
-//! - Split: a coast by an interval in the midst of it whose effort moved the speed by more than that. The train coasted at both its ends and had power in
-//!   between, so the regime does not show it. Without this a tenth of the final coasts of drivers who cruise by on/off cycles were found one cycle, 30 to 50 s, early.
+//! - Bridged: an interruption of at most `bridge_samples` ticks (or that many times `window_s`) with the same regime on
+//!   both sides. Without this, single samples split the final coast and its start is found 125 to 370 s late. Not
+//!   bridged: a standstill, and an interruption whose effort alone moved the speed by more than `bridge_speed_kmh`, for
+//!   that is a driver and no noise.
+//! - Split: a coast by an interval in the midst of it whose effort moved the speed by more than that. The train coasted
+//!   at both its ends and had power in between, so the regime does not show it. Without this a tenth of the final
+//!   coasts of drivers who cruise by on/off cycles were found one cycle, 30 to 50 s, early.
 //! - Absorbed: one cruising sample between two other regimes. It is an interval in which both had a share.
-//! - An interval without effort (dropout) neither begins nor ends a phase, however long it is: when the regime is the same after it, the phase went on.
+//! - An interval without effort (dropout) neither begins nor ends a phase, however long it is: when the regime is the
+//!   same after it, the phase went on.
 
 use super::FeatureConfig;
 use super::cruise::HeldSpeeds;
@@ -122,14 +126,16 @@ impl Phases {
         &self.held_speeds
     }
 
-    /// The first tick of a run. Standing it needs no interval to be recognised, and departure is then a switching point.
+    /// The first tick of a run. Standing it needs no interval to be recognised, and departure is then a switching
+    /// point.
     pub(super) fn begin(&mut self, time_s: Real, regime: Regime) {
         if regime == Regime::Standstill {
             self.phase = Some(SampleRow { regime, end_s: time_s, first_sample_s: time_s, ..SampleRow::ZEROED });
         }
     }
 
-    /// Takes the interval that ends at `end_s`. A boundary with the same `time_s` and `from` as one given before takes its place.
+    /// Takes the interval that ends at `end_s`. A boundary with the same `time_s` and `from` as one given before takes
+    /// its place.
     pub(super) fn push(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) -> Boundaries {
         let mut known = Boundaries::new();
         let mut sample = SampleRow::new(end_s, interval);
@@ -150,8 +156,9 @@ impl Phases {
         known
     }
 
-    /// An interval of a coast with too much effort for one: power was taken for a few seconds and let go again, and at both its ends the train coasted.
-    /// Where a coast begins the effort is that of the regime before, and over ticks that come faster it is noise.
+    /// An interval of a coast with too much effort for one: power was taken for a few seconds and let go again, and at
+    /// both its ends the train coasted. Where a coast begins the effort is that of the regime before, and over ticks
+    /// that come faster it is noise.
     fn is_powering_phase(&self, config: &FeatureConfig, interval: &Interval) -> bool {
         let coast = Some(Regime::Coast);
         let before = self.pending.back().or(self.phase.as_ref());
@@ -295,7 +302,8 @@ mod tests {
         assert_eq!(boundaries(&rows, -0.3), [(20.0, Coast, Brake), (30.0, Brake, Coast)]);
     }
 
-    /// Coasting at the end of each interval says nothing of the seconds between: power for 4 s moves the speed by 1.8 km/h.
+    /// Coasting at the end of each interval says nothing of the seconds between: power for 4 s moves the speed by 1.8
+    /// km/h.
     #[test]
     fn a_turn_of_power_inside_one_interval_splits_a_coast() {
         let found = |efforts: &[Real], dt_s: Real| {

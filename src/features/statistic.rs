@@ -75,7 +75,8 @@ impl LineFit {
         self.yy += y * y;
     }
 
-    /// None without points. Points at one x give the mean and no slope. The standard deviation is that about the line, 0 where nothing is left for it.
+    /// None without points. Points at one x give the mean and no slope. The standard deviation is that about the line,
+    /// 0 where nothing is left for it.
     pub(super) fn line(&self) -> Option<EffortLine> {
         if self.count == 0 {
             return None;

@@ -1,10 +1,11 @@
 //! Intervals that lie wholly inside one regime, so that their mean effort is a level and not a mixture.
 //!
-//! In: intervals in order. Out: those of one regime whose neighbours have it too: the interval in which it begins and the interval in which it
-//! ends are left out, however much of them it filled. So each interval waits for the next one.
+//! In: intervals in order. Out: those of one regime whose neighbours have it too: the interval in which it begins and
+//! the interval in which it ends are left out, however much of them it filled. So each interval waits for the next one.
 //!
-//! Near the end of an acceleration the 1 km/h of the readings makes single intervals look like cruising. They are kept when the regime goes on after
-//! at most `bridge_samples` of them with at least half the effort: to leave out just the intervals with a small reading would bias the mean.
+//! Near the end of an acceleration the 1 km/h of the readings makes single intervals look like cruising. They are kept
+//! when the regime goes on after at most `bridge_samples` of them with at least half the effort: to leave out just the
+//! intervals with a small reading would bias the mean.
 
 use super::interval::Interval;
 use crate::tick::regime::Regime;

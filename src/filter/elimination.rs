@@ -1,7 +1,8 @@
 //! Square-root-free Cholesky factor of a covariance, its first columns: P = L D Lᵀ.
 //!
-//! In: a symmetric matrix. Out: the first K columns of L D with their pivots D, and the first K rows of the same columns of L (unit diagonal).
-//! With K = N it is the whole factor. A pivot that is not above zero stops it with its row.
+//! In: a symmetric matrix. Out: the first K columns of L D with their pivots D, and the first K rows of the same
+//! columns of L (unit diagonal). With K = N it is the whole factor. A pivot that is not above zero stops it with its
+//! row.
 
 use crate::Real;
 use nalgebra::{ArrayStorage, SMatrix, SVector};

@@ -2,16 +2,18 @@
 //!
 //! In: a belief, a [`System`], readings. Out: the belief one step later, and the innovation.
 //!
-//! [`Ukf`](crate::filter::ukf::Ukf) is the same filter for motions with one number that is not linear, at a fraction of the cost; where both can be used they agree to
-//! ten digits (`host-tests/tests/textbook.rs`). Points and weights are those of Eq. (7)-(9). Seen from the central point, the large weights of a small α cancel:
-//! with d_i = g(χ_i) - g(x̄), w = 1 / (2 c) and c = N + λ,
+//! [`Ukf`](crate::filter::ukf::Ukf) is the same filter for motions with one number that is not linear, at a fraction of
+//! the cost; where both can be used they agree to ten digits (`host-tests/tests/textbook.rs`). Points and weights are
+//! those of Eq. (7)-(9). Seen from the central point, the large weights of a small α cancel: with d_i = g(χ_i) - g(x̄),
+//! w = 1 / (2 c) and c = N + λ,
 //!
 //! ```text
 //! m = w Σ d_i          mean g(x̄) + m          covariance w Σ d_i d_iᵀ + (β - α²) m mᵀ
 //! ```
 //!
-//! which is Eq. (10), (11) and (13)-(15) without the central weight. What is left of small reaches is the difference of nearly equal numbers in d_i: take α near 1.
-//! The points of the update are drawn from the predicted belief, Q included.
+//! which is Eq. (10), (11) and (13)-(15) without the central weight. What is left of small reaches is the difference of
+//! nearly equal numbers in d_i: take α near 1. The points of the update are drawn from the predicted belief, Q
+//! included.
 
 use crate::Real;
 use crate::filter::elimination::{FactorColumn, NotPositiveDefinite, eliminate};

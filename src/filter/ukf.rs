@@ -2,16 +2,17 @@
 //!
 //! In: a belief (mean, covariance), a motion, a measurement. Out: the belief one step later, and the innovation.
 //!
-//! The method is the paper's: van der Merwe's points x and x ± √c l, c = α² (N + κ), with l the columns of the Cholesky factor (Eq. 7-9),
-//! sent through the motion (Eq. 8), and their weighted sums (Eq. 10-18). The form is another, because λ = c - N makes weights of 1.7e6 when
-//! α = 0.001, and twelve digits are lost. Three observations make it exact and short; each is an identity, not an approximation.
+//! The method is the paper's: van der Merwe's points x and x ± √c l, c = α² (N + κ), with l the columns of the Cholesky
+//! factor (Eq. 7-9), sent through the motion (Eq. 8), and their weighted sums (Eq. 10-18). The form is another, because
+//! λ = c - N makes weights of 1.7e6 when α = 0.001, and twelve digits are lost. Three observations make it exact and
+//! short; each is an identity, not an approximation.
 //!
-//! **One number is not linear.** The motion is x' = T x + b a(x) with a scalar a, for a train its acceleration (Eq. 4, 5). Weighted sums pass
-//! through what is linear, so only a needs points: its mean ā, its variance V and its covariance C with x. Then x' has the mean T x + b ā, and
-//! its covariance follows from P, C and V in the same way.
+//! **One number is not linear.** The motion is x' = T x + b a(x) with a scalar a, for a train its acceleration (Eq. 4,
+//! 5). Weighted sums pass through what is linear, so only a needs points: its mean ā, its variance V and its covariance
+//! C with x. Then x' has the mean T x + b ā, and its covariance follows from P, C and V in the same way.
 //!
-//! **Seen from the central point, a pair of points has an odd and an even part.** With P = L D Lᵀ (no square root), ε = c D_j, l = column j of L
-//! and any vector g, for us the slope of a at x,
+//! **Seen from the central point, a pair of points has an odd and an even part.** With P = L D Lᵀ (no square root), ε =
+//! c D_j, l = column j of L and any vector g, for us the slope of a at x,
 //!
 //! ```text
 //! a(x ± √ε l) - a(x) = ± √ε (g·l + odd_j) + c even_j
@@ -27,11 +28,12 @@
 //!
 //! ĝ is the slope as the points see it: for them the motion is a straight line of slope ĝ and a scatter about it.
 //!
-//! **Most pairs see a straight line.** The last N - K components of our states are constants of the train that enter a linearly. Along their
-//! columns odd and even are zero, so the factor ends after K columns.
+//! **Most pairs see a straight line.** The last N - K components of our states are constants of the train that enter a
+//! linearly. Along their columns odd and even are zero, so the factor ends after K columns.
 //!
-//! Readings are components of the state (Eq. 6: location and speed) and independent, so Eq. (12)-(18) take them in one after another;
-//! a missing one is left out. The paper's own arithmetic stands in the tests as the reference implementation of all this (`host-tests/tests/textbook.rs`).
+//! Readings are components of the state (Eq. 6: location and speed) and independent, so Eq. (12)-(18) take them in one
+//! after another; a missing one is left out. The paper's own arithmetic stands in the tests as the reference
+//! implementation of all this (`host-tests/tests/textbook.rs`).
 //!
 //! Printed as it is, Eq. (11)-(15) leave Q out of the gain; [`Ukf::reuse_points`] keeps that.
 
@@ -49,10 +51,12 @@ pub trait Process<const N: usize, const K: usize> {
     /// a(x).
     fn drive(&self, x: &SVector<Real, N>) -> Real;
 
-    /// Slope g of a at x, exact for the constants. For the moving part it may be anything, if [`Process::pair`] knows it.
+    /// Slope g of a at x, exact for the constants. For the moving part it may be anything, if [`Process::pair`] knows
+    /// it.
     fn slope(&self, x: &SVector<Real, N>) -> SVector<Real, N>;
 
-    /// What a pair of points sees of a beyond a(x) and the slope: a(x ± √(c D) l) - a(x) = ± √(c D) (g·l + odd) + c even.
+    /// What a pair of points sees of a beyond a(x) and the slope: a(x ± √(c D) l) - a(x) = ± √(c D) (g·l + odd) + c
+    /// even.
     fn pair(&self, x: &SVector<Real, N>, column: &FactorColumn<N, K>, c: Real) -> Pair;
 
     /// The moving part of T x + b a: linear in both.
@@ -205,7 +209,8 @@ pub struct Ukf<const N: usize, const M: usize> {
     pub spread: Spread<N>,
     /// Largest accepted |innovation| in standard deviations, for each reading; none: every reading is taken.
     pub gate: [Option<Real>; M],
-    /// Form the gain from the propagated points, which do not know Q, as Eq. (12)-(15) are printed. Makes a difference only with a Q.
+    /// Form the gain from the propagated points, which do not know Q, as Eq. (12)-(15) are printed. Makes a difference
+    /// only with a Q.
     pub reuse_points: bool,
 }
 
@@ -235,7 +240,8 @@ pub struct Innovation<const M: usize> {
 }
 
 impl<const M: usize> Innovation<M> {
-    /// Logarithm of the density of the used readings under what was expected of them (the tuning criterion of section 4.2).
+    /// Logarithm of the density of the used readings under what was expected of them (the tuning criterion of section
+    /// 4.2).
     pub fn log_likelihood(&self) -> Real {
         self.used()
             .map(|(value, variance)| {
@@ -259,7 +265,8 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
     /// One step: predict, then update with what there is of a measurement.
     ///
     /// # Errors
-    /// [`NotPositiveDefinite`]; `belief` is then of no use. It is worked on in place, so a caller who needs the old one keeps a copy.
+    /// [`NotPositiveDefinite`]; `belief` is then of no use. It is worked on in place, so a caller who needs the old one
+    /// keeps a copy.
     #[inline]
     pub fn step<const K: usize>(
         &self,
@@ -300,7 +307,8 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         Ok(())
     }
 
-    /// Eq. (7)-(11) in the form that the module's header derives. Leaves only the lower triangle of the covariance good.
+    /// Eq. (7)-(11) in the form that the module's header derives. Leaves only the lower triangle of the covariance
+    /// good.
     #[inline]
     fn propagate<const K: usize>(
         &self,
@@ -393,7 +401,8 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
             }
             for k in 0..N {
                 for j in k..N {
-                    // Eq. (18); where the row is the reading's own, column - gain column = gain noise without a difference.
+                    // Eq. (18); where the row is the reading's own, column - gain column = gain noise without a
+                    // difference.
                     if j == read {
                         covariance[(j, k)] = gain[k] * noise;
                     } else if k == read {
@@ -413,8 +422,8 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
     }
 }
 
-/// The belief one step later, of which the motion a has this mean, covariance with x, and variance: x' is linear in (x, a), and so are its
-/// covariances with x and with a, and with itself. Leaves only the lower triangle good.
+/// The belief one step later, of which the motion a has this mean, covariance with x, and variance: x' is linear in (x,
+/// a), and so are its covariances with x and with a, and with itself. Leaves only the lower triangle good.
 // Of its own on the board: nothing of it is on the stack while a pair of points crosses an edge of the gradients.
 #[cfg_attr(target_os = "none", inline(never))]
 #[cfg_attr(not(target_os = "none"), inline)]

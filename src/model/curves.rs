@@ -1,8 +1,10 @@
 //! Curves of a track, ready for the mean of Roeckl's formula under a train.
 //!
-//! In: a list of (from, to, radius), sorted, at most [`MAX_CURVES`]. Out: the integral of the formula along the track, O(log n).
+//! In: a list of (from, to, radius), sorted, at most [`MAX_CURVES`]. Out: the integral of the formula along the track,
+//! O(log n).
 //!
-//! Where two curves overlap the first one counts. The sums are made once, at construction. Single precision, for the board has two tracks in RAM: 16 bytes a curve, 0.01 m at 100 km, 1e-6 of the resistance.
+//! Where two curves overlap the first one counts. The sums are made once, at construction. Single precision, for the
+//! board has two tracks in RAM: 16 bytes a curve, 0.01 m at 100 km, 1e-6 of the resistance.
 
 use crate::Real;
 use crate::model::table::Table;

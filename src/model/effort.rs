@@ -1,13 +1,14 @@
 //! Applied effort, calculated from the change of speed.
 //!
-//! In: two speeds, the Davis coefficients, the track below the train. Out: effort per mass in N/kg, traction positive, brake negative.
+//! In: two speeds, the Davis coefficients, the track below the train. Out: effort per mass in N/kg, traction positive,
+//! brake negative.
 //!
 //! ```text
 //! u = (v[k] - v[j]) / Δt + r(v) + g(s) + X         Eq. (1) solved for u; X of the named effects
 //! ```
 //!
-//! The paper takes r and g at the end of the interval ([`of_paper`]); the other modes take their mean over it ([`over_interval`]),
-//! and where it is compared with what an effort column says, in short steps ([`over_steps`]).
+//! The paper takes r and g at the end of the interval ([`of_paper`]); the other modes take their mean over it
+//! ([`over_interval`]), and where it is compared with what an effort column says, in short steps ([`over_steps`]).
 
 use crate::Real;
 use crate::model::effects::Acting;
@@ -33,8 +34,9 @@ pub fn of_paper(line: &Line<'_>, acting: &Acting<'_>, davis: &Davis, acceleratio
     acting.effort_n_per_kg(resultant + acting.extra_n_per_kg(line, davis, at, 0.0))
 }
 
-/// Means over the interval from `from` to `to`, at an even acceleration and in steps of at most `step_s`. [`over_interval`] sees slopes that
-/// change within 10 s at three places only: on lines of 25 to 40 permille the speed that it expects was up to 0.4 m/s off.
+/// Means over the interval from `from` to `to`, at an even acceleration and in steps of at most `step_s`.
+/// [`over_interval`] sees slopes that change within 10 s at three places only: on lines of 25 to 40 permille the speed
+/// that it expects was up to 0.4 m/s off.
 pub fn over_steps(
     line: &Line<'_>,
     acting: &Acting<'_>,

@@ -1,4 +1,5 @@
-//! What is known of a train on its track, and how it moves: descriptions, the equation of motion, effects that a description may lack.
+//! What is known of a train on its track, and how it moves: descriptions, the equation of motion, effects that a
+//! description may lack.
 
 pub mod bounds;
 pub mod curves;

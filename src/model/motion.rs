@@ -1,16 +1,18 @@
 //! Motion of the train over one step, Eq. (1), (2), (4), (5).
 //!
-//! In: a state (s, v, r0, r1, r2), the applied effort, the track under the train. Out: the state a step later, and what its sigma points see.
+//! In: a state (s, v, r0, r1, r2), the applied effort, the track under the train. Out: the state a step later, and what
+//! its sigma points see.
 //!
 //! ```text
 //! s' = s + σ (Δt v + ½ Δt² a)      v' = v + Δt a                       Eq. (4), σ = +1 up, -1 down
 //! a  = u - r0 - r1 w - r2 w² - g - X                                   Eq. (5); X of the named effects
 //! ```
 //!
-//! As printed, w = v and g is taken at s: both at the beginning of the step. A coasting train slows meanwhile, so one such step of 10 s takes too much
-//! resistance, and an estimate of r comes out 0.86 % too small at 100 km/h. [`Evaluate::Midway`] takes w and g where the train is half a step later; the
-//! lead is a number found at the mean, the same for all sigma points, so that the equation keeps its form. With steps of 2.5 s the
-//! remaining error is below 0.001 % (`host-tests/tests/paper.rs` measures both).
+//! As printed, w = v and g is taken at s: both at the beginning of the step. A coasting train slows meanwhile, so one
+//! such step of 10 s takes too much resistance, and an estimate of r comes out 0.86 % too small at 100 km/h.
+//! [`Evaluate::Midway`] takes w and g where the train is half a step later; the lead is a number found at the mean, the
+//! same for all sigma points, so that the equation keeps its form. With steps of 2.5 s the remaining error is below
+//! 0.001 % (`host-tests/tests/paper.rs` measures both).
 
 use crate::Real;
 use crate::filter::elimination::FactorColumn;
@@ -102,7 +104,8 @@ impl<'a> Motion<'a> {
         motion
     }
 
-    /// The same step with the effects of the model, where the train is at the mean `x`: at the beginning, or half-way as all else. `begin_s` is the time of the beginning.
+    /// The same step with the effects of the model, where the train is at the mean `x`: at the beginning, or half-way
+    /// as all else. `begin_s` is the time of the beginning.
     pub fn with_effects<const N: usize>(
         mut self,
         line: &Line<'_>,
@@ -131,7 +134,8 @@ impl<'a> Motion<'a> {
         self
     }
 
-    /// The same step with white noise of this standard deviation in the acceleration, constant over the step (Q of Eq. 3).
+    /// The same step with white noise of this standard deviation in the acceleration, constant over the step (Q of Eq.
+    /// 3).
     pub fn with_noise(self, noise_mps2: Real) -> Self {
         Self { noise_variance: noise_mps2 * noise_mps2, ..self }
     }
@@ -172,7 +176,8 @@ impl<const N: usize> Process<N, MOVING> for Motion<'_> {
         slope
     }
 
-    /// Of r1 v + r2 v² what is not linear, written down. The gradient is looked up at both points if its slope changes between them.
+    /// Of r1 v + r2 v² what is not linear, written down. The gradient is looked up at both points if its slope changes
+    /// between them.
     #[inline]
     fn pair(&self, x: &SVector<Real, N>, column: &FactorColumn<N, MOVING>, c: Real) -> Pair {
         let FactorColumn { d, l, dl } = column;

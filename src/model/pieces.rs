@@ -2,7 +2,8 @@
 
 use crate::Real;
 
-/// The fewest pieces of `length` of which none is longer than `longest`: at least 1, at most `most`. 1 of what is no number.
+/// The fewest pieces of `length` of which none is longer than `longest`: at least 1, at most `most`. 1 of what is no
+/// number.
 // By a whole number, which the board has code for; libm's `ceil` would be for this alone.
 #[inline(never)]
 pub(crate) fn pieces(length: Real, longest: Real, most: u32) -> Real {

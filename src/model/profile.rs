@@ -1,7 +1,8 @@
 //! The heights along a track, and a train that stands on them.
 //!
-//! In: gradients from somewhere on, sorted, at most [`MAX_GRADIENTS`]. Out: heights, and the rise under a train: a search for its front, O(log n), and a walk
-//! over the few pieces under it. Heights are summed once, at construction. Before the first entry the height is 0 (flat); the last gradient goes on.
+//! In: gradients from somewhere on, sorted, at most [`MAX_GRADIENTS`]. Out: heights, and the rise under a train: a
+//! search for its front, O(log n), and a walk over the few pieces under it. Heights are summed once, at construction.
+//! Before the first entry the height is 0 (flat); the last gradient goes on.
 
 use crate::Real;
 use crate::model::direction::Direction;
@@ -118,7 +119,8 @@ impl Profile {
     /// The point at a location.
     #[inline]
     fn search(&self, location_m: Real) -> TrackPoint {
-        // By halves of a power of two, the flat start being behind every location: less to do than for halves of what is left.
+        // By halves of a power of two, the flat start being behind every location: less to do than for halves of what
+        // is left.
         let (mut index, mut ahead) = (0, 1 << (self.pieces.len() | 1).ilog2());
         while ahead > 0 {
             let there = index + ahead;
@@ -273,7 +275,8 @@ impl<'a> UnderTrain<'a> {
         self.front.slope - self.tail.slope
     }
 
-    /// What a pair of shifts by ±√`epsilon_m2` sees beyond that slope: change = ± √ε (slope + odd) + even. `None`: no edge is that near.
+    /// What a pair of shifts by ±√`epsilon_m2` sees beyond that slope: change = ± √ε (slope + odd) + even. `None`: no
+    /// edge is that near.
     #[inline]
     pub fn rise_over_edges(&self, epsilon_m2: Real) -> Option<(Real, Real)> {
         let within = |room_m: Real| epsilon_m2 <= room_m * room_m;

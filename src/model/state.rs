@@ -1,7 +1,7 @@
 //! What the filter estimates: the state x = (s, v, r0, r1, r2), and its names.
 //!
-//! The first [`MOVING`] components move (location, speed); those behind are constants of the train which enter the motion linearly.
-//! The `measured` mode appends one more constant, the gain of the measured effort.
+//! The first [`MOVING`] components move (location, speed); those behind are constants of the train which enter the
+//! motion linearly. The `measured` mode appends one more constant, the gain of the measured effort.
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;

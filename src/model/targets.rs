@@ -1,7 +1,7 @@
 //! Places that ask for a lower speed: stops, and where the permitted speed falls in the direction of travel.
 //!
-//! In: a list of places along the track, sorted, at most [`MAX_TARGETS`]. Out: the next one ahead of a train. Where the permitted speed rises there is
-//! no target: coasting to it is no advice.
+//! In: a list of places along the track, sorted, at most [`MAX_TARGETS`]. Out: the next one ahead of a train. Where the
+//! permitted speed rises there is no target: coasting to it is no advice.
 //!
 //! Single precision, for the board has two tracks in RAM: 12 bytes a place, 0.01 m at 100 km.
 
@@ -20,7 +20,8 @@ pub const MAX_TARGETS: usize = 192;
 pub struct Target {
     /// Location, m.
     pub at_m: Real,
-    /// In a track: permitted speed from here on in the `up` direction, m/s. Ahead of a train: that behind the place. `None`: a stop.
+    /// In a track: permitted speed from here on in the `up` direction, m/s. Ahead of a train: that behind the place.
+    /// `None`: a stop.
     pub limit_mps: Option<Real>,
 }
 

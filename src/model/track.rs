@@ -1,7 +1,7 @@
 //! The track: gradient and curves averaged over the length of the train, stops and permitted speeds.
 //!
-//! In: gradients, and where they are known curves and targets. Out: mean gradient and mean of Roeckl's formula under a train, in either direction; the next
-//! target ahead of it.
+//! In: gradients, and where they are known curves and targets. Out: mean gradient and mean of Roeckl's formula under a
+//! train, in either direction; the next target ahead of it.
 //!
 //! ```text
 //! mean gradient = (h(front) - h(tail)) / length        uphill in the direction of travel is positive
@@ -45,7 +45,8 @@ errors! {
         /// Curve `index` is none (ends, radius), begins before the one before it, or is one more than [`MAX_CURVES`].
         BadCurve { index: usize } =>
             "curve[{index}]: expected one of at most {MAX_CURVES}, sorted, of a radius above 0 and ending beyond its beginning, found another",
-        /// Target `index` is none (location, permitted speed), lies before the one before it, or is one more than [`MAX_TARGETS`].
+        /// Target `index` is none (location, permitted speed), lies before the one before it, or is one more than
+        /// [`MAX_TARGETS`].
         BadTarget { index: usize } =>
             "target[{index}]: expected one of at most {MAX_TARGETS}, sorted, a stop or a permitted speed above 0, found another",
     }
@@ -173,7 +174,8 @@ impl Track {
         self.targets.next(direction, location_m, beyond_m)
     }
 
-    /// Mean of Roeckl's formula ([`roeckl`](crate::model::curves::roeckl), a share of the weight) under a train whose front is at `front_m`.
+    /// Mean of Roeckl's formula ([`roeckl`](crate::model::curves::roeckl), a share of the weight) under a train whose
+    /// front is at `front_m`.
     pub fn mean_roeckl(&self, front_m: Real, train_length_m: Real, direction: Direction) -> Real {
         let rear_m = front_m - direction.sign() * train_length_m;
         let integral_m = self.curves.integral_m(front_m) - self.curves.integral_m(rear_m);
@@ -200,7 +202,8 @@ impl Track {
         self.profile.height_m(location_m)
     }
 
-    /// Integral of the height over a train whose front is at `front_m`, m²: over its length its mean height, times g its potential energy.
+    /// Integral of the height over a train whose front is at `front_m`, m²: over its length its mean height, times g
+    /// its potential energy.
     ///
     /// ```
     /// use rundown::model::direction::Direction;

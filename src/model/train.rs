@@ -6,7 +6,8 @@ use crate::model::resistance::Davis;
 use crate::plain::plain;
 use serde::{Deserialize, Serialize};
 
-/// Largest effort of the weakest train, N/kg: less than any train needs to start on the level (r0 is near 0.01), so it was stated in kN.
+/// Largest effort of the weakest train, N/kg: less than any train needs to start on the level (r0 is near 0.01), so it
+/// was stated in kN.
 const LEAST_EFFORT_N_PER_KG: Real = 5e-3;
 /// Largest power of the weakest train, W/kg: that effort at 10 m/s; less was stated in kW.
 const LEAST_POWER_W_PER_KG: Real = 0.05;
@@ -65,7 +66,8 @@ impl TrainDescription {
         [mass_kg, rotating_mass_factor, length_m, r0, r1, r2, max_tractive_effort_n, max_power_w, max_brake_mps2]
     }
 
-    /// The train of the case study, section 4.1: a double-deck intercity unit of six carriages. Stands in examples and tests.
+    /// The train of the case study, section 4.1: a double-deck intercity unit of six carriages. Stands in examples and
+    /// tests.
     pub const CASE_STUDY: Self = Self {
         mass_kg: 364e3,
         rotating_mass_factor: 1.06,
@@ -153,7 +155,8 @@ impl Train {
         self.gravity_n_per_kg
     }
 
-    /// The same over the length of the train, in N/(kg m): turns the height of its front above its tail into a resistance per γ m.
+    /// The same over the length of the train, in N/(kg m): turns the height of its front above its tail into a
+    /// resistance per γ m.
     pub fn gravity_n_per_kg_m(&self) -> Real {
         self.gravity_n_per_kg_m
     }
@@ -176,7 +179,8 @@ impl Train {
         self.description.max_brake_mps2
     }
 
-    /// Largest applicable effort in N/kg at a speed: constant effort below, constant power above the transition speed (section 4.4).
+    /// Largest applicable effort in N/kg at a speed: constant effort below, constant power above the transition speed
+    /// (section 4.4).
     pub fn max_effort_n_per_kg(&self, speed_mps: Real) -> Real {
         let by_power = self.description.max_power_w / speed_mps.max(Real::MIN_POSITIVE);
         self.description.max_tractive_effort_n.min(by_power) / self.rotating_mass_kg()

@@ -1,4 +1,5 @@
-//! The firmware's application: bytes of a serial line into the tick task, its messages onto the line. Board and host call these functions, and differ in nothing else.
+//! The firmware's application: bytes of a serial line into the tick task, its messages onto the line. Board and host
+//! call these functions, and differ in nothing else.
 
 use crate::estimator::run_state::RunState;
 use crate::link::Counters;
@@ -55,7 +56,8 @@ impl<'a, F: NorFlash> Application<'a, F> {
         }
     }
 
-    /// A byte came over the line. What it asks for is begun; the rest is done by [`Application::go_on`], before the next byte.
+    /// A byte came over the line. What it asks for is begun; the rest is done by [`Application::go_on`], before the
+    /// next byte.
     pub fn receive(&mut self, byte: u8, hardware: impl Hardware, send: &mut impl FnMut(&[u8], WhenFull) -> bool) {
         match self.decoder.push(byte) {
             Ok(Some(message)) => {

@@ -1,14 +1,17 @@
 //! What the tasks need of a board: the contract between the metal and the firmware.
 //!
-//! - [`Board::start`] is called once, with interrupts off. It waits for nothing without a bound, starts the watchdog before it returns, and may come back
-//!   with a [`Clock::Slow`]: a dead oscillator costs speed, not the estimates. `None`: the registers were taken already, and the firmware resets.
-//! - The serial port has one interrupt, of priority 3, for bytes that came and for room to send; [`LinePort`] says what it must clear.
+//! - [`Board::start`] is called once, with interrupts off. It waits for nothing without a bound, starts the watchdog
+//!   before it returns, and may come back with a [`Clock::Slow`]: a dead oscillator costs speed, not the estimates.
+//!   `None`: the registers were taken already, and the firmware resets.
+//! - The serial port has one interrupt, of priority 3, for bytes that came and for room to send; [`LinePort`] says what
+//!   it must clear.
 //! - The watchdog cannot be stopped, bites after 2 s, and its bite is [`ResetCause::Watchdog`] at the next start.
-//! - The flash has [`RECORDS`](super::flash::RECORDS) bytes in pages that nothing else uses, and survives power that goes away at any moment.
+//! - The flash has [`RECORDS`](super::flash::RECORDS) bytes in pages that nothing else uses, and survives power that
+//!   goes away at any moment.
 //! - Two interrupts that no device uses run the tasks `tick` and `link`, and the system timer runs at 10 Hz.
 //!
-//! Beside the trait, in `src/board/`: RAM that a reset leaves as it is, the paint of the stack, panics and faults, all by the linker's symbols of the
-//! board's `board.x`.
+//! Beside the trait, in `src/board/`: RAM that a reset leaves as it is, the paint of the stack, panics and faults, all
+//! by the linker's symbols of the board's `board.x`.
 
 use super::clock::Clock;
 use super::serial::LinePort;

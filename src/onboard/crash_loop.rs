@@ -1,7 +1,9 @@
-//! When to stop trying: after [`MOST_RESETS`] resets within [`WINDOW_S`] the firmware sends heartbeats only, until the power is taken away.
+//! When to stop trying: after [`MOST_RESETS`] resets within [`WINDOW_S`] the firmware sends heartbeats only, until the
+//! power is taken away.
 //!
-//! In: the seconds that pass, and each reset that the firmware did not ask for. Out: [`Operation`].
-//! Kept in RAM over resets (see [`crate::onboard::kept`]); a power cut empties it. Time does not pass while the processor is held in reset.
+//! In: the seconds that pass, and each reset that the firmware did not ask for. Out: [`Operation`]. Kept in RAM over
+//! resets (see [`crate::onboard::kept`]); a power cut empties it. Time does not pass while the processor is held in
+//! reset.
 
 /// So many resets within the window end normal operation.
 pub const MOST_RESETS: usize = 3;
@@ -32,7 +34,8 @@ pub enum Operation {
 pub struct CrashLoop {
     /// Seconds since power-on.
     pub(crate) clock_s: u32,
-    /// When the last resets were, oldest first; only the first `resets` count while these are fewer than the array holds.
+    /// When the last resets were, oldest first; only the first `resets` count while these are fewer than the array
+    /// holds.
     pub(crate) at_s: [u32; MOST_RESETS],
     /// All resets since power-on.
     pub(crate) resets: u32,

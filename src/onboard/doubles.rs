@@ -1,9 +1,12 @@
-//! Sums, products, quotients, comparisons and conversions of doubles in whole numbers: IEEE 754, to the nearest, the even one of two.
+//! Sums, products, quotients, comparisons and conversions of doubles in whole numbers: IEEE 754, to the nearest, the
+//! even one of two.
 //!
-//! In and out: the bits of doubles. To the bit what a processor with doubles finds, but for which NaN an operation without a result gives.
+//! In and out: the bits of doubles. To the bit what a processor with doubles finds, but for which NaN an operation
+//! without a result gives.
 //!
-//! A processor with single precision only spends most of the estimator's time on them, so a board has sums and products in its own instructions for the usual numbers
-//! (`src/board/soft_doubles.rs`): this is what those are held against, and what the board does with the others, and with quotients.
+//! A processor with single precision only spends most of the estimator's time on them, so a board has sums and products
+//! in its own instructions for the usual numbers (`src/board/soft_doubles.rs`): this is what those are held against,
+//! and what the board does with the others, and with quotients.
 
 use core::cmp::Ordering;
 
@@ -36,7 +39,8 @@ fn shifted(bits: u64, by: u32) -> u64 {
     }
 }
 
-/// The number of this sign, exponent and mantissa, which has the bits below, and its first bit as the 62nd or, at the least exponent, lower.
+/// The number of this sign, exponent and mantissa, which has the bits below, and its first bit as the 62nd or, at the
+/// least exponent, lower.
 // Of the sign the upper half: so all stands in four registers, and nothing of the caller is left on the stack.
 fn finished(sign: u32, exponent: i32, mantissa: u64) -> u64 {
     let sign = u64::from(sign) << 32;
@@ -47,7 +51,8 @@ fn finished(sign: u32, exponent: i32, mantissa: u64) -> u64 {
         if exponent < 1 { (1, shifted(mantissa, (1 - exponent) as u32)) } else { (exponent, mantissa) };
     let half = 1 << (BELOW - 1);
     let mantissa = (mantissa + (half - 1) + (mantissa >> BELOW & 1)) >> BELOW;
-    // The first bit, where there is one, adds one to the exponent; so does a mantissa that is rounded up to the next one's.
+    // The first bit, where there is one, adds one to the exponent; so does a mantissa that is rounded up to the next
+    // one's.
     sign | ((((exponent - 1) as u64) << STORED) + mantissa)
 }
 
@@ -132,7 +137,8 @@ pub fn divide(a: u64, b: u64) -> u64 {
     }
     let ((exponent_a, mut rest), (exponent_b, divisor)) = (with_first(size_a), with_first(size_b));
     let less = rest < divisor;
-    // By long division, 11 bits at a time, from a quotient between a half and 1: 55 bits. A divisor of 21 bits gives a digit that is one too many at most.
+    // By long division, 11 bits at a time, from a quotient between a half and 1: 55 bits. A divisor of 21 bits gives a
+    // digit that is one too many at most.
     if !less {
         rest -= divisor;
     }
@@ -242,7 +248,8 @@ pub fn compare(a: u64, b: u64) -> Option<Ordering> {
     Some(number(a)?.cmp(&number(b)?))
 }
 
-/// Pairs of bits without order, the same each time: any, and such that cancel each other, end in halves, or give what is too small for a first bit. For tests on the host and on a board.
+/// Pairs of bits without order, the same each time: any, and such that cancel each other, end in halves, or give what
+/// is too small for a first bit. For tests on the host and on a board.
 pub fn pairs(count: u32) -> impl Iterator<Item = [u64; 2]> {
     let exponent = INFINITE;
     let with_few = |bits: u64| bits & !(FIRST - 1) | bits << 40 & (FIRST - 1);

@@ -1,7 +1,8 @@
 //! What an engineer at the board wants to read as it happens: starts, refusals, what was kept, what a run taught.
 //!
-//! In: the task notes events. Out: the firmware writes them to the debugger (defmt), the host prints the same ones. They
-//! decide nothing, and where nobody reads them they cost their bytes in a ring: the frames say the same to the other side of the link.
+//! In: the task notes events. Out: the firmware writes them to the debugger (defmt), the host prints the same ones.
+//! They decide nothing, and where nobody reads them they cost their bytes in a ring: the frames say the same to the
+//! other side of the link.
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;

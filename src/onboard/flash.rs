@@ -1,6 +1,7 @@
 //! Memory that plays the pages for records where there is no flash: in the emulator, on the host, in a demonstration.
 //!
-//! As the reference board's: pages of 2 KiB, words of 8 bytes that are programmed once between two erasures, erased bytes are `0xFF`.
+//! As the reference board's: pages of 2 KiB, words of 8 bytes that are programmed once between two erasures, erased
+//! bytes are `0xFF`.
 
 use core::sync::atomic::{Ordering, compiler_fence};
 use embedded_storage::nor_flash::{

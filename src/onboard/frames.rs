@@ -55,7 +55,8 @@ pub fn parameters(
     }
 }
 
-/// Applied effort and its bounds; `limits_n_per_kg` of traction and brake as [`Estimator::limits_n_per_kg`](crate::estimator::Estimator::limits_n_per_kg) gives them.
+/// Applied effort and its bounds; `limits_n_per_kg` of traction and brake as
+/// [`Estimator::limits_n_per_kg`](crate::estimator::Estimator::limits_n_per_kg) gives them.
 pub fn effort(estimate: &Estimate, limits_n_per_kg: (Real, Real)) -> wire::Effort {
     let (traction_n_per_kg, brake_n_per_kg) = limits_n_per_kg;
     wire::Effort {

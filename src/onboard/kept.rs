@@ -1,6 +1,7 @@
 //! What is kept in RAM over a reset, as words with a checksum.
 //!
-//! In: RAM of unknown content. Out: what the firmware wrote there before the reset, or nothing: RAM after power-on passes the CRC-32C once in 4 billion times.
+//! In: RAM of unknown content. Out: what the firmware wrote there before the reset, or nothing: RAM after power-on
+//! passes the CRC-32C once in 4 billion times.
 
 use crate::onboard::crash_loop::{CrashLoop, MOST_RESETS, Operation};
 use crate::onboard::watchdog::Stalled;
@@ -69,8 +70,9 @@ impl Kept {
 
     /// A boot: what was found in RAM and in the reset register becomes the report, and what is to be kept from now on.
     ///
-    /// RAM that was not kept means that the power was away, whatever the register says. What the firmware wrote down before it fell outranks a register
-    /// that says power-on or watchdog: some parts (and the emulator) do not distinguish resets.
+    /// RAM that was not kept means that the power was away, whatever the register says. What the firmware wrote down
+    /// before it fell outranks a register that says power-on or watchdog: some parts (and the emulator) do not
+    /// distinguish resets.
     pub fn boot(found: Option<Self>, register: ResetCause) -> (Self, Boot) {
         let mut kept = found.unwrap_or_default();
         let cause = match (found.map(|kept| kept.failure), register) {

@@ -1,4 +1,5 @@
-//! What a board needs besides the estimator, free of registers, so that the host tests it: serial line, CAN, watchdog, resets, clock, stack.
+//! What a board needs besides the estimator, free of registers, so that the host tests it: serial line, CAN, watchdog,
+//! resets, clock, stack.
 //!
 //! ```text
 //! registers (src/board) --- traits ---> onboard (here) ---> tick and link task (src/bin/firmware)

@@ -1,8 +1,9 @@
-//! Frames that wait for the line. When the line does not take them, the oldest goes, so that the newest estimate is the one that is sent; what anybody can bring
-//! about, a refusal, makes none go.
+//! Frames that wait for the line. When the line does not take them, the oldest goes, so that the newest estimate is the
+//! one that is sent; what anybody can bring about, a refusal, makes none go.
 //!
-//! In: whole frames, each with the delimiter at its end and nowhere else (COBS). Out: bytes, in pieces that lie together.
-//! A frame of which a part has gone is cut short by its delimiter: the receiver refuses that one and reads the next.
+//! In: whole frames, each with the delimiter at its end and nowhere else (COBS). Out: bytes, in pieces that lie
+//! together. A frame of which a part has gone is cut short by its delimiter: the receiver refuses that one and reads
+//! the next.
 
 use rundown_wire::errors;
 
@@ -15,7 +16,8 @@ errors! {
     pub struct NoRoom { found: usize, room: usize } => "frame: expected at most {room} bytes, found {found}";
 }
 
-/// Bytes that come in one step, some 5 µs at 80 MHz: who locks the outbox against the line's interrupt need not do so for longer.
+/// Bytes that come in one step, some 5 µs at 80 MHz: who locks the outbox against the line's interrupt need not do so
+/// for longer.
 const PIECE: usize = 64;
 
 /// What a frame does where there is no room for it.
@@ -91,11 +93,12 @@ impl<const N: usize> Outbox<N> {
         Ok(())
     }
 
-    /// One step of [`push`](Self::push): an old frame goes, or a piece comes. True when the frame is whole; only then it counts as one that waits.
-    /// Bytes may go meanwhile; a second frame must not come.
+    /// One step of [`push`](Self::push): an old frame goes, or a piece comes. True when the frame is whole; only then
+    /// it counts as one that waits. Bytes may go meanwhile; a second frame must not come.
     ///
     /// # Errors
-    /// [`NoRoom`], with its first step: not in an empty outbox, or not without dropping another. Nothing changes but the count.
+    /// [`NoRoom`], with its first step: not in an empty outbox, or not without dropping another. Nothing changes but
+    /// the count.
     pub fn take(&mut self, arriving: &mut Arriving<'_>) -> Result<bool, NoRoom> {
         let Arriving { frame, when_full, there } = arriving;
         let room = match when_full {

@@ -1,8 +1,9 @@
-//! The interrupt of a serial port: bytes from the line into a ring, frames of the outbox onto the line, errors counted by cause.
+//! The interrupt of a serial port: bytes from the line into a ring, frames of the outbox onto the line, errors counted
+//! by cause.
 //!
-//! In: a port as the `embedded-hal-nb` traits describe it. Out: bytes in a ring, for the link task.
-//! Bounded: one call takes at most [`MOST_PER_CALL`] bytes from the line, so a line that babbles cannot hold the processor in the interrupt.
-//! When the ring is full the newest byte is dropped and counted; the frame it belonged to fails its check.
+//! In: a port as the `embedded-hal-nb` traits describe it. Out: bytes in a ring, for the link task. Bounded: one call
+//! takes at most [`MOST_PER_CALL`] bytes from the line, so a line that babbles cannot hold the processor in the
+//! interrupt. When the ring is full the newest byte is dropped and counted; the frame it belonged to fails its check.
 
 use crate::onboard::outbox::Outbox;
 use core::sync::atomic::{AtomicU32, Ordering};

@@ -3,12 +3,15 @@
 /// What the start-up code fills the stack with.
 pub const PAINT: u32 = 0xCCCC_CCCC;
 
-/// A run of paint that is longer than any frame of a function, words: below it nothing was used. Frames are listed by `cargo xtask stack`.
+/// A run of paint that is longer than any frame of a function, words: below it nothing was used. Frames are listed by
+/// `cargo xtask stack`.
 pub const HOLE: usize = 1024;
 
-/// Words below a mark that were ever used. `below` goes from the mark down, as the stack grows; it is read until paint as long as [`HOLE`] has come.
+/// Words below a mark that were ever used. `below` goes from the mark down, as the stack grows; it is read until paint
+/// as long as [`HOLE`] has come.
 ///
-/// A value equal to the paint at the very edge is not seen; so the result may be a few words too small, never too large.
+/// A value equal to the paint at the very edge is not seen; so the result may be a few words too small, never too
+/// large.
 ///
 /// ```
 /// use rundown::onboard::stack::{PAINT, words_used};

@@ -1,19 +1,21 @@
-//! How an STM32L4 erases and programs its own flash: the sequence of RM0351 3.3.5 to 3.3.7, free of registers so that the host tests it.
+//! How an STM32L4 erases and programs its own flash: the sequence of RM0351 3.3.5 to 3.3.7, free of registers so that
+//! the host tests it.
 //!
 //! In: a controller's registers and pages ([`FlashController`]). Out: a [`NorFlash`] that the store writes to.
 //!
 //! One operation:
 //!
 //! 1. Wait until the one before is over. Every wait is bounded.
-//! 2. Clear the error flags. They are sticky, some are set after a reset already (OPTVERR, PGSERR), and a flag that is set makes the controller refuse.
+//! 2. Clear the error flags. They are sticky, some are set after a reset already (OPTVERR, PGSERR), and a flag that is
+//!    set makes the controller refuse.
 //! 3. Unlock, if it is locked: keys that come unasked raise a fault.
 //! 4. Data cache off: by an erratum of the chip (ES0250) reading one bank while the other is written may corrupt it.
 //! 5. Erase or program, wait, look at the flags.
 //! 6. Lock; forget what the cache held, because it may be stale, and switch it on.
 //! 7. Read back.
 //!
-//! A double word is programmed once between two erasures. Power that goes away meanwhile leaves bits that may read either way; that is the caller's to
-//! survive (checksums, two places).
+//! A double word is programmed once between two erasures. Power that goes away meanwhile leaves bits that may read
+//! either way; that is the caller's to survive (checksums, two places).
 
 use super::clock::MOST_POLLS;
 use core::ops::Range;
@@ -23,7 +25,8 @@ use embedded_storage::nor_flash::{
 
 /// Page, bytes.
 pub const PAGE: u32 = 2048;
-/// Polls of the status before an operation counts as stuck. An erasure takes up to 25 ms, 80 k polls of 25 cycles at 80 MHz.
+/// Polls of the status before an operation counts as stuck. An erasure takes up to 25 ms, 80 k polls of 25 cycles at 80
+/// MHz.
 pub const MOST_WAITS: u32 = 40 * MOST_POLLS;
 
 /// Keys that unlock the control register, in this order.
@@ -83,7 +86,8 @@ pub enum DoubleBitError {
     Damage(u32),
 }
 
-/// What FLASH_ECCR reports, in the non-maskable interrupt; `written` are the addresses of the pages that are written and checked.
+/// What FLASH_ECCR reports, in the non-maskable interrupt; `written` are the addresses of the pages that are written
+/// and checked.
 pub fn double_bit_error(register: u32, written: &[Range<u32>]) -> DoubleBitError {
     let at = FLASH + (register & ecc::OFFSET);
     let reported = register & (ecc::DETECTED | ecc::SYSTEM) == ecc::DETECTED;
@@ -177,7 +181,8 @@ impl<C: FlashController> Stm32l4Flash<C> {
         let cache_off = access & !(access::DATA_CACHE | access::DATA_CACHE_RESET);
         self.controller.set_register(FlashRegister::Access, cache_off);
         let done = work(self);
-        // While it is busy the control register takes no write: the bus would stand still. The cache stays off until an operation ends.
+        // While it is busy the control register takes no write: the bus would stand still. The cache stays off until an
+        // operation ends.
         if done != Err(FlashError::NoAnswer) {
             self.controller.set_register(FlashRegister::Control, control::LOCK);
             self.controller.set_register(FlashRegister::Access, cache_off | access::DATA_CACHE_RESET);

@@ -1,10 +1,12 @@
-//! How an STM32L4 receives and sends a serial line by DMA (RM0351 chapters 11 and 40), free of registers so that the host tests it.
+//! How an STM32L4 receives and sends a serial line by DMA (RM0351 chapters 11 and 40), free of registers so that the
+//! host tests it.
 //!
 //! In: a controller's registers and its two buffers ([`SerialController`]). Out: a port as `serial` serves it.
 //!
-//! - Receive: a channel writes each byte into a circular buffer; nothing is lost while the processor is elsewhere. Interrupts at half of the buffer, at its
-//!   end, and when the line falls idle say that bytes are there.
-//! - Send: bytes are collected in a buffer and go as one transfer; its end is an interrupt. While it runs the buffer belongs to the channel.
+//! - Receive: a channel writes each byte into a circular buffer; nothing is lost while the processor is elsewhere.
+//!   Interrupts at half of the buffer, at its end, and when the line falls idle say that bytes are there.
+//! - Send: bytes are collected in a buffer and go as one transfer; its end is an interrupt. While it runs the buffer
+//!   belongs to the channel.
 //!
 //! Each flag that asks for an interrupt is cleared where it is looked at: one that stays would ask for ever.
 
@@ -178,7 +180,8 @@ impl<C: SerialController> Stm32l4Serial<C> {
     /// Starts both ways. `divider`: of the clock, for the speed of the line.
     ///
     /// # Errors
-    /// The controller comes back where a channel does not keep what is written into it: there is none, as in the emulator.
+    /// The controller comes back where a channel does not keep what is written into it: there is none, as in the
+    /// emulator.
     pub fn start(controller: C, divider: u32) -> Result<Self, C> {
         let mut serial = Self { controller, next: 0, collected: 0, sending: false };
         let requests = serial.get(SerialRegister::Requests);

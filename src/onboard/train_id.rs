@@ -1,4 +1,5 @@
-//! Which train: a short number made of the operator's name for it, carried by every stored record and entering every MAC.
+//! Which train: a short number made of the operator's name for it, carried by every stored record and entering every
+//! MAC.
 
 use core::fmt;
 use crc::{CRC_64_XZ, Crc, NoTable};

@@ -3,10 +3,12 @@
 use crate::uplink;
 use rundown_wire::{VERSION, Versions};
 
-/// Of this build. `build.rs` asks git for the commit, for a board only: a host's program would be built again after each commit.
+/// Of this build. `build.rs` asks git for the commit, for a board only: a host's program would be built again after
+/// each commit.
 pub const VERSIONS: Versions = versions(option_env!("RUNDOWN_COMMIT"));
 
-/// In: the first eight digits of the commit, with a `+` behind them where the sources differ from it. Anything else is no commit.
+/// In: the first eight digits of the commit, with a `+` behind them where the sources differ from it. Anything else is
+/// no commit.
 const fn versions(commit: Option<&str>) -> Versions {
     let (commit, changed) = match commit {
         Some(text) => match text.as_bytes() {

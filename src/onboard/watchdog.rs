@@ -1,7 +1,8 @@
 //! When the watchdog may be fed: both tasks have advanced since the last feed.
 //!
-//! In: the beats of the tick task and of the link task, counted by each of them. Out: feed or not, and who stands still.
-//! A timer alone must not feed, it runs on while a task hangs; one task alone must not feed, it hides the other one.
+//! In: the beats of the tick task and of the link task, counted by each of them. Out: feed or not, and who stands
+//! still. A timer alone must not feed, it runs on while a task hangs; one task alone must not feed, it hides the other
+//! one.
 
 pub use rundown_wire::Stalled;
 
@@ -11,7 +12,8 @@ pub trait Watchdog {
     fn feed(&mut self);
 }
 
-/// Beats of the two tasks. A beat is counted at the end of a task's work, so a task that hangs half-way has not advanced.
+/// Beats of the two tasks. A beat is counted at the end of a task's work, so a task that hangs half-way has not
+/// advanced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Beats {
     /// Of the tick task.

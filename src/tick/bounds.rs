@@ -60,7 +60,8 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
-/// Settings that are compared with their ranges, one after the other: a call and a line of a table each, for there are a hundred of them. What is refused is noted and not handed up.
+/// Settings that are compared with their ranges, one after the other: a call and a line of a table each, for there are
+/// a hundred of them. What is refused is noted and not handed up.
 #[derive(Default)]
 pub(crate) struct Check {
     ranges: core::slice::Iter<'static, Range>,
@@ -113,7 +114,8 @@ impl<const N: usize> Numbers for [Real; N] {
     }
 }
 
-/// A table of the configuration file: for each setting its type, its default, and where it has one its range, that of each number of a list.
+/// A table of the configuration file: for each setting its type, its default, and where it has one its range, that of
+/// each number of a list.
 macro_rules! settings {
     ($(#[$attribute:meta])* $Name:ident in $table:literal { $(
         $(#[$of_field:meta])*

@@ -1,10 +1,10 @@
 //! What an effort column says of an interval: its mean, however the recorder made it.
 //!
-//! In: the efforts read at both ends of a tick, and what the readings of a longer interval say the mean effort was. Out: the mean effort of a tick and its
-//! standard deviation.
+//! In: the efforts read at both ends of a tick, and what the readings of a longer interval say the mean effort was.
+//! Out: the mean effort of a tick and its standard deviation.
 //!
-//! A recorder writes the mean since the last row, or the effort at the moment, and either may be late. With `e` read now and `b` the row before, all of
-//! these are, to first order in time,
+//! A recorder writes the mean since the last row, or the effort at the moment, and either may be late. With `e` read
+//! now and `b` the row before, all of these are, to first order in time,
 //!
 //! ```text
 //! mean effort of the tick = e + s (b - e)
@@ -19,11 +19,12 @@
 //!
 //! A momentary column that is late by half a tick has the `s` of a mean in time, and is believed as one.
 //!
-//! `s` is the same for all rows of a recorder that are as far apart; of a tick of another length it is known less well (`share.rs`). It is a normal belief
-//! that each interval updates by how far `e` alone misses the effort that the change of speed asks for; where the effort hardly changes it says nothing and
-//! matters nothing.
+//! `s` is the same for all rows of a recorder that are as far apart; of a tick of another length it is known less well
+//! (`share.rs`). It is a normal belief that each interval updates by how far `e` alone misses the effort that the
+//! change of speed asks for; where the effort hardly changes it says nothing and matters nothing.
 //!
-//! A tick goes from one row with an effort to the next one: rows between them that have none, as where the column is sparse, wait for it.
+//! A tick goes from one row with an effort to the next one: rows between them that have none, as where the column is
+//! sparse, wait for it.
 
 mod share;
 
@@ -47,8 +48,9 @@ settings! {
     }
 }
 
-/// By how much the gain is another one at another effort or speed, standard deviation. A full effort is ten times the resistance: 2 % of it are 20 % of that, and
-/// where the gain was taken to be the same everywhere, a column that is 5 % low at its top speed taught a resistance that is a quarter too large.
+/// By how much the gain is another one at another effort or speed, standard deviation. A full effort is ten times the
+/// resistance: 2 % of it are 20 % of that, and where the gain was taken to be the same everywhere, a column that is 5 %
+/// low at its top speed taught a resistance that is a quarter too large.
 const WANDER: f32 = 0.02;
 /// How long it stays so, s: as long as a train powers in one piece. Rows within that time say no more than one.
 const WANDER_S: f32 = 60.0;
@@ -57,7 +59,8 @@ const WANDER_S: f32 = 60.0;
 const LEAST_CHANGE_N_PER_KG: f32 = 0.02;
 
 in_place! {
-    /// What is known of an effort column. In single precision, in which the board's processor calculates itself: a row is worth two digits.
+    /// What is known of an effort column. In single precision, in which the board's processor calculates itself: a row
+    /// is worth two digits.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct EffortReading {
         /// Efforts of the last two rows, N/kg, where they are known.
@@ -76,7 +79,8 @@ in_place! {
     }
 }
 
-/// Sums over ticks, m/s: effort, what `s` is multiplied by, and what the speed asks for; time, s; what the kind of the column is multiplied by, m/s.
+/// Sums over ticks, m/s: effort, what `s` is multiplied by, and what the speed asks for; time, s; what the kind of the
+/// column is multiplied by, m/s.
 type Window = [f32; 5];
 
 /// The mean effort of a tick.
@@ -94,12 +98,13 @@ plain! {
     struct MeanEffort { n_per_kg, variance, unseen }
 }
 
-/// What is carried of a vehicle's effort column from run to run: its gain, true over read, and `s`, each with its standard deviation; nothing is known of
-/// the default. In whole steps, as it is stored: a board that was restarted goes on with the same bits.
+/// What is carried of a vehicle's effort column from run to run: its gain, true over read, and `s`, each with its
+/// standard deviation; nothing is known of the default. In whole steps, as it is stored: a board that was restarted
+/// goes on with the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Column {
-    /// Gain less 1, and its standard deviation, in steps of 1e-4; `s` and its own in steps of 1e-3; the tick that `s` is of in steps of 10 ms. What is known
-    /// has a deviation of a step at least.
+    /// Gain less 1, and its standard deviation, in steps of 1e-4; `s` and its own in steps of 1e-3; the tick that `s`
+    /// is of in steps of 10 ms. What is known has a deviation of a step at least.
     pub(crate) steps: [u16; 5],
 }
 
@@ -123,7 +128,8 @@ impl Column {
         if variance > 0.0 { (variance - square(GAIN_DRIFT_SD)).max(0.0).into() } else { 0.0 }
     }
 
-    /// How much of what goes with the gain goes with that of the next run, for it drifts between runs; and its variance before.
+    /// How much of what goes with the gain goes with that of the next run, for it drifts between runs; and its variance
+    /// before.
     pub(crate) fn kept(self) -> (Real, Real) {
         let [(_, after), _] = self.next_run();
         let before = self.gain_variance();
@@ -137,7 +143,8 @@ impl Column {
         (gain.into(), if variance > 0.0 { described.min(variance.into()) } else { described })
     }
 
-    /// Before the next run: mean and variance of the gain, true over read, and of `s`; 0 where nothing is known, or a gain stands there that no sensor has.
+    /// Before the next run: mean and variance of the gain, true over read, and of `s`; 0 where nothing is known, or a
+    /// gain stands there that no sensor has.
     pub fn next_run(self) -> [(f32, f32); 2] {
         let is_gain = (self.steps[0] as i16).unsigned_abs() < MOST_GAIN_STEPS;
         let [gain, gain_sd, share, share_sd, _] = if is_gain { self.steps } else { [0; 5] };
@@ -168,9 +175,10 @@ impl EffortReading {
         self.tick_s
     }
 
-    /// A row, `dt_s` after the last one. Out: the mean effort of the tick that ended with the row with an effort before, for what comes next says how far
-    /// that one had seen it; unless one of the three is missing or a brake acts, whose effort has another gain.
-    /// `change_share`: of a change, what stays uncertain, for efforts change within a tick as they like.
+    /// A row, `dt_s` after the last one. Out: the mean effort of the tick that ended with the row with an effort
+    /// before, for what comes next says how far that one had seen it; unless one of the three is missing or a brake
+    /// acts, whose effort has another gain. `change_share`: of a change, what stays uncertain, for efforts change
+    /// within a tick as they like.
     pub fn read(
         &mut self,
         config: &EffortReadingConfig,
@@ -228,7 +236,8 @@ impl EffortReading {
         self.usual_s = usual_s + (tick_s.min(most_s) - usual_s) / USUAL_ROWS;
     }
 
-    /// Takes the tick that ends now into the interval, of which rows without an effort have taken the last one so far. `dt_s` after the last row.
+    /// Takes the tick that ends now into the interval, of which rows without an effort have taken the last one so far.
+    /// `dt_s` after the last row.
     fn sum(&mut self, config: &EffortReadingConfig, [last, now]: [f32; 2], dt_s: f32) {
         let tick_s = self.tick_s as f32;
         let [of_share_s, of_kind_s] = self.share(config).weights_s(config, tick_s);
@@ -249,15 +258,17 @@ impl EffortReading {
     ) -> MeanEffort {
         let Share { mean: share, variance: share_variance, .. } = self.share(config).at(config, tick_s);
         let (late, momentary) = ((-share).max(0.0), share.max(0.0));
-        // What is not seen of a late column's tick is taken from the rows on both sides of its end, so it is as much too little before a change as it is
-        // too much after it, and gone with the next row. It is a doubt of the reading of the speed.
+        // What is not seen of a late column's tick is taken from the rows on both sides of its end, so it is as much
+        // too little before a change as it is too much after it, and gone with the next row. It is a doubt of the
+        // reading of the speed.
         let (behind, ahead) = (before - last, last - now);
-        // Of a column in time the change is taken around the row, by which it is doubted: with that up to the row a mean whose noise hides the change of a
-        // falling effort would be believed more than one whose noise adds to it, and r become too large.
+        // Of a column in time the change is taken around the row, by which it is doubted: with that up to the row a
+        // mean whose noise hides the change of a falling effort would be believed more than one whose noise adds to it,
+        // and r become too large.
         let seen = if late > 0.0 { 0.5 + 0.5 * late.min(1.0) } else { (0.5 - momentary).max(0.0) };
         let change = behind + seen * (ahead - behind);
-        // A momentary value misses what happened within the tick. Power is turned off at the same places in each run, so what is missed of a large change
-        // is no noise: such a row hardly teaches.
+        // A momentary value misses what happened within the tick. Power is turned off at the same places in each run,
+        // so what is missed of a large change is no noise: such a row hardly teaches.
         let within = change_share + MISSED * momentary * (1.0 + change.abs() / SMALL_CHANGE_N_PER_KG);
         let noise = config.noise_share as f32 * last + config.noise_n_per_kg as f32;
         let wander = square(WANDER * last) * (WANDER_S / tick_s).max(1.0);
@@ -286,12 +297,13 @@ impl EffortReading {
         self.window = None;
     }
 
-    /// An interval ends and the next one begins: `effort` by the change of speed, with the standard deviations of that change, m/s, and of the resistance,
-    /// N/kg. `gain` is true over read.
+    /// An interval ends and the next one begins: `effort` by the change of speed, with the standard deviations of that
+    /// change, m/s, and of the resistance, N/kg. `gain` is true over read.
     ///
-    /// `s` is learned over a window from one interval in which the effort hardly changes to the next one, where nothing is unseen; single rows of a late
-    /// column would say too little. A window that is further from what is expected than four standard deviations (a brake that the column does not show, a
-    /// slip) says no more than one that is so far.
+    /// `s` is learned over a window from one interval in which the effort hardly changes to the next one, where nothing
+    /// is unseen; single rows of a late column would say too little. A window that is further from what is expected
+    /// than four standard deviations (a brake that the column does not show, a slip) says no more than one that is so
+    /// far.
     pub fn compare(
         &mut self,
         config: &EffortReadingConfig,
@@ -340,8 +352,9 @@ impl EffortReading {
         let Share { mean: share, variance: share_variance, tick_s } = believed;
         let (kind_mean, kind_variance) = believed.kind_beyond(config);
         let column = gain * change;
-        // Resistance and gain are off alike in each window, and what they have in common with `s` is not carried: where the effort falls in all of them, as
-        // where trains power from a stop and then brake, no number of windows says more of `s` than one that knows its own errors.
+        // Resistance and gain are off alike in each window, and what they have in common with `s` is not carried: where
+        // the effort falls in all of them, as where trains power from a stop and then brake, no number of windows says
+        // more of `s` than one that knows its own errors.
         let common = square(resistance_sd * time_s) + square(gain_sd * read) + kind_variance * square(gain * kind);
         let own = square(speed_sd_mps)
             + square(config.noise_share as f32 * read) * self.usual_s / time_s
@@ -374,19 +387,23 @@ const UNSEEN_N_PER_KG: f32 = 0.02;
 const SMALL_CHANGE_N_PER_KG: f32 = 0.05;
 /// Longest tick that is a usual one, in usual ones.
 const LONGEST_TICK: f32 = 1.5;
-/// A tick up to this is none too long whatever is usual, s: rows 10 s apart teach, and one that is late by half of that.
+/// A tick up to this is none too long whatever is usual, s: rows 10 s apart teach, and one that is late by half of
+/// that.
 const LONGEST_S: f32 = 15.0;
-/// Rows by which the usual tick follows those of the log. Judgement: fewer than a run has in a minute at 1 s, and no single gap moves it by a tenth.
+/// Rows by which the usual tick follows those of the log. Judgement: fewer than a run has in a minute at 1 s, and no
+/// single gap moves it by a tenth.
 const USUAL_ROWS: f32 = 32.0;
 /// Standard deviations beyond which a window is not believed as it is.
 const GATE: f32 = 4.0;
-/// Twice the standard deviations of resistance and gain, squared: those are known beside an `s` that is taken for right.
+/// Twice the standard deviations of resistance and gain, squared: those are known beside an `s` that is taken for
+/// right.
 const COMMON: f32 = 4.0;
 /// What two bytes of a record hold.
 const MOST_STEPS: f32 = 16_383.0;
 /// Gain less 1 that no sensor has, in steps of 1e-4.
 const MOST_GAIN_STEPS: u16 = 5000;
-/// By how much the gain changes from one run to the next, standard deviation: a recorder that was swapped is believed some runs later.
+/// By how much the gain changes from one run to the next, standard deviation: a recorder that was swapped is believed
+/// some runs later.
 const GAIN_DRIFT_SD: f32 = 0.002;
 /// The same of `s`.
 const SHARE_DRIFT_SD: f32 = 0.01;
@@ -415,7 +432,8 @@ mod tests {
         (0..steps).map(|i| effort_n_per_kg(at(i))).sum::<Real>() / Real::from(steps)
     }
 
-    /// The reading after 200 ticks of a column, and the errors of the last 100 means in their standard deviations, root mean square.
+    /// The reading after 200 ticks of a column, and the errors of the last 100 means in their standard deviations, root
+    /// mean square.
     fn learned(column: Row, tick_s: Real) -> (EffortReading, Real) {
         let config = EffortReadingConfig::default();
         let mut reading = EffortReading::ZEROED;
@@ -490,7 +508,8 @@ mod tests {
         ("2 to 8 s", &[2.0, 8.0, 3.0, 5.0]),
     ];
 
-    /// Nothing was known of a tick of more than one and a half times the shortest: of such columns that was every one, or every other one.
+    /// Nothing was known of a tick of more than one and a half times the shortest: of such columns that was every one,
+    /// or every other one.
     #[test]
     fn rows_that_are_not_evenly_spaced_say_what_their_means_are() {
         type UnevenRow = fn(Real, Real) -> Real;
@@ -530,7 +549,8 @@ mod tests {
         }
     }
 
-    /// Between two efforts the mean is that of the later one, and what rows without an effort have taken of the last one is given back.
+    /// Between two efforts the mean is that of the later one, and what rows without an effort have taken of the last
+    /// one is given back.
     #[test]
     fn rows_without_an_effort_wait_for_the_next_one() {
         let config = EffortReadingConfig::default();

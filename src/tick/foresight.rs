@@ -1,18 +1,21 @@
 //! How well coasts were foreseen before they taught.
 //!
-//! In: while a segment runs, each reading of the speed beside what was foreseen of it, by what was learned before the segment and by the description.
-//! Out: each segment as one [`Coast`], those of a run as a [`Foresight`], and over runs the [`Trust`] in what was learned.
+//! In: while a segment runs, each reading of the speed beside what was foreseen of it, by what was learned before the
+//! segment and by the description. Out: each segment as one [`Coast`], those of a run as a [`Foresight`], and over runs
+//! the [`Trust`] in what was learned.
 //!
-//! Read speed less foreseen speed is y(t), and what the description foresees of it differs from that by w(t). A straight line through each,
+//! Read speed less foreseen speed is y(t), and what the description foresees of it differs from that by w(t). A
+//! straight line through each,
 //!
 //! ```text
 //! y(t) = b + e t        w(t) = c + d t        e, e + d: acceleration that was not foreseen, m/s², by the learned and the described resistance
 //! ```
 //!
-//! says what a coast contradicts, whatever the speed it began with. What the reading of the speed, gusts, the doubt of the track and that of the
-//! resistance itself add to e is known, so e has an expected variance. If the coasts scatter more than that, something is not in the model, and a
-//! run says less than its filter believes: its information is divided by [`Trust::inflation`]. What is not in the model may be to one side, as a
-//! brake in half of the coasts is, and no number of coasts averages that away: the reported resistance is doubted by it, see [`Trust::widen`].
+//! says what a coast contradicts, whatever the speed it began with. What the reading of the speed, gusts, the doubt of
+//! the track and that of the resistance itself add to e is known, so e has an expected variance. If the coasts scatter
+//! more than that, something is not in the model, and a run says less than its filter believes: its information is
+//! divided by [`Trust::inflation`]. What is not in the model may be to one side, as a brake in half of the coasts is,
+//! and no number of coasts averages that away: the reported resistance is doubted by it, see [`Trust::widen`].
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;
@@ -25,7 +28,8 @@ use serde::{Deserialize, Serialize};
 const EXPECTED_COASTS: Real = 5.0;
 /// With fewer coasts nothing is said against the learned resistance.
 const FEWEST_COASTS: Real = 5.0;
-/// Coasts that scatter by no more than so many times what is expected are ordinary: wind and rounding are known roughly.
+/// Coasts that scatter by no more than so many times what is expected are ordinary: wind and rounding are known
+/// roughly.
 pub const ORDINARY_SCATTER: Real = 1.5;
 /// Weight of older coasts when a run is added: a fault that is mended is forgotten after some tens of runs.
 const REMEMBERED: Real = 0.97;
@@ -91,10 +95,12 @@ impl Trust {
         found.covariance *= self.doubt();
     }
 
-    /// Variance of the learned resistance over that of the filters; above 1 where coasts scatter by more than wind and rounding do.
+    /// Variance of the learned resistance over that of the filters; above 1 where coasts scatter by more than wind and
+    /// rounding do.
     ///
-    /// Of n coasts with an expected variance s each, which scatter by [`inflation`](Self::inflation) I, the filters make the variance I s / n. If half of them have an
-    /// extra force, their mean is off by as much as a single one scatters beyond what is ordinary, O: by the variance (I - O) s = n (I - O) / I of that of the filters.
+    /// Of n coasts with an expected variance s each, which scatter by [`inflation`](Self::inflation) I, the filters
+    /// make the variance I s / n. If half of them have an extra force, their mean is off by as much as a single one
+    /// scatters beyond what is ordinary, O: by the variance (I - O) s = n (I - O) / I of that of the filters.
     pub fn doubt(&self) -> Real {
         let inflation = self.inflation();
         1.0 + self.coasts * (inflation - ORDINARY_SCATTER * ORDINARY_SCATTER).max(0.0) / inflation
@@ -104,10 +110,11 @@ impl Trust {
         ((EXPECTED_COASTS + squares) / (EXPECTED_COASTS + self.coasts)).max(1.0)
     }
 
-    /// By how many standard deviations the described resistance foresees the coasts better than the learned one; 0 with few coasts.
+    /// By how many standard deviations the described resistance foresees the coasts better than the learned one; 0 with
+    /// few coasts.
     ///
-    /// Were both equally good, [`worse`](Self::worse) would be around zero with a standard deviation of 2 √[`apart`](Self::apart), if coasts scatter as expected around
-    /// the better of the two; more if they scatter more.
+    /// Were both equally good, [`worse`](Self::worse) would be around zero with a standard deviation of 2
+    /// √[`apart`](Self::apart), if coasts scatter as expected around the better of the two; more if they scatter more.
     pub fn worse_by(&self) -> Real {
         let square = 4.0 * self.apart * self.scatter(self.squares - self.worse);
         if self.coasts >= FEWEST_COASTS && square > 0.0 { self.worse / crate::roots::square_root(square) } else { 0.0 }
@@ -313,7 +320,8 @@ mod tests {
 
     const DESCRIBED: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
-    /// A coast of 100 s on the level whose true resistance is the described one plus so much, followed with another belief.
+    /// A coast of 100 s on the level whose true resistance is the described one plus so much, followed with another
+    /// belief.
     fn coast(true_more: Real, believed_more: Real) -> Coast {
         let before =
             Gaussian::independent([DESCRIBED.r0 + believed_more, DESCRIBED.r1, DESCRIBED.r2], [1e-4, 0.0, 0.0]);

@@ -1,8 +1,8 @@
 //! Location and speed from the readings alone: what is known while the effort is not.
 //!
-//! In: judged readings. Out: location and speed with their covariance, independent of any resistance.
-//! The speed is the reading; the location is carried on by the mean speed and corrected by the location reading.
-//! Without a speed the last one is carried on; its standard deviation grows by 0.3 m/s² x time, what a driver may do meanwhile.
+//! In: judged readings. Out: location and speed with their covariance, independent of any resistance. The speed is the
+//! reading; the location is carried on by the mean speed and corrected by the location reading. Without a speed the
+//! last one is carried on; its standard deviation grows by 0.3 m/s² x time, what a driver may do meanwhile.
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;

@@ -1,12 +1,15 @@
 //! Learning of the resistance while the effort is known: gated learning.
 //!
-//! In: each tick's readings, and the effort if it is known (zero in established coasting, or measured). Out: the belief of this run's Davis coefficients.
+//! In: each tick's readings, and the effort if it is known (zero in established coasting, or measured). Out: the belief
+//! of this run's Davis coefficients.
 //!
-//! The paper's loop computes the effort from the very speed that it then explains, so the true resistance cancels out. Here a filter runs only
-//! over *segments* in which the effort is known. It begins a segment with location and speed from the readings, free of any correlation with r (the speed of the very reading that
-//! began it is not believed); between segments r and its
-//! covariance are frozen. A segment begins after an interval that was recognised as coasted as a whole, so its beginning is cut; its end is cut because what was learned becomes valid `end_cut_s` late:
-//! the last interval before a brake that nobody announced never counts. A segment shorter than `min_segment_s` does not count at all.
+//! The paper's loop computes the effort from the very speed that it then explains, so the true resistance cancels out.
+//! Here a filter runs only over *segments* in which the effort is known. It begins a segment with location and speed
+//! from the readings, free of any correlation with r (the speed of the very reading that began it is not believed);
+//! between segments r and its covariance are frozen. A segment begins after an interval that was recognised as coasted
+//! as a whole, so its beginning is cut; its end is cut because what was learned becomes valid `end_cut_s` late: the
+//! last interval before a brake that nobody announced never counts. A segment shorter than `min_segment_s` does not
+//! count at all.
 
 use crate::Real;
 use crate::filter::elimination::NotPositiveDefinite;
@@ -36,19 +39,21 @@ settings! {
         min_speed_kmh: Real = 50.0, 5.0 to 300.0;
         /// Probability that a whole interval was coasted, above which a segment begins; the interval itself is cut off.
         begin_probability: Real = 0.9, 0.5 to 1.0;
-        /// The same, below which it ends. Lower: a segment that a single unlucky reading may end would keep the lucky ones,
-        /// and r would come out too large where coasting and holding are near each other.
+        /// The same, below which it ends. Lower: a segment that a single unlucky reading may end would keep the lucky
+        /// ones, and r would come out too large where coasting and holding are near each other.
         end_probability: Real = 0.3, 0.0 to 1.0;
         /// Time cut from the end of a segment, s.
         end_cut_s: Real = 15.0, 0.0 to 600.0;
         /// Shortest segment that counts, s, cuts taken off.
         min_segment_s: Real = 60.0, 0.0 to 3600.0;
-        /// A reading further from what is expected than this many standard deviations (of r's uncertainty too) ends the segment.
+        /// A reading further from what is expected than this many standard deviations (of r's uncertainty too) ends the
+        /// segment.
         gate: Real = 4.0, 1.0 to 1e3;
-        /// Standard deviation of the acceleration beyond the model over one tick of 10 s, m/s²: gusts, track description.
+        /// Standard deviation of the acceleration beyond the model over one tick of 10 s, m/s²: gusts, track
+        /// description.
         acceleration_noise_mps2: Real = 0.0005, 0.0 to 1.0;
-        /// Time over which the rounding of neighbouring speed readings is correlated, s: faster readings count as one of these.
-        /// A coasting train needs about this long to cross 1 km/h.
+        /// Time over which the rounding of neighbouring speed readings is correlated, s: faster readings count as one
+        /// of these. A coasting train needs about this long to cross 1 km/h.
         staircase_s: Real = 6.25, 0.0 to 60.0;
         /// Longest sub-step of the motion inside a tick, s.
         sub_step_s: Real = 2.5, 0.1 to 60.0;
@@ -56,7 +61,8 @@ settings! {
         max_gap_s: Real = 30.0, 1.0 to 600.0;
         /// Standard deviation of the gain of a measured effort.
         gain_sd: Real = 0.03, 1e-6 to 0.5;
-        /// Share of a change of the measured effort by which its mean over a tick stays uncertain, once it is known how the column was made.
+        /// Share of a change of the measured effort by which its mean over a tick stays uncertain, once it is known how
+        /// the column was made.
         effort_change_share: Real = 0.05, 0.0 to 10.0;
     }
 }
@@ -108,8 +114,8 @@ pub struct Counts {
     pub end_cut_s: Real,
     /// Shortest one, s.
     pub min_segment_s: Real,
-    /// Least change of the speed since its beginning. Where a falling gradient balances the resistance a speed that is held, by a notch or a light brake,
-    /// looks like a coast, and the believed resistance chooses which of them do.
+    /// Least change of the speed since its beginning. Where a falling gradient balances the resistance a speed that is
+    /// held, by a notch or a light brake, looks like a coast, and the believed resistance chooses which of them do.
     pub least_change: LeastChange,
     /// It is one of short hops.
     pub on_short_hops: bool,
@@ -126,11 +132,13 @@ pub enum LeastChange {
     Fall(Real),
 }
 
-/// [`LeastChange::Share`] of coasts: a driver keeps a speed within a few km/h, and a train that coasts for a minute loses more.
+/// [`LeastChange::Share`] of coasts: a driver keeps a speed within a few km/h, and a train that coasts for a minute
+/// loses more.
 pub const MIN_CHANGE_SHARE: Real = 0.08;
 
-/// Standard deviation of the speed with which a segment begins, m/s: so wide that the reading counts for nothing. It was chosen, for a segment begins where the readings
-/// look like coasting; one that is too low does so more often, and believed it made r 0.2 % too small at 140 km/h and 0.9 % too large at 20 km/h.
+/// Standard deviation of the speed with which a segment begins, m/s: so wide that the reading counts for nothing. It
+/// was chosen, for a segment begins where the readings look like coasting; one that is too low does so more often, and
+/// believed it made r 0.2 % too small at 140 km/h and 0.9 % too large at 20 km/h.
 const BEGIN_SPEED_SD_MPS: Real = 1.0;
 
 /// Of a tick: a filter that is set to shorter ones would take longer than the tick.
@@ -214,7 +222,8 @@ impl Learner {
         davis_of(&self.constants)
     }
 
-    /// The best belief at this moment, for recognising: what the running segment has reached, before it is known whether it counts.
+    /// The best belief at this moment, for recognising: what the running segment has reached, before it is known
+    /// whether it counts.
     pub fn provisional(&self) -> Gaussian<3> {
         self.believed().map_or_else(|| self.davis(), |segment| davis_of(&segment.constants()))
     }
@@ -255,8 +264,9 @@ impl Learner {
         self.segment.as_ref().map_or(0.0, |segment| segment.unbroken * coasted)
     }
 
-    /// An interval of the recogniser ends, at whose end the train coasts with probability `coasts`. A segment on trial that began too early, by a
-    /// probability below `least`, ends: what comes later does not tell (the regimes are a Markov chain).
+    /// An interval of the recogniser ends, at whose end the train coasts with probability `coasts`. A segment on trial
+    /// that began too early, by a probability below `least`, ends: what comes later does not tell (the regimes are a
+    /// Markov chain).
     pub fn end_of_interval(&mut self, coasted: Real, coasts: Real, least: Real) {
         let unbroken = self.unbroken(coasted) / coasts.max(Real::MIN_POSITIVE);
         match &mut self.segment {
@@ -270,7 +280,8 @@ impl Learner {
         self.learned_s
     }
 
-    /// Location and speed of the running segment with their covariance; none before its first speed reading, without which its speed is known less well than it is read.
+    /// Location and speed of the running segment with their covariance; none before its first speed reading, without
+    /// which its speed is known less well than it is read.
     pub fn moving(&self) -> Option<Gaussian<2>> {
         self.believed().filter(|segment| segment.last_speed_s > segment.begin_s).map(|segment| Gaussian {
             mean: segment.belief.mean.fixed_rows::<2>(0).into_owned(),
@@ -278,7 +289,8 @@ impl Learner {
         })
     }
 
-    /// Begins a segment, on trial or `believed`, where location and speed are known from readings alone; the speed is left to the next reading, see `BEGIN_SPEED_SD_MPS`.
+    /// Begins a segment, on trial or `believed`, where location and speed are known from readings alone; the speed is
+    /// left to the next reading, see `BEGIN_SPEED_SD_MPS`.
     pub fn begin(&mut self, time_s: Real, moving: &Gaussian<2>, believed: bool) {
         let mut belief = Gaussian::<SIZE_WITH_GAIN>::ZEROED;
         belief.mean.fixed_rows_mut::<2>(LOCATION).copy_from(&moving.mean);
@@ -327,7 +339,8 @@ impl Learner {
     }
 
     /// `goes_on`: the segment does, or there is none.
-    // Called from two places, and 10 kB; of its own, so that what it takes on the stack is given back before the segment ends.
+    // Called from two places, and 10 kB; of its own, so that what it takes on the stack is given back before the
+    // segment ends.
     #[inline(never)]
     fn advance(
         &mut self,
@@ -351,7 +364,8 @@ impl Learner {
         Ok(Some(innovation))
     }
 
-    /// What was reached `end_cut_s` ago becomes valid, if the segment was long enough by then; what is reached now begins to wait.
+    /// What was reached `end_cut_s` ago becomes valid, if the segment was long enough by then; what is reached now
+    /// begins to wait.
     fn settle(&mut self, counts: &Counts, time_s: Real) {
         let Some(segment) = &mut self.segment else {
             return;

@@ -1,22 +1,27 @@
 //! Two-level memory: the vehicle's resistance, carried from run to run, and each run's deviation from it.
 //!
-//! In: what one run said about its train. Out: the vehicle's Davis coefficients, and the belief with which the next run begins.
+//! In: what one run said about its train. Out: the vehicle's Davis coefficients, and the belief with which the next run
+//! begins.
 //!
-//! A run's train is the vehicle plus a deviation of that day, δ. It has the shape of wind and load: with a headwind w ~ N(0, σ²) and σ = s x `wind_sd_mps`,
+//! A run's train is the vehicle plus a deviation of that day, δ. It has the shape of wind and load: with a headwind w ~
+//! N(0, σ²) and σ = s x `wind_sd_mps`,
 //!
 //! ```text
 //! r2 (v + w)² = r2 v² + 2 r2 w v + r2 w²        δ = (r2 w², 2 r2 w, load share of r2)
 //! mean of δ = (r2 σ², 0, 0)                     variances of δ = (2 r2² σ⁴, 4 r2² σ², s² load²)
 //! ```
 //!
-//! The mean is not zero: wind from either side adds to r0. Left out, it would stay in the vehicle, +1.2 % of r at 20 km/h for σ = 2 m/s.
+//! The mean is not zero: wind from either side adds to r0. Left out, it would stay in the vehicle, +1.2 % of r at 20
+//! km/h for σ = 2 m/s.
 //!
-//! How windy a line is, is not known beforehand, and both wrong answers hurt: taken too calm, the first windy run is believed to be
-//! the vehicle; taken too windy, 67 calm runs teach little to the next one. So a few scales s are carried side by side, each with its own vehicle,
-//! weighted by how well it foresaw the runs (Bayesian model averaging), in fixed memory.
+//! How windy a line is, is not known beforehand, and both wrong answers hurt: taken too calm, the first windy run is
+//! believed to be the vehicle; taken too windy, 67 calm runs teach little to the next one. So a few scales s are
+//! carried side by side, each with its own vehicle, weighted by how well it foresaw the runs (Bayesian model
+//! averaging), in fixed memory.
 //!
-//! Everything is in shares of the manufacturer's coefficients (1 = as described), which keeps the numbers near one. What a run said is a
-//! normal likelihood: the difference of information between the end and the beginning of its filter.
+//! Everything is in shares of the manufacturer's coefficients (1 = as described), which keeps the numbers near one.
+//! What a run said is a normal likelihood: the difference of information between the end and the beginning of its
+//! filter.
 
 mod by_gain;
 mod record;
@@ -40,8 +45,9 @@ pub const SCALES: [Real; 4] = [0.0, 0.3, 0.7, 1.5];
 /// What is believed of them before the first run.
 const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
 
-/// Standard deviation of r(v) that is common to all coasts of short hops, share: a coast of 10 to 40 s that begins or ends with a second of something else is off by
-/// several per cent, all of a driver's by the same, and their scatter does not say so. Judged by what other simulators' trams and suburban trains were off by (docs/limits.md).
+/// Standard deviation of r(v) that is common to all coasts of short hops, share: a coast of 10 to 40 s that begins or
+/// ends with a second of something else is off by several per cent, all of a driver's by the same, and their scatter
+/// does not say so. Judged by what other simulators' trams and suburban trains were off by (docs/limits.md).
 pub const SHORT_HOPS_SD: Real = 0.05;
 /// Runs over which the share of short hops is a mean.
 const RUNS_OF_HOPS: u32 = 32;
@@ -160,7 +166,8 @@ impl Vehicle {
         self.in_si(&self.mixture(Some(config)))
     }
 
-    /// The same beside the gain of its effort column, of which nothing more is known before the first run than `gain_sd`.
+    /// The same beside the gain of its effort column, of which nothing more is known before the first run than
+    /// `gain_sd`.
     pub fn constants(&self, config: &MemoryConfig, gain_sd: Real) -> Gaussian<4> {
         let (gain, variance) = self.column.next_gain(gain_sd);
         let common = self.by_gain.slope().component_mul(&shares(&self.nominal)) * self.column.gain_variance();
@@ -199,8 +206,9 @@ impl Vehicle {
         &self.trust
     }
 
-    /// Gives a belief of the resistance, in any units, the doubt that no number of coasts averages away: that of coasts that scatter, see [`Trust::widen`], and that of short
-    /// hops. Of a vehicle before its first run, `run_share` of what that run has taught so far came from them. In its place: the stack has no room for another one.
+    /// Gives a belief of the resistance, in any units, the doubt that no number of coasts averages away: that of coasts
+    /// that scatter, see [`Trust::widen`], and that of short hops. Of a vehicle before its first run, `run_share` of
+    /// what that run has taught so far came from them. In its place: the stack has no room for another one.
     pub fn widen(&self, found: &mut Gaussian<3>, run_share: Real) {
         self.trust.widen(found);
         let share = if self.runs == 0 { run_share } else { self.hops_share.into() };
@@ -213,10 +221,12 @@ impl Vehicle {
         }
     }
 
-    /// Takes up what a run said: its belief at the beginning and at the end, and how its coasts had been foreseen. A run that learned nothing changes nothing.
+    /// Takes up what a run said: its belief at the beginning and at the end, and how its coasts had been foreseen. A
+    /// run that learned nothing changes nothing.
     ///
-    /// What scatters more than it should says less. What the doubt of the track has in it is shared by the runs: so much of what is known is forgotten first, and no number of
-    /// runs says more than the track allows. `column`: what is known of the effort column by now.
+    /// What scatters more than it should says less. What the doubt of the track has in it is shared by the runs: so
+    /// much of what is known is forgotten first, and no number of runs says more than the track allows. `column`: what
+    /// is known of the effort column by now.
     pub fn learn(
         &mut self,
         config: &MemoryConfig,
@@ -239,7 +249,8 @@ impl Vehicle {
         }
     }
 
-    /// What was learned so far came from readings that are read otherwise from now on: it is kept as what one run or so says, with the interval of that.
+    /// What was learned so far came from readings that are read otherwise from now on: it is kept as what one run or so
+    /// says, with the interval of that.
     pub(crate) fn doubt_readings(&mut self, config: &MemoryConfig) {
         self.forget(config, &Matrix3::from_diagonal_element(Real::MAX), MISREAD);
     }
@@ -318,7 +329,8 @@ impl Vehicle {
         self.runs = self.runs.saturating_add(1);
     }
 
-    /// One normal distribution with the mean and the covariance of the weighted hypotheses, and what the gain of the column adds. With the settings: of the next run.
+    /// One normal distribution with the mean and the covariance of the weighted hypotheses, and what the gain of the
+    /// column adds. With the settings: of the next run.
     fn mixture(&self, of_run: Option<&MemoryConfig>) -> Gaussian<3> {
         let of = |hypothesis: &Hypothesis| match of_run {
             Some(config) => hypothesis.of_run(&config.deviation(&self.nominal, hypothesis.scale)),
@@ -385,8 +397,8 @@ impl Hypothesis {
         }
     }
 
-    /// Takes up a likelihood exp(-½ rᵀΛr + ηᵀr) of a run whose train is the vehicle plus a deviation. `slope`: how the vehicle moves with the gain of the column.
-    /// Returns the logarithm of how well it was foreseen.
+    /// Takes up a likelihood exp(-½ rᵀΛr + ηᵀr) of a run whose train is the vehicle plus a deviation. `slope`: how the
+    /// vehicle moves with the gain of the column. Returns the logarithm of how well it was foreseen.
     fn learn(&mut self, deviation: &Gaussian<3>, said: &Said, slope: &mut Vector3<Real>) -> Option<Real> {
         let Said { information, vector, by_gain } = said;
         let one = Matrix3::identity();
@@ -427,8 +439,8 @@ mod tests {
     use crate::tick::snapshot::InPlace as _;
     use nalgebra::{Matrix4, Vector4};
 
-    /// Reported standard deviation of r(100 km/h) after runs that each tell the coefficients with a standard deviation of such a share, with a share of the
-    /// track in it, and coasts that scatter so far.
+    /// Reported standard deviation of r(100 km/h) after runs that each tell the coefficients with a standard deviation
+    /// of such a share, with a share of the track in it, and coasts that scatter so far.
     fn sd_after(runs: &[Real], track_share: Real, squares: Real) -> Real {
         let config = MemoryConfig { drift_sd: 0.0, ..MemoryConfig::default() };
         let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
@@ -446,8 +458,9 @@ mod tests {
         resistance_sd(&vehicle.davis(), 100.0 / 3.6)
     }
 
-    /// A vehicle with the column's gain after so many runs, each of which tells the coefficients with this standard deviation, shares, if the gain is 1: where it is `1 + x`, all seem
-    /// `10 x` larger. The truth is 1.1 of the description, and the gain 1.
+    /// A vehicle with the column's gain after so many runs, each of which tells the coefficients with this standard
+    /// deviation, shares, if the gain is 1: where it is `1 + x`, all seem `10 x` larger. The truth is 1.1 of the
+    /// description, and the gain 1.
     fn after_runs_by_effort(runs: usize, sd: Real) -> Vehicle {
         let config = MemoryConfig { drift_sd: 0.0, ..MemoryConfig::default() };
         let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
@@ -476,7 +489,8 @@ mod tests {
     fn a_gain_that_is_not_known_leaves_its_doubt_in_the_resistance_of_any_number_of_runs() {
         let sd = |runs| after_runs_by_effort(runs, 0.1).davis().sd(0) / 7.38e-3;
         let (one, many) = (sd(1), sd(60));
-        // What the runs tell is the gain, by the description, and the resistance under it: 15 % of three coefficients that are 15 % off each.
+        // What the runs tell is the gain, by the description, and the resistance under it: 15 % of three coefficients
+        // that are 15 % off each.
         assert!(one > 0.1 && many > 0.4 * one, "{one} {many}");
         let (few, all) = (after_runs_by_effort(10, 0.1), after_runs_by_effort(60, 0.1));
         let moved = (all.davis().mean - few.davis().mean).component_div(&few.davis().mean).amax();

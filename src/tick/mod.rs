@@ -1,4 +1,5 @@
-//! The stages of a tick, from a measurement to an estimate. No stage calls the next one: [`crate::estimator`] knows their order.
+//! The stages of a tick, from a measurement to an estimate. No stage calls the next one: [`crate::estimator`] knows
+//! their order.
 
 pub mod bounds;
 pub mod digest;

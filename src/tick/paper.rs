@@ -33,7 +33,8 @@ use serde::{Deserialize, Serialize};
 pub enum Difference {
     /// The difference up to a sample drives the step after it. Tracks a sample late.
     Backward,
-    /// The difference over a step drives that very step. Tracks as the paper's Fig. 3 does; docs/paper.md compares both.
+    /// The difference over a step drives that very step. Tracks as the paper's Fig. 3 does; docs/paper.md compares
+    /// both.
     #[default]
     Forward,
 }

@@ -1,6 +1,7 @@
 //! Which readings to believe.
 //!
-//! In: a measurement. Out: the time since the last one, and location and speed, each with its value or the cause why there is none.
+//! In: a measurement. Out: the time since the last one, and location and speed, each with its value or the cause why
+//! there is none.
 //!
 //! | input | behaviour |
 //! |---|---|
@@ -27,11 +28,14 @@ const DESCENT_N_PER_KG: Real = 0.3;
 
 /// A time that is further ahead is not believed by itself, s.
 pub const FAR_S: Real = 86_400.0;
-/// A time that is further from zero is none, s: the last bit is half of [`SOONEST_S`], and a clock of ms since 1970 shows less until 2096.
+/// A time that is further from zero is none, s: the last bit is half of [`SOONEST_S`], and a clock of ms since 1970
+/// shows less until 2096.
 pub const LATEST_S: Real = 4e12;
-/// A time that is less ahead is the same time, s: no sensor reads so often, and a change of speed over less is no acceleration.
+/// A time that is less ahead is the same time, s: no sensor reads so often, and a change of speed over less is no
+/// acceleration.
 pub const SOONEST_S: Real = 1e-3;
-/// So many times more must agree where they lie behind the train: rows that come late do, a clock that was set does not.
+/// So many times more must agree where they lie behind the train: rows that come late do, a clock that was set does
+/// not.
 const BEHIND: u32 = 4;
 /// Behind is more than this share of a jump of the location: more than its noise.
 const BEHIND_SHARE: Real = 0.125;
@@ -41,7 +45,8 @@ settings! {
     PlausibilityConfig in "plausibility" {
         /// Fastest believable speed, km/h.
         max_speed_kmh: Real = 400.0, 1.0 to 1000.0;
-        /// Largest believable change of speed, m/s², and not more than twice the train's effort upwards; slip and slide lie beyond.
+        /// Largest believable change of speed, m/s², and not more than twice the train's effort upwards; slip and slide
+        /// lie beyond.
         max_acceleration_mps2: Real = 2.0, 0.1 to 100.0;
         /// How far a location may lie from where the speed leads, m, beyond `location_share`.
         location_jump_m: Real = 120.0, 1.0 to 1e6;
@@ -147,7 +152,8 @@ impl Plausibility {
     /// Judges one measurement.
     ///
     /// # Errors
-    /// The time of the last measurement, if there was one: this one's is not after it, too far ahead, or not finite, and too few agree with it.
+    /// The time of the last measurement, if there was one: this one's is not after it, too far ahead, or not finite,
+    /// and too few agree with it.
     pub fn judge(
         &mut self,
         config: &PlausibilityConfig,
@@ -198,7 +204,8 @@ impl Plausibility {
         Ok(Judged { time_s, sender_s, dt_s, begins, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
     }
 
-    /// Time since the last measurement, and whether location and speed begin again; the last time, if this one is not believed.
+    /// Time since the last measurement, and whether location and speed begin again; the last time, if this one is not
+    /// believed.
     fn judge_time(
         &mut self,
         config: &PlausibilityConfig,
@@ -317,7 +324,8 @@ impl Plausibility {
             return (Ok(location_m), Some(Cause::Reversing));
         }
 
-        // A speed that never changes is believed as long as the locations go along with it, up to a twentieth (rounding, worn wheels).
+        // A speed that never changes is believed as long as the locations go along with it, up to a twentieth
+        // (rounding, worn wheels).
         if self.same_speed > 0 && step_m.abs() < 0.5 * config.location_jump_m + 2.0 * run_m {
             self.drift_m += step_m - run_m;
             self.same_speed_run_m += run_m;

@@ -1,10 +1,15 @@
 //! The running resistance as it is published: with hysteresis in its validity, and never a value that no train has.
 //!
-//! - *Not yet*, until the standard deviation of r(v) at one of [`JUDGED_KMH`] has fallen below [`LEARNED_SHARE`] of the description's; and again only where both are above [`FORGOTTEN_SHARE`].
-//! - *Predicts worse*: the description foresaw the coasts better than what was learned ([`Trust::worse_by`](crate::tick::foresight::Trust::worse_by) [`WORSE_BY`] standard deviations, until it is less than [`NO_LONGER_WORSE_BY`]); it is published.
-//! - *Out of bounds*, when r(v) at one of [`BOUND_KMH`] leaves 0.5 to 2 times the manufacturer's; until all are back within 0.55 to 1.9 times; or when it rises by less than [`LEAST_RISE`]
-//!   from 20 to 80 km/h or falls beyond: where r1 and r2 of a description are per km/h, what was learned is as flat as it. The curve is judged and not each coefficient: a headwind
-//!   alone may double r1 or make it negative. Out of bounds the published coefficients are cut off at 0.5 and 2 times; the filter goes on with its own.
+//! - *Not yet*, until the standard deviation of r(v) at one of [`JUDGED_KMH`] has fallen below [`LEARNED_SHARE`] of the
+//!   description's; and again only where both are above [`FORGOTTEN_SHARE`].
+//! - *Predicts worse*: the description foresaw the coasts better than what was learned
+//!   ([`Trust::worse_by`](crate::tick::foresight::Trust::worse_by) [`WORSE_BY`] standard deviations, until it is less
+//!   than [`NO_LONGER_WORSE_BY`]); it is published.
+//! - *Out of bounds*, when r(v) at one of [`BOUND_KMH`] leaves 0.5 to 2 times the manufacturer's; until all are back
+//!   within 0.55 to 1.9 times; or when it rises by less than [`LEAST_RISE`] from 20 to 80 km/h or falls beyond: where
+//!   r1 and r2 of a description are per km/h, what was learned is as flat as it. The curve is judged and not each
+//!   coefficient: a headwind alone may double r1 or make it negative. Out of bounds the published coefficients are cut
+//!   off at 0.5 and 2 times; the filter goes on with its own.
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;
@@ -14,7 +19,8 @@ use crate::model::units::KmPerHour;
 use crate::plain::plain;
 use rundown_wire::Learned;
 
-/// Speeds at which learning is judged, km/h: the middle of those at which trains coast, on a tram line and on others. A tram says little of the second.
+/// Speeds at which learning is judged, km/h: the middle of those at which trains coast, on a tram line and on others. A
+/// tram says little of the second.
 pub const JUDGED_KMH: [Real; 2] = [50.0, 100.0];
 /// Share of the initial standard deviation below which the resistance counts as learned.
 pub const LEARNED_SHARE: Real = 0.5;
@@ -23,8 +29,8 @@ pub const FORGOTTEN_SHARE: Real = 0.6;
 /// Speeds at which the bounds are checked, km/h.
 pub const BOUND_KMH: [Real; 3] = [20.0, 80.0, 140.0];
 
-/// The resistance of a train rises by more from 20 to 80 km/h, share: of loaded freight trains by a third and more, of others by half to twice; by a tenth where r1 is 3.6 and r2 13 times too
-/// small.
+/// The resistance of a train rises by more from 20 to 80 km/h, share: of loaded freight trains by a third and more, of
+/// others by half to twice; by a tenth where r1 is 3.6 and r2 13 times too small.
 pub const LEAST_RISE: Real = 0.2;
 
 /// The description foresees coasts better by so many standard deviations: it is published.
@@ -50,8 +56,8 @@ impl Published {
         self.out_of_bounds || self.worse
     }
 
-    /// The coefficients to publish and how far they may be trusted. `initial_sds` are those of r at [`JUDGED_KMH`] by the description alone;
-    /// `worse_by`: the description foresaw the coasts better by so many standard deviations.
+    /// The coefficients to publish and how far they may be trusted. `initial_sds` are those of r at [`JUDGED_KMH`] by
+    /// the description alone; `worse_by`: the description foresaw the coasts better by so many standard deviations.
     pub fn judge(
         &mut self,
         nominal: &Davis,

@@ -30,7 +30,8 @@ settings! {
         rounding: Rounding = Rounding::Rounded;
         /// Standard deviation of the speed beyond its rounding, km/h.
         speed_noise_kmh: Real = 0.05, 0.0 to 20.0;
-        /// Standard deviation of the location, m. Ten times the paper's 4 m: costs little, and a wrong speed scale or a late fix then reaches the resistance far less.
+        /// Standard deviation of the location, m. Ten times the paper's 4 m: costs little, and a wrong speed scale or a
+        /// late fix then reaches the resistance far less.
         location_sd_m: Real = 40.0, 0.01 to 1e4;
     }
 }

@@ -2,13 +2,14 @@
 //!
 //! In: speeds, and when. Out: whether hops are short, and what of their coasts counts.
 //!
-//! A train that runs for minutes coasts for minutes: evidence is gathered over 10 s, a coast is believed after such an interval, and only then learned from.
-//! On hops of one or two minutes coasts last 10 to 40 s, and nothing would be left. There evidence is gathered over less, a segment runs on trial from
-//! where the coast may have begun, and it is learned from once it is believed. That costs accuracy where it is not needed (a third of the error of r(v) on
-//! an intercity), so it is used on short hops alone.
+//! A train that runs for minutes coasts for minutes: evidence is gathered over 10 s, a coast is believed after such an
+//! interval, and only then learned from. On hops of one or two minutes coasts last 10 to 40 s, and nothing would be
+//! left. There evidence is gathered over less, a segment runs on trial from where the coast may have begun, and it is
+//! learned from once it is believed. That costs accuracy where it is not needed (a third of the error of r(v) on an
+//! intercity), so it is used on short hops alone.
 //!
-//! Of coasts of 12 s, the usual ones of metros and trams, even that leaves nothing. Speeds in tenths of a km/h show within 4 s what whole ones show within 7,
-//! and how a brake begins within 3.
+//! Of coasts of 12 s, the usual ones of metros and trams, even that leaves nothing. Speeds in tenths of a km/h show
+//! within 4 s what whole ones show within 7, and how a brake begins within 3.
 
 use crate::Real;
 use crate::tick::bounds::settings;
@@ -67,13 +68,15 @@ impl ShortHopConfig {
 const FINE_INTERVAL_S: Real = 4.0;
 const FINE_END_CUT_S: Real = 3.0;
 const FINE_MIN_SEGMENT_S: Real = 7.0;
-/// A speed that is held wanders by less, and where a driver takes back the power near the speed that is wanted it rises: both look like coasts on gentle slopes.
-/// Of steeper coasts enough are left. By whole km/h the coasts would be chosen for their rounding, and r(v) of suburban trains became too large.
+/// A speed that is held wanders by less, and where a driver takes back the power near the speed that is wanted it
+/// rises: both look like coasts on gentle slopes. Of steeper coasts enough are left. By whole km/h the coasts would be
+/// chosen for their rounding, and r(v) of suburban trains became too large.
 const LEAST_FALL_MPS2: Real = 0.02;
 /// [`learning::MIN_CHANGE_SHARE`](crate::tick::learning::MIN_CHANGE_SHARE) of their coasts, which are shorter.
 const MIN_CHANGE_SHARE: Real = 0.02;
 
-/// A change of the change from one reading to the next that speeds in whole km/h (or mph) do not have unless it is none, m/s; noise of 0.1 m/s has more of them.
+/// A change of the change from one reading to the next that speeds in whole km/h (or mph) do not have unless it is
+/// none, m/s; noise of 0.1 m/s has more of them.
 const FINE_MPS: Real = 0.5 / 3.6;
 /// Half of all that are not none must be so small, and so many of them are no lapses.
 const LEAST_FINE: u16 = 10;
@@ -92,7 +95,8 @@ in_place! {
         moved: bool = (false);
         /// The last hop was short.
         last_short: bool = (false);
-        /// The last speed and its change, m/s; how often the change was another one than before, and how often by little.
+        /// The last speed and its change, m/s; how often the change was another one than before, and how often by
+        /// little.
         last_mps: Real = (0.0);
         last_change_mps: Real = (0.0);
         changes: u16 = (0);
@@ -140,8 +144,9 @@ impl Hops {
     }
 }
 
-/// Probability that an interval was coasted as a whole, below which a segment ends: with 0.3, as on other hops, gentle brakes were learned from, and r(v) of
-/// one vehicle in six became a fifth too large with an interval that did not hold it.
+/// Probability that an interval was coasted as a whole, below which a segment ends: with 0.3, as on other hops, gentle
+/// brakes were learned from, and r(v) of one vehicle in six became a fifth too large with an interval that did not hold
+/// it.
 pub const END_PROBABILITY: Real = 0.5;
 /// A train that moves for less has been shunted, s.
 const LEAST_HOP_S: Real = 30.0;

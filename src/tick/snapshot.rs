@@ -1,11 +1,13 @@
-//! State that stays where it is: in a static of zeros, cleared and read from its bytes field by field, so that the stack holds one field at a time.
+//! State that stays where it is: in a static of zeros, cleared and read from its bytes field by field, so that the
+//! stack holds one field at a time.
 
 use crate::plain::Plain;
 use heapless::{Deque, Vec};
 
 /// What is never moved as a whole.
 pub(crate) trait InPlace: Plain {
-    /// For a static: it takes no flash, and its start no stack. `None` of a type with a regime or a flag in it is not stored as zeros; `Some` of zeros is.
+    /// For a static: it takes no flash, and its start no stack. `None` of a type with a regime or a flag in it is not
+    /// stored as zeros; `Some` of zeros is.
     const ZEROED: Self;
 
     /// To the state before a run.
@@ -35,8 +37,8 @@ impl<T: InPlace> InPlace for Option<T> {
     }
 }
 
-/// A struct with [`InPlace`]. Behind each field stands what it is before a run, and `zeroed` where a static has other zeros for it;
-/// `in place` for what is [`InPlace`] itself.
+/// A struct with [`InPlace`]. Behind each field stands what it is before a run, and `zeroed` where a static has other
+/// zeros for it; `in place` for what is [`InPlace`] itself.
 macro_rules! in_place {
     ($(#[$attribute:meta])* $visibility:vis struct $Name:ident {
         $($(#[$of_field:meta])* $of:vis $field:ident: $Type:ty = $how:tt;)*

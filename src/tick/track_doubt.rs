@@ -1,19 +1,20 @@
 //! How far the described gradients may be off.
 //!
-//! In: the standard deviation of a gradient, and over which length errors of neighbouring gradients are one. Out: the density of the acceleration that follows from it.
+//! In: the standard deviation of a gradient, and over which length errors of neighbouring gradients are one. Out: the
+//! density of the acceleration that follows from it.
 //!
-//! A coasting train takes the error of the gradient for resistance. Passing through errors of standard deviation σ that are alike over L, its mean
-//! acceleration over a distance D is off by g σ √(2 L / D): white noise of the density
+//! A coasting train takes the error of the gradient for resistance. Passing through errors of standard deviation σ that
+//! are alike over L, its mean acceleration over a distance D is off by g σ √(2 L / D): white noise of the density
 //!
 //! ```text
 //! S = 2 L (g σ)² / v          m²/s³; with γ of the rotating masses g/γ
 //! ```
 //!
-//! Within a kilometre of the ends of a line σ is twice as large: platforms and sidings have slopes of their own, and the gradient at the edge of a description
-//! is often one that was carried on.
+//! Within a kilometre of the ends of a line σ is twice as large: platforms and sidings have slopes of their own, and
+//! the gradient at the edge of a description is often one that was carried on.
 //!
-//! The runs over a line share it, so more runs do not average it: what earlier runs said is forgotten by the share that it has in what is not known
-//! ([`Vehicle::learn`](crate::tick::memory::Vehicle::learn)).
+//! The runs over a line share it, so more runs do not average it: what earlier runs said is forgotten by the share that
+//! it has in what is not known ([`Vehicle::learn`](crate::tick::memory::Vehicle::learn)).
 
 use crate::Real;
 use crate::model::line::Line;

@@ -1,19 +1,22 @@
 //! Whether the recorder cuts its speeds off: the distance by location against that by speed.
 //!
-//! In: the readings of each tick, the speed as it was read. Out: what a run, and over the runs a vehicle, says of true less read speed.
+//! In: the readings of each tick, the speed as it was read. Out: what a run, and over the runs a vehicle, says of true
+//! less read speed.
 //!
-//! A speed that is rounded to its step is read right in the mean, one that is cut off is read half a step too low. With a wheel that is not as believed and a
-//! speed that is older than the location,
+//! A speed that is rounded to its step is read right in the mean, one that is cut off is read half a step too low. With
+//! a wheel that is not as believed and a speed that is older than the location,
 //!
 //! ```text
 //! location - ∫ read speed dt = c + κ ∫ read speed dt + o t + τ read speed + noise
 //! ```
 //!
-//! with t while the train moves. A small Kalman filter follows (c, κ, o, τ). The steps of the speed make c a walk: of a speed that is held all readings are
-//! off by the same. κ and o part where the speed changes, so a run says little; what several say is pooled with how they scatter.
+//! with t while the train moves. A small Kalman filter follows (c, κ, o, τ). The steps of the speed make c a walk: of a
+//! speed that is held all readings are off by the same. κ and o part where the speed changes, so a run says little;
+//! what several say is pooled with how they scatter.
 //!
-//! A step of the chainage would say the same in each run. Where a location is suddenly far from what the others foresaw, c begins again; so it does after a
-//! pause of the speed, and where a train starts or stops between two readings that are far apart. What is known of the rest stays.
+//! A step of the chainage would say the same in each run. Where a location is suddenly far from what the others
+//! foresaw, c begins again; so it does after a pause of the speed, and where a train starts or stops between two
+//! readings that are far apart. What is known of the rest stays.
 
 use crate::Real;
 use crate::plain::plain;
@@ -35,8 +38,9 @@ const AGE_SD_S: f32 = 2.0;
 const SPACING_S: Real = 9.5;
 /// Longest time between two speeds over which a distance is known, s.
 const LONGEST_S: f32 = 30.0;
-/// Share of a change of the change of speed by which the mean speed between two readings differs from that of the two: wherever between readings an acceleration
-/// changes, the trapezium misses dt²/12 of the change in the mean, always by the same sign where trains brake ...
+/// Share of a change of the change of speed by which the mean speed between two readings differs from that of the two:
+/// wherever between readings an acceleration changes, the trapezium misses dt²/12 of the change in the mean, always by
+/// the same sign where trains brake ...
 const BENT: f32 = 1.0 / 12.0;
 /// ... and the share by which it may do so.
 const UNEVEN: f32 = 0.15;
@@ -44,12 +48,14 @@ const UNEVEN: f32 = 0.15;
 const LOST_M: f32 = 3.0;
 /// Growth of the error of described locations, m²/s.
 const CHAINAGE: f32 = 0.25;
-/// A location's errors last for about a minute: white noise of so many times their variance says as little, (1 + ρ) / (1 - ρ) with ρ = exp(-10/60).
+/// A location's errors last for about a minute: white noise of so many times their variance says as little, (1 + ρ) /
+/// (1 - ρ) with ρ = exp(-10/60).
 const LASTING: f32 = 12.0;
 /// Locations by which the described noise counts, and least noise, m.
 const DESCRIBED: f32 = 2.0;
 const LEAST_NOISE_M: f32 = 10.0;
-/// A location that is further from what is expected than so many usual misses: the chainage has a step there, and c begins again.
+/// A location that is further from what is expected than so many usual misses: the chainage has a step there, and c
+/// begins again.
 const STEP: f32 = 3.0;
 /// Standard deviation of c before the first location, m.
 const UNKNOWN_M: f32 = 1000.0;
@@ -93,7 +99,8 @@ in_place! {
     }
 }
 
-/// What the runs of a vehicle said of o: sums over runs that each give o with an information, one over its variance. Nothing is known of the default.
+/// What the runs of a vehicle said of o: sums over runs that each give o with an information, one over its variance.
+/// Nothing is known of the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpeedOffset {
     /// Number of runs.
@@ -119,7 +126,8 @@ impl SpeedOffset {
         (self.information > 0.0).then(|| (self.vector / self.information, sd))
     }
 
-    /// Variance between the runs over what is expected. The expected one is on the safe side; few runs may agree by chance.
+    /// Variance between the runs over what is expected. The expected one is on the safe side; few runs may agree by
+    /// chance.
     fn scatter(&self) -> f32 {
         let squares = self.squares - self.vector * self.vector / self.information;
         ((EXPECTED_RUNS + squares) / (EXPECTED_RUNS + self.runs - 1.0)).max(LEAST_SCATTER)

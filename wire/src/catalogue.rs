@@ -1,11 +1,14 @@
-//! The catalogue of effects: what a believed model of train and track may lack, one entry for each kind. All that needs to know the kinds is generated from it.
+//! The catalogue of effects: what a believed model of train and track may lack, one entry for each kind. All that needs
+//! to know the kinds is generated from it.
 
-/// Hands the catalogue to a macro: `effects_catalogue!(callback arguments..)` expands to `callback! { arguments.. entries.. }`.
-/// `effects_catalogue!(named: callback ..)` leaves out the kind whose parameters are a table.
+/// Hands the catalogue to a macro: `effects_catalogue!(callback arguments..)` expands to
+/// `callback! { arguments.. entries.. }`. `effects_catalogue!(named: callback ..)` leaves out the kind whose parameters
+/// are a table.
 ///
-/// An entry has the number on the wire and in the store (a number once given stays), the type, the name in files (also that of the modules with its laws),
-/// where it acts (`everywhere`, or in a `section` whose ends stand before the parameters; a `table` is brought point by point), a summary, and for each
-/// parameter its field (`as` its name in files, where that is no field's name), least and most accepted value, meaning and unit as a display shows them.
+/// An entry has the number on the wire and in the store (a number once given stays), the type, the name in files (also
+/// that of the modules with its laws), where it acts (`everywhere`, or in a `section` whose ends stand before the
+/// parameters; a `table` is brought point by point), a summary, and for each parameter its field (`as` its name in
+/// files, where that is no field's name), least and most accepted value, meaning and unit as a display shows them.
 ///
 /// ```
 /// macro_rules! names {

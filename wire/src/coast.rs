@@ -1,9 +1,11 @@
-//! What coasting from here leads to, as a driver advisory needs it: the speed and the time at the next place that asks for a lower speed.
+//! What coasting from here leads to, as a driver advisory needs it: the speed and the time at the next place that asks
+//! for a lower speed.
 
 use crate::words::Value;
 use serde::{Deserialize, Serialize};
 
-/// The prediction and where it begins. Sent when it has moved by more than the configuration allows, and once a minute as it was sent last.
+/// The prediction and where it begins. Sent when it has moved by more than the configuration allows, and once a minute
+/// as it was sent last.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoastAhead {
     /// Time of the estimate that it begins with, s, on the sender's clock.

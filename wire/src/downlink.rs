@@ -1,6 +1,7 @@
 //! Downlink: what the board says. Each frame is a value of [`Body`]; numbers are `f32` in SI units, times `f64`.
 //!
-//! In a tick the frames come in this order: parameters, effort, coast_ahead, the others that are due, and [`Estimate`] last: it closes the tick.
+//! In a tick the frames come in this order: parameters, effort, coast_ahead, the others that are due, and [`Estimate`]
+//! last: it closes the tick.
 
 use crate::coast::CoastAhead;
 use crate::envelope::{self, DecodeError, EncodeError};
@@ -132,7 +133,8 @@ words! {
         Learned "learned",
         /// The estimate lies outside what a train can have; the values are cut off there.
         OutOfBounds "out_of_bounds",
-        /// Coasts are foreseen worse by what was learned than by the description, whose coefficients are published instead.
+        /// Coasts are foreseen worse by what was learned than by the description, whose coefficients are published
+        /// instead.
         PredictsWorse "predicts_worse",
     }
 }
@@ -379,7 +381,8 @@ mod hexadecimal {
 /// What the board has, and what it has counted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
-    /// Epoch and counter of the authentication with their MAC, each start of the board another one; none while everything secured is refused.
+    /// Epoch and counter of the authentication with their MAC, each start of the board another one; none while
+    /// everything secured is refused.
     pub announcement: Option<[u8; 16]>,
     /// Which train is described; where people read, hexadecimal digits: a number of 64 bits loses some in JSON.
     #[serde(with = "hexadecimal")]
@@ -448,7 +451,8 @@ impl fmt::Display for Versions {
     }
 }
 
-/// The recorder cuts its speeds off: true is half a step more than read, as the locations of the runs have shown beyond doubt.
+/// The recorder cuts its speeds off: true is half a step more than read, as the locations of the runs have shown beyond
+/// doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recorder {
     /// True less read speed as the locations show it, m/s.
@@ -531,7 +535,8 @@ words! {
         OtherTrain "other_train",
         /// For another track.
         OtherTrack "other_track",
-        /// A value is out of range; the old ones stay in force. Of a measurement: its time is more than a day ahead, or none.
+        /// A value is out of range; the old ones stay in force. Of a measurement: its time is more than a day ahead, or
+        /// none.
         OutOfRange "out_of_range",
         /// A part came out of order; send the first one again.
         OutOfOrder "out_of_order",

@@ -1,7 +1,7 @@
 //! A message: one byte for the version, then one value in postcard.
 //!
-//! The version changes only when bytes of a frame that was released would be read as something else. New frames are appended to the enums under the
-//! same version; a receiver that does not know one counts it and goes on.
+//! The version changes only when bytes of a frame that was released would be read as something else. New frames are
+//! appended to the enums under the same version; a receiver that does not know one counts it and goes on.
 
 use postcard::ser_flavors::Flavor;
 use serde::{Serialize, de::DeserializeOwned};
@@ -40,7 +40,8 @@ pub fn encode<'a, T: Serialize>(value: &T, buffer: &'a mut [u8]) -> Result<&'a [
     buffer.get(..length).ok_or(EncodeError)
 }
 
-/// A message that is being written. What finds no room is counted, and no write fails: on the board a check behind each of some 200 fields would take 3 kB.
+/// A message that is being written. What finds no room is counted, and no write fails: on the board a check behind each
+/// of some 200 fields would take 3 kB.
 struct Writing<'a> {
     buffer: &'a mut [u8],
     length: usize,

@@ -24,8 +24,8 @@ words! {
 }
 
 impl ResetCause {
-    /// Whether it counts towards the crash loop, with what the firmware wrote down before. A person who presses the button is no crash, nor is a probe that
-    /// asks the processor for a reset, as the firmware does when it fails.
+    /// Whether it counts towards the crash loop, with what the firmware wrote down before. A person who presses the
+    /// button is no crash, nor is a probe that asks the processor for a reset, as the firmware does when it fails.
     pub const fn is_crash(self, failure: &Failure) -> bool {
         match self {
             Self::Watchdog => true,

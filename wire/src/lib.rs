@@ -4,8 +4,9 @@
 //! board: estimate -> Downlink -> message (version, postcard) -> link (serial: CRC, COBS; CAN style: ISO-TP) -> display
 //! ```
 //!
-//! A display gives what its link brings to a [`Reader`], which finds the frames and counts what is lost; `examples/display.rs` is one in thirty lines.
-//! [`Downlink::decode`] reads a single message. `WIRE.md` states every byte.
+//! A display gives what its link brings to a [`Reader`], which finds the frames and counts what is lost;
+//! `examples/display.rs` is one in thirty lines. [`Downlink::decode`] reads a single message. `WIRE.md` states every
+//! byte.
 //!
 //! ```
 //! use rundown_wire::{Body, Downlink};

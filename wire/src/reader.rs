@@ -1,14 +1,16 @@
 //! Frames out of what a link brings, with a tally of what is missing.
 //!
-//! In: the bytes of a serial line, from any place on; or whole messages of another link. Out: [`Received`] frames, each with its [`Order`].
+//! In: the bytes of a serial line, from any place on; or whole messages of another link. Out: [`Received`] frames, each
+//! with its [`Order`].
 //!
 //! ```text
 //! bytes -> COBS, CRC-32C -> message -> version, postcard -> sequence number -> frame
 //!          damaged                     unknown              lost, late, repeated, restarts
 //! ```
 //!
-//! A reader may begin anywhere and meet anything: it is in step again at the next zero byte, and nothing panics. The board's numbers restart with each run and after its restart, which is no loss;
-//! they are distinguished from frames out of order by the last [`WINDOW`] numbers and their ticks.
+//! A reader may begin anywhere and meet anything: it is in step again at the next zero byte, and nothing panics. The
+//! board's numbers restart with each run and after its restart, which is no loss; they are distinguished from frames
+//! out of order by the last [`WINDOW`] numbers and their ticks.
 
 use crate::downlink::Downlink;
 use crate::link::serial::Decoder;
@@ -267,7 +269,8 @@ mod tests {
 
     #[test]
     fn a_run_that_begins_is_no_loss() {
-        // The description of train and track, then `begin`; a long run, then the next one, whose first two frames are lost.
+        // The description of train and track, then `begin`; a long run, then the next one, whose first two frames are
+        // lost.
         let (found, tally) = orders([(14, 0), (15, 0), (0, 0), (1, 1), (40_000, 9000), (2, 1), (3, 1)]);
         assert_eq!(found[2], Order::Restart);
         assert_eq!(found[4], Order::Restart, "more than half of all numbers ahead");

@@ -11,8 +11,8 @@ use calls::Graph;
 use emulator::{Board, Image, NS_PER_INSTRUCTION};
 use std::process::{Command, Stdio};
 
-/// A line of the budget. The limit is what was measured (2026-11-27, in the comment) and a tenth more, so that a change has room and nothing gets much worse
-/// unseen; never above a goal that is reached.
+/// A line of the budget. The limit is what was measured (2026-11-27, in the comment) and a tenth more, so that a change
+/// has room and nothing gets much worse unseen; never above a goal that is reached.
 struct Limit {
     what: &'static str,
     unit: &'static str,
@@ -28,7 +28,8 @@ const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
 /// 6444 to 6910.
 const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most: 7600, ..STACK };
-/// One call of the application, without the time of the line, 322 000: at 80 MHz and one instruction a cycle 1.9 ms for the goal.
+/// One call of the application, without the time of the line, 322 000: at 80 MHz and one instruction a cycle 1.9 ms for
+/// the goal.
 const CALL: Limit =
     Limit { what: "longest call of the application", unit: "instructions", most: 354_200, goal: 150_000 };
 /// The same with seven effects, 347 375, and in a day of hops between stops, 354 250.
@@ -41,7 +42,8 @@ const TICK_FILTER: Limit = Limit { what: "filter of a tick", unit: "instructions
 /// 984 and 7880.
 const FILTER_STACK: Limit = Limit { what: "filter step alone: stack", unit: "B", most: 1 << 10, goal: 1 << 10 };
 const FILTER_CODE: Limit = Limit { what: "filter step alone: code", unit: "B", most: 8800, goal: 10_000 };
-/// Of 800 000 sums, differences, products and quotients, and as many comparisons and conversions (`src/board/soft_doubles.rs`).
+/// Of 800 000 sums, differences, products and quotients, and as many comparisons and conversions
+/// (`src/board/soft_doubles.rs`).
 const DOUBLES: Limit = Limit { what: "doubles with a wrong bit", unit: "", most: 0, goal: 0 };
 /// Of 2560 copies, moves and fills (`src/board/memory.rs`).
 const COPIES: Limit = Limit { what: "copies with a wrong byte", ..DOUBLES };

@@ -1,7 +1,8 @@
 //! `fuzz`: every fuzz target for a while.
 //!
-//! Any toolchain that builds the workspace will do: the coverage counters that libFuzzer follows are a pass of the stable compiler. `cargo fuzz` on nightly Rust works
-//! in `host-tests/fuzz/` as well and adds the address sanitizer, of which the code without `unsafe` has little need.
+//! Any toolchain that builds the workspace will do: the coverage counters that libFuzzer follows are a pass of the
+//! stable compiler. `cargo fuzz` on nightly Rust works in `host-tests/fuzz/` as well and adds the address sanitizer, of
+//! which the code without `unsafe` has little need.
 
 use crate::shell::{ask, cargo, root, run, shown};
 use std::fs::File;

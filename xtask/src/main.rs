@@ -1,6 +1,7 @@
 //! Set-up and checks of the workspace: `cargo xtask help`.
 //!
-//! Each task is a list of commands. A command is printed before it runs, so that it can be repeated by hand; the first one that fails ends the task.
+//! Each task is a list of commands. A command is printed before it runs, so that it can be repeated by hand; the first
+//! one that fails ends the task.
 #![forbid(unsafe_code)]
 
 mod budget;
@@ -154,19 +155,22 @@ fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), S
     }
 }
 
-/// Tests of what plain `cargo test` does not bring. They are ignored there, by attributes that say what they need, and must pass here.
+/// Tests of what plain `cargo test` does not bring. They are ignored there, by attributes that say what they need, and
+/// must pass here.
 const WITH_EMULATOR: [&str; 5] = ["falls", "own_logs", "soak", "on_target", "on_target_power"];
 const WITH_PEERS: &str = "peers";
 
-/// Data of others, which are no part of the project: the variable that names their folder, where they are looked for without it, what must be in it,
-/// the test that reads them. A train that somebody described for their logs is looked for in a folder that is named only.
+/// Data of others, which are no part of the project: the variable that names their folder, where they are looked for
+/// without it, what must be in it, the test that reads them. A train that somebody described for their logs is looked
+/// for in a folder that is named only.
 const DATA: [[&str; 4]; 3] = [
     ["RUNDOWN_LOGS", "../shared/data/recorded-gpx", "index.csv", "logs"],
     ["RUNDOWN_LOGS", "", "train.toml", "study"],
     ["RUNDOWN_TRACKS", "../shared/data/tracks", "", "truth"],
 ];
 
-/// Documentation tests are part of `cargo test` as long as no targets are named. Both runs have the same features, or the second one would build all again.
+/// Documentation tests are part of `cargo test` as long as no targets are named. Both runs have the same features, or
+/// the second one would build all again.
 fn test(features: &[&str]) -> Result<(), String> {
     setup::setup()?;
     all(firmware::firmware)?;

@@ -1,7 +1,7 @@
 //! `mutants`: do the tests notice when a line of the board's code does something else?
 //!
-//! By hand, not in CI: each mutant is a build. A mutant is run with the tests of its module alone, none of which needs the harness. What was found:
-//! `docs/firmware.md`, "Mutants".
+//! By hand, not in CI: each mutant is a build. A mutant is run with the tests of its module alone, none of which needs
+//! the harness. What was found: `docs/firmware.md`, "Mutants".
 
 use crate::shell::{ask, cargo, run, target};
 

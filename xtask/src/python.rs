@@ -1,5 +1,5 @@
-//! `cargo xtask python`: builds the Python module, installs it into a virtual environment of its own, and runs its tests. A second run finds the
-//! environment and does not fill it again.
+//! `cargo xtask python`: builds the Python module, installs it into a virtual environment of its own, and runs its
+//! tests. A second run finds the environment and does not fill it again.
 
 use crate::shell::{ask, cargo, root, run, target};
 use std::path::{Path, PathBuf};
@@ -17,7 +17,8 @@ const TOOLS: &str = "sim-harness/python/tools";
 /// Engines that replay a fleet with the module, with requirements of their own.
 const FLEETS: &str = "sim-harness/python/fleets";
 
-/// `cargo xtask tools`: SUMO and ALTRIOS read what `rundown export` writes. Apart from the module's tests, for what they install.
+/// `cargo xtask tools`: SUMO and ALTRIOS read what `rundown export` writes. Apart from the module's tests, for what
+/// they install.
 pub fn tools() -> Result<(), String> {
     let environment = Environment::at(target().join("tools").join("venv"), TOOLS)?;
     let rundown = command()?;
@@ -46,8 +47,8 @@ pub fn python() -> Result<(), String> {
     run(environment.command("python").args(arguments).env(COMMAND, rundown))
 }
 
-/// `cargo xtask fleets`: DuckDB, Ray Data and Spark replay a fleet, each to the same bits as the command. Apart from the module's tests, for what they
-/// install and what they take.
+/// `cargo xtask fleets`: DuckDB, Ray Data and Spark replay a fleet, each to the same bits as the command. Apart from
+/// the module's tests, for what they install and what they take.
 pub fn fleets(runs: &str) -> Result<(), String> {
     if ask("java", &["-version"]).is_none() {
         return Err("Spark: expected Java 17 as java, found none.\n\

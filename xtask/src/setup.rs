@@ -1,4 +1,5 @@
-//! `cargo xtask setup`: everything that the firmware's build and its emulator need. Says what it finds and what it does; a second run finds all and does nothing.
+//! `cargo xtask setup`: everything that the firmware's build and its emulator need. Says what it finds and what it
+//! does; a second run finds all and does nothing.
 
 use crate::shell::{ask, root, run};
 use crate::toolchain::{TARGET, Toolchain};

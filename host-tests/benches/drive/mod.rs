@@ -1,4 +1,5 @@
-//! What the two benches run: the reference run, its efforts known beforehand, so that a step is predict and update and nothing else.
+//! What the two benches run: the reference run, its efforts known beforehand, so that a step is predict and update and
+//! nothing else.
 
 use host_tests::prelude::*;
 use host_tests::reference::{data, train_and_track};

@@ -2,8 +2,9 @@
 //!
 //! In: units, that is messages or what was written to a port in one go; the chance of each fault. Out: units.
 //!
-//! [`FaultyPort`] damages the bytes below a link, as a wire does: what the link then gives must still be right. [`FaultyLink`] damages the messages themselves, as a forger or a broken sender does:
-//! what takes the messages must cope. A CAN frame in SLCAN is one write, so a faulty port under it loses, doubles and reorders single frames.
+//! [`FaultyPort`] damages the bytes below a link, as a wire does: what the link then gives must still be right.
+//! [`FaultyLink`] damages the messages themselves, as a forger or a broken sender does: what takes the messages must
+//! cope. A CAN frame in SLCAN is one write, so a faulty port under it loses, doubles and reorders single frames.
 //!
 //! The same seed and the same calls give the same faults.
 
@@ -259,7 +260,8 @@ impl<L: Link> Link for FaultyLink<L> {
 
 /// A port whose bytes are damaged in both directions.
 ///
-/// What is written in one go is a unit, and so is what has come in since the last look. Late bytes move on when the port is used.
+/// What is written in one go is a unit, and so is what has come in since the last look. Late bytes move on when the
+/// port is used.
 pub struct FaultyPort<P, C> {
     port: P,
     out: BadWire,

@@ -1,7 +1,8 @@
-//! NOR flash as in an STM32L4, on the host: pages of 2 KiB, words of 8 bytes that are programmed once, and a supply that can be cut at any operation.
+//! NOR flash as in an STM32L4, on the host: pages of 2 KiB, words of 8 bytes that are programmed once, and a supply
+//! that can be cut at any operation.
 //!
-//! One word programmed, or one page erased, is one operation. The mock knows of each word whether it was wholly erased; programming any other word is counted in
-//! [`Flash::violations`], also where the word happens to read as erased.
+//! One word programmed, or one page erased, is one operation. The mock knows of each word whether it was wholly erased;
+//! programming any other word is counted in [`Flash::violations`], also where the word happens to read as erased.
 
 use crate::prelude::*;
 use embedded_storage::nor_flash::{

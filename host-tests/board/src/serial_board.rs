@@ -1,4 +1,5 @@
-//! The application behind a serial line of 115 200 bit/s, with the outbox of the firmware: in each byte's time one byte comes at most, and one goes.
+//! The application behind a serial line of 115 200 bit/s, with the outbox of the firmware: in each byte's time one byte
+//! comes at most, and one goes.
 
 use crate::board::{PROVISIONING, answer};
 use crate::flash::Flash;

@@ -1,4 +1,5 @@
-//! Who may change the board: nobody without the key, nobody twice, nobody after a reboot with what was recorded before it.
+//! Who may change the board: nobody without the key, nobody twice, nobody after a reboot with what was recorded before
+//! it.
 
 use board_tests::flash::Flash;
 use rundown::onboard::auth::{
@@ -28,8 +29,9 @@ fn sealed(desk: &mut Signer, message: &[u8]) -> Vec<u8> {
     desk.seal(TRACK, message, &mut buffer).unwrap().to_vec()
 }
 
-/// MACs by OpenSSL 3.0.19: `openssl mac -macopt cipher:AES-128-CBC -macopt hexkey:000102...0f -in FILE CMAC`, FILE made by Python's
-/// `struct.pack("<BHQII", direction, data_id, 0xca146bb2fe747401, epoch, counter) + message`, first 8 bytes.
+/// MACs by OpenSSL 3.0.19: `openssl mac -macopt cipher:AES-128-CBC -macopt hexkey:000102...0f -in FILE CMAC`, FILE made
+/// by Python's `struct.pack("<BHQII", direction, data_id, 0xca146bb2fe747401, epoch, counter) + message`, first 8
+/// bytes.
 #[test]
 fn secured_messages_are_these_bytes() {
     let board = board(3);
@@ -41,7 +43,8 @@ fn secured_messages_are_these_bytes() {
     assert_eq!(sealed(&mut desk(&board), b"new track"), expected);
 }
 
-/// The board's AES and CMAC beside those of the crates `aes` and `cmac`: keys without order, messages of every length up to some blocks.
+/// The board's AES and CMAC beside those of the crates `aes` and `cmac`: keys without order, messages of every length
+/// up to some blocks.
 #[test]
 fn macs_are_as_another_implementation_has_them() {
     use cmac::{Cmac, KeyInit, Mac};

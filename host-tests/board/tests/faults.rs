@@ -1,4 +1,5 @@
-//! Does the board survive what `docs/faults.md` lists? The rows that no other test holds, through the tick task and its messages.
+//! Does the board survive what `docs/faults.md` lists? The rows that no other test holds, through the tick task and its
+//! messages.
 
 use board_tests::board::{Board, answer, case_study, estimate, running};
 use board_tests::described::measurements;
@@ -22,7 +23,8 @@ fn is_a_number(frame: &Downlink) -> bool {
     !words.any(|word| word == "NaN" || word == "inf")
 }
 
-/// Row 1, over the decoder and the task: what a flipped bit leaves of a message changes nothing, in the run nor in the counters of what was asked.
+/// Row 1, over the decoder and the task: what a flipped bit leaves of a message changes nothing, in the run nor in the
+/// counters of what was asked.
 #[test]
 fn a_flipped_bit_on_the_line_leaves_the_state_as_it_was() {
     let (mut plain, _, log) = running(case_study());

@@ -8,7 +8,8 @@ use rundown::onboard::uplink::{self, OPEN, SECURED, Uplink};
 use rundown::tick::estimate::Cause;
 use rundown_wire::{Answer, Body, Estimate as Estimated, Refusal};
 
-/// What a clock does to the times of a run: number since it went wrong, and true time, to its time. With it why such a time is refused.
+/// What a clock does to the times of a run: number since it went wrong, and true time, to its time. With it why such a
+/// time is refused.
 type Clock = fn(usize, f64) -> f64;
 const CLOCKS: [(&str, Refusal, Clock); 7] = [
     ("one far time", Refusal::OutOfRange, |k, time_s| if k == 0 { 1e300 } else { time_s }),

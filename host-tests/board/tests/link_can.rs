@@ -21,7 +21,8 @@ fn random(seed: u64, length: usize) -> Vec<u8> {
     bytes
 }
 
-/// Sends a payload; `wire` says what becomes of each consecutive, first or single frame. Gives what was received, and whether the sender was done.
+/// Sends a payload; `wire` says what becomes of each consecutive, first or single frame. Gives what was received, and
+/// whether the sender was done.
 fn transfer<const N: usize>(
     sender: &mut Sender<N>,
     receiver: &mut Receiver<N>,
@@ -154,7 +155,8 @@ fn ends(config: Config) -> (Sender<MAX_CHECKED>, Receiver<MAX_CHECKED>) {
     (Sender::new(config), Receiver::new(config))
 }
 
-/// The sequence number comes round after 16 frames, so that ISO-TP alone joins the begin of one payload to the end of another. The checksum does not.
+/// The sequence number comes round after 16 frames, so that ISO-TP alone joins the begin of one payload to the end of
+/// another. The checksum does not.
 #[test]
 fn sixteen_lost_frames_are_found_by_the_checksum_only() {
     let config = Config { block_size: 0, ..Config::CLASSIC };

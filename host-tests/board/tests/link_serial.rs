@@ -35,7 +35,8 @@ fn random(seed: u64, length: usize, zeros: bool) -> Vec<u8> {
     (0..length).map(|_| byte(&mut rng)).collect()
 }
 
-/// Zeros, no zeros, random; short, of the size of a measurement, of an estimate, and over the 254 bytes where COBS begins a new block.
+/// Zeros, no zeros, random; short, of the size of a measurement, of an estimate, and over the 254 bytes where COBS
+/// begins a new block.
 fn representative() -> Vec<Vec<u8>> {
     vec![
         vec![0],

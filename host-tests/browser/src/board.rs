@@ -1,4 +1,5 @@
-//! A board behind a TCP port: the frames of simulated runs, as much of them as the test wants, and a line that it may cut.
+//! A board behind a TCP port: the frames of simulated runs, as much of them as the test wants, and a line that it may
+//! cut.
 
 use rundown_wire::link::serial;
 use rundown_wire::{Body, CoastAhead, Downlink, Effort, Estimate, Features, Parameters};

@@ -18,7 +18,8 @@ pub struct Browser {
 }
 
 impl Drop for Browser {
-    // Also where a test fails: the driver is asked to end its browsers, and the client not to wait for an answer on the runtime that is being left.
+    // Also where a test fails: the driver is asked to end its browsers, and the client not to wait for an answer on the
+    // runtime that is being left.
     fn drop(&mut self) {
         let _ = self.driver.clone().leak();
         let asked = TcpStream::connect(("127.0.0.1", self.port)).and_then(|mut stream| {
@@ -123,7 +124,8 @@ impl Browser {
         self.mouse("mouseReleased", to, 1).await;
     }
 
-    /// Puts fingers on the screen (`touchStart`), moves them (`touchMove`) or lifts them (`touchEnd`, without places), px.
+    /// Puts fingers on the screen (`touchStart`), moves them (`touchMove`) or lifts them (`touchEnd`, without places),
+    /// px.
     pub async fn touch(&self, kind: &str, places: &[[f64; 2]]) {
         let point = |(id, [x, y]): (usize, &[f64; 2])| serde_json::json!({"id": id, "x": x, "y": y});
         let points: Vec<_> = places.iter().enumerate().map(point).collect();

@@ -165,7 +165,8 @@ async fn learning_and_foresight_are_shown() {
     let bits = [20.0, 60.0, 100.0, 140.0].map(|kmh: f32| (first.at(kmh / 3.6).sd / now.at(kmh / 3.6).sd).log2());
     let words = bits.map(|bits| number(Some(bits), 1, 1.0)).join(" / ");
     let expected = format!("information learned at 20 / 60 / 100 / 140 km/h: {words} bit");
-    // The run that has just begun is at a place where the one before was, too: only what was learned says that its frames are shown.
+    // The run that has just begun is at a place where the one before was, too: only what was learned says that its
+    // frames are shown.
     desk.browser.wait("information", &expected, |text| text == expected).await;
     assert!(bits[2] > 0.5, "a run teaches: {bits:?}");
     let foreseen = desk.browser.text("foreseen").await;
@@ -265,7 +266,8 @@ async fn the_page_survives_a_cut_and_noise() {
     assert!(desk.browser.text("validity").await.contains("these values are old"));
     assert_eq!(desk.browser.text("speed").await, before, "they are still there");
 
-    // The display comes back by itself; frames that were sent meanwhile are lost, and the line begins with the rest of one.
+    // The display comes back by itself; frames that were sent meanwhile are lost, and the line begins with the rest of
+    // one.
     desk.board.accept();
     let lost = 1 + desk.board.lose(7);
     desk.board.noise(&[0x13, 0x55, 0xFF, 0x00, 0xA0, 0x01]);
@@ -301,7 +303,8 @@ const PLACES: &str = "return Object.fromEntries([...document.querySelectorAll('h
     .map((e, i) => [i + ' ' + (e.id || e.className || e.tagName), e]).filter(([name, e]) => e.offsetParent && !(e instanceof HTMLDListElement))
     .map(([name, e]) => { const r = e.getBoundingClientRect(); return [name, [r.x, r.y, r.width, r.height].map(Math.round).join(' ')]; }))";
 
-/// Words and numbers that are cut off; the one line that may be is the small one below a number. Wide values are filled in: few runs have all.
+/// Words and numbers that are cut off; the one line that may be is the small one below a number. Wide values are filled
+/// in: few runs have all.
 const OUTSIDE: &str = "for (const row of document.getElementById('brake').rows) [row.cells[1].textContent, row.cells[2].textContent] = ['0.56', 's.d. 0.08'];
     for (const [id, text] of [['acceleration', '\u{2212}0.139'], ['power-most-mw', '2.03 MW'], ['power-mean-sd', 's.d. 0.72']]) document.getElementById(id).textContent = text;
     return [...document.querySelectorAll('header b, header small, header .label, #regime i, #legend > span, nav button, .counts b, td, th')].filter(e => e.offsetParent && e.textContent.trim()).filter(e => {

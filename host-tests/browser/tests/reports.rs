@@ -1,4 +1,5 @@
-//! Can a report be explored? In Chromium, from the disk: zoom, linked cursors, legend, axis, tables, day and night, narrow screens.
+//! Can a report be explored? In Chromium, from the disk: zoom, linked cursors, legend, axis, tables, day and night,
+//! narrow screens.
 
 use browser_tests::browser::{Browser, Scheme};
 use browser_tests::reports::Reports;

@@ -1,4 +1,5 @@
-//! Any CAN frames at any time to both sides of ISO-TP: no panic, the payload stays within its buffer, and a payload sent afterwards by the rules arrives as it was.
+//! Any CAN frames at any time to both sides of ISO-TP: no panic, the payload stays within its buffer, and a payload
+//! sent afterwards by the rules arrives as it was.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

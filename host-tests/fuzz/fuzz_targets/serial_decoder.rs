@@ -1,4 +1,5 @@
-//! Any bytes on the serial line: no panic, no message longer than allowed, what is decoded encodes back, and behind a zero a valid message is always read.
+//! Any bytes on the serial line: no panic, no message longer than allowed, what is decoded encodes back, and behind a
+//! zero a valid message is always read.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -6,7 +7,8 @@ use rundown_wire::link::serial::{Decoder, encode};
 use rundown_wire::link::{Counters, MAX_MESSAGE};
 
 fuzz_target!(|data: &[u8]| {
-    // Random bytes hardly ever carry a valid checksum: the first byte says how much of the rest is a message that is damaged by what follows.
+    // Random bytes hardly ever carry a valid checksum: the first byte says how much of the rest is a message that is
+    // damaged by what follows.
     let (&head, rest) = data.split_first().unwrap_or((&0, &[]));
     let (message, damage) = rest.split_at(rest.len().min(2 * usize::from(head)));
     let mut line = encode(message).map(|frame| frame.to_vec()).unwrap_or_default();

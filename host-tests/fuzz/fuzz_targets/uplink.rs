@@ -1,4 +1,5 @@
-//! Any messages to the task, validly signed ones among them, with ticks in between: no panic, and nothing is said that is no number.
+//! Any messages to the task, validly signed ones among them, with ticks in between: no panic, and nothing is said that
+//! is no number.
 #![no_main]
 
 use host_tests::board::{PROVISIONING, Wire};

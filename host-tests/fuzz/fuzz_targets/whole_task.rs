@@ -1,4 +1,5 @@
-//! The firmware's application from the bytes of the serial line on: no panic, and all it says is a frame with numbers in it.
+//! The firmware's application from the bytes of the serial line on: no panic, and all it says is a frame with numbers
+//! in it.
 #![no_main]
 
 use host_tests::board::PROVISIONING;

@@ -1,6 +1,7 @@
 //! A conversation with a board, read from arbitrary bytes.
 //!
-//! In: the bytes of the fuzzer. Out: steps ([`Step`]); what the board says is checked by [`Conversation::hear`]. Random bytes never carry a valid MAC, so some steps are signed here.
+//! In: the bytes of the fuzzer. Out: steps ([`Step`]); what the board says is checked by [`Conversation::hear`]. Random
+//! bytes never carry a valid MAC, so some steps are signed here.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
@@ -137,7 +138,8 @@ pub struct Conversation<'a> {
 }
 
 impl<'a> Conversation<'a> {
-    /// Begins with a request for the status, so that signing is possible. The first byte decides whether the board is described before the rest.
+    /// Begins with a request for the status, so that signing is possible. The first byte decides whether the board is
+    /// described before the rest.
     pub fn new(bytes: &'a [u8]) -> Self {
         let mut script = Script(bytes);
         let prepared = !script.byte().is_multiple_of(4);

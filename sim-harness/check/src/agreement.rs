@@ -1,21 +1,23 @@
 //! Speed against location: scale, offset and skew of a run, jointly, with their covariance.
 //!
-//! The speed reading at time t is v_r(t) = s v(t - τ) - o: s a wheel that is not as believed, o what truncation takes away, τ by how much the speed is older than
-//! the location. So between two rows, to first order in s - 1 and in τ,
+//! The speed reading at time t is v_r(t) = s v(t - τ) - o: s a wheel that is not as believed, o what truncation takes
+//! away, τ by how much the speed is older than the location. So between two rows, to first order in s - 1 and in τ,
 //!
 //! ```text
 //! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + (o/s) Δt + τ Δv_r + noise
 //! ```
 //!
-//! The noise is white noise of the location, shared by neighbouring differences with opposite sign, and a walk that the errors of the speed add up to. Their ratio is
-//! fitted by maximum likelihood, so that an odometer in whole metres and a satellite receiver are each believed as far as they deserve. One slow run cannot tell
-//! scale and offset apart: the covariance says so, and [`pooled`] weighs with it.
+//! The noise is white noise of the location, shared by neighbouring differences with opposite sign, and a walk that the
+//! errors of the speed add up to. Their ratio is fitted by maximum likelihood, so that an odometer in whole metres and
+//! a satellite receiver are each believed as far as they deserve. One slow run cannot tell scale and offset apart: the
+//! covariance says so, and [`pooled`] weighs with it.
 
 use crate::compared::{Compared, PAIR_S};
 use crate::rounding::{self, Equations, Joint};
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 
-/// Half a 95 % interval in standard deviations: the 97.5 % point of the normal distribution. All intervals have this width.
+/// Half a 95 % interval in standard deviations: the 97.5 % point of the normal distribution. All intervals have this
+/// width.
 pub const HALF_95: f64 = 1.96;
 
 /// A value and its standard deviation.
@@ -53,7 +55,8 @@ impl Figure {
         Self { value, sd: ((scatter / (runs.len() as f64 - 1.0)).max(1.0) / sum).sqrt() }
     }
 
-    /// The value of one of many, drawn to the usual one by what is known of both. `spread`: standard deviation of many such figures.
+    /// The value of one of many, drawn to the usual one by what is known of both. `spread`: standard deviation of many
+    /// such figures.
     pub fn drawn(&self, usual: f64, spread: f64) -> f64 {
         let between = (spread * spread - self.sd * self.sd).max(0.0);
         usual + (self.value - usual) * between / (between + self.sd * self.sd).max(f64::MIN_POSITIVE)
@@ -80,15 +83,16 @@ pub struct Agreement {
     pub(crate) equations: Equations,
     /// The same with other bends of the ways between the rows, see [`Compared::with_other_bends`]. None: none is bent.
     with_other_bends: Option<[Equations; 2]>,
-    /// What bends usually make of the runs beside it, of 1/s - 1 and o/s in m/s: in a single one that may vanish by chance.
+    /// What bends usually make of the runs beside it, of 1/s - 1 and o/s in m/s: in a single one that may vanish by
+    /// chance.
     usual_bends: Matrix2<f64>,
     /// By how much the speeds were moved before they were compared, s: the skew is what is left of it.
     moved_s: f64,
 }
 
 impl Compared {
-    /// One more cause, which adds so many metres per unit of it to each difference: what the data say of it beside the others, and the nats by which it beats
-    /// none; the noise as without it. None where the others explain it.
+    /// One more cause, which adds so many metres per unit of it to each difference: what the data say of it beside the
+    /// others, and the nats by which it beats none; the noise as without it. None where the others explain it.
     pub(crate) fn beside(&self, metres: &[f64]) -> Option<(Figure, f64)> {
         let fit = &self.fit;
         let column = self.whitened(metres);
@@ -130,8 +134,8 @@ impl Compared {
 }
 
 impl Agreement {
-    /// The same with what the rounding of the speeds does, which may not show in the residuals: each reading is off by as much as a part of the step, and where a speed is
-    /// held, all of them by the same.
+    /// The same with what the rounding of the speeds does, which may not show in the residuals: each reading is off by
+    /// as much as a part of the step, and where a speed is held, all of them by the same.
     ///
     /// `rounding_mps`: of a reading, standard deviation; `step_s`: time between readings.
     pub fn with_rounding(mut self, rounding_mps: f64, step_s: f64) -> Self {
@@ -169,7 +173,8 @@ impl Agreement {
         self.information.fixed_view::<2, 2>(0, 0) - cross * cross.transpose() / self.information[(2, 2)]
     }
 
-    /// By how much the speed is older than the location, s, with 1/s - 1 and o/s of its recorder, and the covariance of these.
+    /// By how much the speed is older than the location, s, with 1/s - 1 and o/s of its recorder, and the covariance of
+    /// these.
     pub fn skew_s(&self, scale_and_offset: Vector2<f64>, covariance: &Matrix2<f64>) -> Figure {
         let information = self.information[(2, 2)];
         let cross = Vector2::new(self.information[(0, 2)], self.information[(1, 2)]) / information;
@@ -186,7 +191,8 @@ pub struct Pooled {
     pub values: Vector2<f64>,
     /// Their covariance: the larger of what the noise and what the scatter between runs says.
     pub covariance: Matrix2<f64>,
-    /// What they are more by than with other bends of the ways between the rows, a column each: a doubt, for the bends are alike in all runs of a line.
+    /// What they are more by than with other bends of the ways between the rows, a column each: a doubt, for the bends
+    /// are alike in all runs of a line.
     pub by_bends: Matrix2<f64>,
     /// Runs that took part.
     pub runs: usize,
@@ -221,8 +227,9 @@ impl Pooled {
     }
 }
 
-/// Bends that count less still count: of trams, metros and suburban trains 5 to 12 s apart what was measured was off by up to three times of what they made of it. Which
-/// way they bend makes half the difference between both, and the formulas for both miss as much.
+/// Bends that count less still count: of trams, metros and suburban trains 5 to 12 s apart what was measured was off by
+/// up to three times of what they made of it. Which way they bend makes half the difference between both, and the
+/// formulas for both miss as much.
 pub(crate) const BENDS_SD: [f64; 2] = [1.5, 1.25];
 
 /// Standard deviation with a doubt of the bends.
@@ -230,11 +237,12 @@ fn doubted(variance: f64, by_bends: Vector2<f64>) -> f64 {
     variance.sqrt().hypot(by_bends.component_mul(&Vector2::from(BENDS_SD)).norm())
 }
 
-/// What a driver's style does to the comparison is the same all through a run, and shows in the scatter between runs only: one run alone has twice the
-/// standard deviation that its noise says, four have a tenth more.
+/// What a driver's style does to the comparison is the same all through a run, and shows in the scatter between runs
+/// only: one run alone has twice the standard deviation that its noise says, four have a tenth more.
 const FEW_RUNS: f64 = 3.0;
 
-/// In one run alone the same few bends count again and again: its scale was off by up to three times of what they usually make.
+/// In one run alone the same few bends count again and again: its scale was off by up to three times of what they
+/// usually make.
 pub(crate) const ALONE: f64 = 2.0;
 
 /// Tells each run of a recorder what bends between the rows usually make of one alone: root of the mean square.

@@ -1,4 +1,5 @@
-//! Rows that a straight line bridges, as of a receiver in a tunnel: locations at one pace, mostly with its speed, until a leap.
+//! Rows that a straight line bridges, as of a receiver in a tunnel: locations at one pace, mostly with its speed, until
+//! a leap.
 //!
 //! In: rows of a run. Out: the same without what is no reading.
 //!
@@ -6,8 +7,8 @@
 //! v  101.2  93.4  93.4  ...  93.4  93.4  71.8        x on a straight line for so long
 //! ```
 //!
-//! A train that holds its speed exactly runs on a straight line, too. So a leap of the speed at an end of it is asked for that no train makes, or a speed of its own
-//! that says otherwise, or locations that scatter everywhere else.
+//! A train that holds its speed exactly runs on a straight line, too. So a leap of the speed at an end of it is asked
+//! for that no train makes, or a speed of its own that says otherwise, or locations that scatter everywhere else.
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
@@ -27,7 +28,8 @@ const WRITTEN_M: [f64; 5] = [10.0, 1.0, 0.1, 0.01, 0.001];
 const MOST_STEP_M: f64 = 2.0;
 /// The speed is that of the line in so much of it.
 const EQUAL: f64 = 0.7;
-/// A leap is more than so many times the changes from row to row beside it, and this, m/s: what trains brake with they brake with for seconds.
+/// A leap is more than so many times the changes from row to row beside it, and this, m/s: what trains brake with they
+/// brake with for seconds.
 const STEADY: f64 = 1.5;
 const LEAST_LEAP_MPS: f64 = 0.8;
 /// A speed of its own says otherwise where the train was off the line by this, m, and by so many steps.
@@ -38,7 +40,8 @@ const HELD_MPS: f64 = 0.25;
 /// It stays there: a wheel that slips comes back within seconds. Rows, and the share of the leap.
 const STAYS: usize = 10;
 const STAYS_SHARE: f64 = 0.5;
-/// Locations scatter where the median of their third differences is so many steps, and this, m: changes of the acceleration are less in rows so near, s.
+/// Locations scatter where the median of their third differences is so many steps, and this, m: changes of the
+/// acceleration are less in rows so near, s.
 const SCATTER: f64 = 5.0;
 const LEAST_SCATTER_M: f64 = 0.4;
 const MOST_STEP_S: f64 = 2.0;

@@ -1,6 +1,8 @@
-//! Rows that are stamped when they arrive, several at once: recorded evenly, their times are not those of their readings.
+//! Rows that are stamped when they arrive, several at once: recorded evenly, their times are not those of their
+//! readings.
 //!
-//! In: rows of a run. Out: the same, spread evenly over the time between two bursts, where speed and location agree only so.
+//! In: rows of a run. Out: the same, spread evenly over the time between two bursts, where speed and location agree
+//! only so.
 //!
 //! ```text
 //! stamps  5.02  5.04  5.06  5.08  5.10      10.01  10.03 ...        recorded at 1, 2, 3, 4, 5      6, 7 ...
@@ -85,7 +87,8 @@ fn found(rows: &[Sample]) -> Option<(Vec<Range<usize>>, usize, f64)> {
     (is_fine && usual > 1 && bursts.len() >= LEAST_BURSTS && alike && even).then_some((bursts, usual, each_s))
 }
 
-/// Share of the way from row to row by which speed and location miss each other with these times, in nine of ten rows by less.
+/// Share of the way from row to row by which speed and location miss each other with these times, in nine of ten rows
+/// by less.
 fn missed(rows: &[Sample], times_s: &[f64]) -> Option<f64> {
     let of = |(pair, times_s): (&[Sample], &[f64])| {
         let mps = 0.5 * (pair[0].speed_mps? + pair[1].speed_mps?);

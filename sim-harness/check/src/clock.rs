@@ -1,7 +1,7 @@
 //! Times that a clock made wrong: midnight, set back, set forward.
 //!
-//! A step of the clock is judged by the distance between the two rows: at 20 m/s an hour is 72 km. While the train stands nothing can be judged, nor where rows are
-//! missing between which it may have stood.
+//! A step of the clock is judged by the distance between the two rows: at 20 m/s an hour is 72 km. While the train
+//! stands nothing can be judged, nor where rows are missing between which it may have stood.
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
@@ -18,7 +18,8 @@ const LEAST_BACK_S: f64 = 30.0;
 const LEAST_BACK_STEPS: f64 = 3.0;
 /// So many rows that come late are no single ones.
 const LEAST_LATE: usize = 4;
-/// Shares of rows that have the time of the row before: a smaller one is a matter of single rows, with a larger one no speed fits its location.
+/// Shares of rows that have the time of the row before: a smaller one is a matter of single rows, with a larger one no
+/// speed fits its location.
 const LEAST_SHARED: f64 = 0.05;
 const MOST_SHARED: f64 = 0.5;
 /// Seconds of the day fall by nearly a day at midnight: by no less than this.
@@ -33,8 +34,8 @@ const LEAST_MISSED: f64 = 5.0;
 /// Ways that differ by no more than this share are one.
 const SAME_WAY: f64 = 1e-9;
 
-/// Time that passed before a row by the distance from the rows before it to those from it on, where all of them move: a few on both sides, as one
-/// location of a receiver may be off by more than a step.
+/// Time that passed before a row by the distance from the rows before it to those from it on, where all of them move: a
+/// few on both sides, as one location of a receiver may be off by more than a step.
 fn by_distance(rows: &[Sample], at: usize) -> Option<f64> {
     let last_before = rows.get(at.checked_sub(1)?)?.time_s;
     let before = middle(&rows[at.saturating_sub(SIDE)..at])?;
@@ -44,7 +45,8 @@ fn by_distance(rows: &[Sample], at: usize) -> Option<f64> {
     Some(between_s - (last_before - before.time_s) - (after.time_s - rows[at].time_s))
 }
 
-/// The way to a row is long enough for a train to stop on it and start again: `dt` s by the clock, `passed_s` by the distance.
+/// The way to a row is long enough for a train to stop on it and start again: `dt` s by the clock, `passed_s` by the
+/// distance.
 fn may_have_stopped(rows: &[Sample], at: usize, [dt, passed_s]: [f64; 2]) -> bool {
     let [before, after] = [rows[at - 1], rows[at]];
     let Some(speeds_mps) = before.speed_mps.zip(after.speed_mps).map(|(a, b)| [a, b]) else { return false };
@@ -79,8 +81,9 @@ fn middle(rows: &[Sample]) -> Option<Middle> {
     (count > 0.0).then(|| Middle { time_s: mean(time_s), location_m: mean(location_m), speed_mps: mean(speed_mps) })
 }
 
-/// The order in which rows that were written out of it belong; none where they were not, or where not the order but the clock is wrong: the way along the locations
-/// is then the shorter one as they stand. `place_m`: distance of two rows, where both have a place.
+/// The order in which rows that were written out of it belong; none where they were not, or where not the order but the
+/// clock is wrong: the way along the locations is then the shorter one as they stand. `place_m`: distance of two rows,
+/// where both have a place.
 pub fn order(rows: &[Sample], place_m: impl Fn(&Sample, &Sample) -> Option<f64>) -> Option<Vec<usize>> {
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|a, b| rows[*a].time_s.total_cmp(&rows[*b].time_s));
@@ -185,7 +188,8 @@ fn step_of_clock(rows: &[Sample], i: usize, dt: f64, usual: &UsualRows) -> Optio
         return None;
     }
     let passed_s = by_distance(rows, i);
-    // The noise of the locations may leave less than nothing; a location that is stuck on one side leaves a step less, on both two.
+    // The noise of the locations may leave less than nothing; a location that is stuck on one side leaves a step less,
+    // on both two.
     let passed_s = passed_s.filter(|seconds| (-0.5 * step_s..=20.0 * step_s).contains(seconds));
     let passed_s = passed_s.map(|seconds| if seconds < 0.5 * step_s { step_s } else { seconds });
     if dt < -LEAST_BACK_S || dt < -LEAST_BACK_STEPS * step_s && passed_s.is_some() {

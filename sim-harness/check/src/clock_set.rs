@@ -6,8 +6,8 @@
 //! ```
 //!
 //! A location that leaps leaves the clock at its step. Rows that are missing leave the way that the train went
-//! meanwhile. Where both came together, the way would be that of one step by chance only. A receiver that still says its
-//! last fix as the rows go on makes up for it soon.
+//! meanwhile. Where both came together, the way would be that of one step by chance only. A receiver that still says
+//! its last fix as the rows go on makes up for it soon.
 //!
 //! In: rows around the step. Out: by how much the clock was set, beside the usual step, as the way says it.
 

@@ -1,6 +1,7 @@
 //! Distance by location less distance by speed, and what scale, offset and skew explain of it.
 //!
-//! In: rows of a run. Out: differences between rows some seconds apart, and their fit with the noise that is most likely.
+//! In: rows of a run. Out: differences between rows some seconds apart, and their fit with the noise that is most
+//! likely.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -26,7 +27,8 @@ pub(crate) struct HeldTime {
     pub(crate) held_s: f64,
 }
 
-/// Which share of its time each row is one of a held speed: none where the speed passes as fast as it passes one of its neighbours.
+/// Which share of its time each row is one of a held speed: none where the speed passes as fast as it passes one of its
+/// neighbours.
 pub(crate) fn held_shares(rows: &[Row]) -> Vec<f64> {
     let stretches: Vec<&[Row]> = rows.chunk_by(|a, b| a.speed_mps == b.speed_mps).collect();
     let begin_s = |i: usize| stretches.get(i).map(|stretch| stretch[0].time_s);
@@ -152,7 +154,8 @@ impl Differences {
     }
 }
 
-/// Beside a start or a stop rows farther apart are not compared: a bend of 1 m/s² makes a third of a metre in 2 s, 8 m in 10 s.
+/// Beside a start or a stop rows farther apart are not compared: a bend of 1 m/s² makes a third of a metre in 2 s, 8 m
+/// in 10 s.
 const STRAIGHT_S: f64 = 2.0;
 
 /// A smaller change of the acceleration is no driver's hand but power that fades, m/s².
@@ -174,9 +177,11 @@ impl Way {
         self.at_once_m += more.at_once_m;
     }
 
-    /// From row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say; straight ones of a second are too long by two parts in ten thousand of a
-    /// tram's hop. Between rows far apart it is bent at once, where a driver turns to the brake, or steadily, as the power fades or the brake is built up: half of both. Beside a start or a
-    /// stop straight, or none: the train moved for a part of the time only, and the change of speed there is no acceleration.
+    /// From row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say; straight ones of a second
+    /// are too long by two parts in ten thousand of a tram's hop. Between rows far apart it is bent at once, where a
+    /// driver turns to the brake, or steadily, as the power fades or the brake is built up: half of both. Beside a
+    /// start or a stop straight, or none: the train moved for a part of the time only, and the change of speed there is
+    /// no acceleration.
     fn between(rows: &[Row], i: usize) -> Option<Self> {
         let (a, b) = (rows[i - 1], rows[i]);
         let dt = b.time_s - a.time_s;
@@ -188,7 +193,8 @@ impl Way {
             Some((before, after)) if before.speed_mps.min(after.speed_mps) >= SLOWEST_MPS => {
                 let [earlier, now, later] = [slope(before, &a), slope(&a, &b), slope(&b, after)];
                 let steady_m = dt * dt / 24.0 * (earlier - later);
-                // One acceleration up to a moment, the other behind it: the moment is where both together make the change of the speed.
+                // One acceleration up to a moment, the other behind it: the moment is where both together make the
+                // change of the speed.
                 let share = (later - now) / (later - earlier);
                 let at_once_m = dt * dt / 2.0 * (earlier - later) * share * (1.0 - share);
                 let is_hand = is_far && (earlier - later).abs() > TURN_MPS2 && (0.0..=1.0).contains(&share);
@@ -278,7 +284,8 @@ pub(crate) fn best_fit(differences: &Differences) -> Option<Fit> {
     fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
 }
 
-/// Standard deviation from the mean of the sizes: the median is zero where an odometer counts whole metres at one speed. Outliers are drawn in step by step.
+/// Standard deviation from the mean of the sizes: the median is zero where an odometer counts whole metres at one
+/// speed. Outliers are drawn in step by step.
 fn mean_spread(values: &[f64]) -> f64 {
     let sizes: f64 = values.iter().map(|value| value.abs()).sum();
     1.2533 * sizes / values.len().max(1) as f64
@@ -295,7 +302,8 @@ impl Compared {
     /// None: too little of the run moves with both readings.
     pub(crate) fn fitted(mut differences: Differences) -> Option<Self> {
         let mut fit = best_fit(&differences)?;
-        // A bend between rows far apart is known within its own size. The noise beside it is what is left where there is none.
+        // A bend between rows far apart is known within its own size. The noise beside it is what is left where there
+        // is none.
         for _ in 0..PASSES {
             if !differences.doubt_bends(fit.variance) {
                 break;
@@ -306,7 +314,8 @@ impl Compared {
         if straight < LEAST_STRAIGHT { None } else { Self::of(differences, fit) }
     }
 
-    /// The same where ways that are bent count less, and where all are bent steadily: what that changes is a doubt. None: none is bent.
+    /// The same where ways that are bent count less, and where all are bent steadily: what that changes is a doubt.
+    /// None: none is bent.
     pub(crate) fn with_other_bends(&self) -> Option<[Self; 2]> {
         let (mut less, mut steady) = (self.differences.clone(), self.differences.clone());
         less.doubt.iter_mut().for_each(|doubt| *doubt *= LESS_OF_BENDS);
@@ -336,7 +345,8 @@ impl Compared {
         whitened(&self.differences, self.fit.ratio, metres, &mut Vec::new())
     }
 
-    /// What scale, offset and skew take up of a cause that adds so many metres to each difference, and its whitened column.
+    /// What scale, offset and skew take up of a cause that adds so many metres to each difference, and its whitened
+    /// column.
     pub(crate) fn taken_up(&self, metres: &[f64]) -> (Vector3<f64>, Vec<f64>) {
         let column = self.whitened(metres);
         let cross = Vector3::from_fn(|i, _| self.fit.columns[i].iter().zip(&column).map(|(a, b)| a * b).sum());

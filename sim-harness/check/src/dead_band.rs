@@ -1,4 +1,5 @@
-//! Whole steps of the speed that come only once it has changed by as much since the last one, as event recorders write them.
+//! Whole steps of the speed that come only once it has changed by as much since the last one, as event recorders write
+//! them.
 //!
 //! In: rows of all runs of a unit, as read. Out: by how much the speed that is shown stays behind.
 //!
@@ -8,9 +9,10 @@
 //!       62    62    62    62    63    63          written again once it has changed by 1
 //! ```
 //!
-//! Rounded speeds are too high as often as too low. These are too low while the train gains speed and too high while it slows, so that each change from power to
-//! coasting hides some of the speed that was gained, and the measured mode learns a resistance that is up to a tenth too small. The column itself does not show it, as finer
-//! ones do (`stairs`); the locations do: in windows of 10 s
+//! Rounded speeds are too high as often as too low. These are too low while the train gains speed and too high while it
+//! slows, so that each change from power to coasting hides some of the speed that was gained, and the measured mode
+//! learns a resistance that is up to a tenth too small. The column itself does not show it, as finer ones do
+//! (`stairs`); the locations do: in windows of 10 s
 //!
 //! ```text
 //! way by location less way by speed = behind × (time rising less time falling) + offset t + scale x + skew Δv + noise
@@ -42,7 +44,8 @@ const OUTLIER: f64 = 4.0;
 /// So many runs agree, whose scatter says how sure the figure is, and by so many standard deviations.
 const LEAST_RUNS: usize = 3;
 const SURE: f64 = 6.0;
-/// Half a step is what such speeds stay behind in the mean, less where the train passes several steps between two rows; others have other causes.
+/// Half a step is what such speeds stay behind in the mean, less where the train passes several steps between two rows;
+/// others have other causes.
 const OF_STEP: core::ops::Range<f64> = 0.25..0.75;
 
 /// By how much the speeds of these runs stay behind, km/h; none where they are rounded, or too little shows it.
@@ -90,7 +93,8 @@ fn of_run(rows: &[Sample]) -> Option<Figure> {
     (variance > 0.0).then_some(Figure { value: coefficients[0], sd: noise_m * variance.sqrt() })
 }
 
-/// Coefficients, the standard deviation of a window, m, and the variance of the first coefficient in units of its square.
+/// Coefficients, the standard deviation of a window, m, and the variance of the first coefficient in units of its
+/// square.
 fn fitted(windows: &[WayDifference]) -> Option<(SVector<f64, 4>, f64, f64)> {
     let (coefficients, inverse) = least_squares(windows).filter(|_| windows.len() >= LEAST_WINDOWS)?;
     let noise_m = spread(windows.iter().map(|(x, y)| y - coefficients.dot(x)));
@@ -138,7 +142,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Speeds of a train that powers, coasts and brakes, as `shown` has them, beside locations with a noise of half a metre.
+    /// Speeds of a train that powers, coasts and brakes, as `shown` has them, beside locations with a noise of half a
+    /// metre.
     fn run(seed: u64, late_s: usize, mut shown: impl FnMut(f64) -> f64) -> Vec<Sample> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (mut kmh, mut location_m, mut speeds, mut rows) = (30.0 + seed as f64, 0.0, Vec::new(), Vec::new());

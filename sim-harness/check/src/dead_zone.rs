@@ -1,31 +1,37 @@
-//! A speed that reads zero below a threshold: tachometers and satellite receivers do. A radar may read one small speed there.
+//! A speed that reads zero below a threshold: tachometers and satellite receivers do. A radar may read one small speed
+//! there.
 //!
-//! In: rows of the runs of one recorder, as read. Out: the threshold with its interval, where the readings say that there is one.
+//! In: rows of the runs of one recorder, as read. Out: the threshold with its interval, where the readings say that
+//! there is one.
 //!
 //! ```text
 //! P = Π (1 - (T - F)/(a Δt))    chance that no row falls between F, 0 or the small speed, and T at any start or stop, with the rate of speed a just above T
 //! ```
 //!
-//! Every start and stop passes all speeds between within (T - F)/a. Where the rows are near enough in time that some should have been read there, and none was, the
-//! readings of zero beside are no standstill.
+//! Every start and stop passes all speeds between within (T - F)/a. Where the rows are near enough in time that some
+//! should have been read there, and none was, the readings of zero beside are no standstill.
 
 use crate::agreement::{Figure, HALF_95};
 use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 
-/// A threshold below is that of every recorder, km/h, or a matter of its step: of steps that a wheel has scaled the first looks like what a radar reads.
+/// A threshold below is that of every recorder, km/h, or a matter of its step: of steps that a wheel has scaled the
+/// first looks like what a radar reads.
 const LEAST_KMH: f64 = 1.5;
 const STEPS: f64 = 3.0;
 /// Logarithm of the chance that no row falls below the threshold at any start or stop.
 const SURE: f64 = -9.0;
-/// The same of all starts, and of all stops: trains that start at a whole second have no smaller reading than what they gain in one, but do not stop so.
+/// The same of all starts, and of all stops: trains that start at a whole second have no smaller reading than what they
+/// gain in one, but do not stop so.
 const SURE_OF_EACH: f64 = 0.5 * SURE;
-/// What a radar may read below its threshold, in place of 0, is no more than this, km/h; of the readings from 0 up to here, this share and so many.
+/// What a radar may read below its threshold, in place of 0, is no more than this, km/h; of the readings from 0 up to
+/// here, this share and so many.
 const MOST_FLOOR_KMH: f64 = 1.5;
 const OF_FLOOR: (f64, usize) = (0.9, 6);
-/// Recorders that write a speed only where it has changed by so much skip the small ones, too: of changes less than this share of the threshold there are at least so
-/// many, and both steps of this share of the passes are alike within that, or the rows are none of a clock.
+/// Recorders that write a speed only where it has changed by so much skip the small ones, too: of changes less than
+/// this share of the threshold there are at least so many, and both steps of this share of the passes are alike within
+/// that, or the rows are none of a clock.
 const SMALL_CHANGE: f64 = 0.5;
 const OF_SMALL: f64 = 0.2;
 const OF_EVEN: f64 = 0.7;
@@ -34,14 +40,16 @@ const EVEN: f64 = 0.3;
 const LEAST_PASSES: usize = 6;
 /// One in so many may be a wild reading.
 const WILD_SHARE: usize = 40;
-/// Rows that are nearer to a reading above zero than this many times the time that a slow start or stop needs are left out.
+/// Rows that are nearer to a reading above zero than this many times the time that a slow start or stop needs are left
+/// out.
 const MARGIN: f64 = 1.3;
 const SLOW_SHARE: f64 = 0.1;
 /// The smallest of n readings that are even over a range is within 3/n of its end, in 19 of 20 cases.
 const FEW_BELOW: f64 = 3.0;
 /// No train needs longer from the threshold to a stand, s.
 const LONGEST_S: f64 = 40.0;
-/// Between rows that are farther apart a train reaches its speed, and how fast it passed the smallest ones is not known, s.
+/// Between rows that are farther apart a train reaches its speed, and how fast it passed the smallest ones is not
+/// known, s.
 const LONGEST_STEP_S: f64 = 20.0;
 /// A train that is read as standing did not move farther, m, beyond what it needs.
 const STANDING_M: f64 = 30.0;
@@ -72,7 +80,8 @@ pub struct DeadZone {
     slow_mps2: f64,
 }
 
-/// The threshold of a recorder; none where its readings begin at the smallest speeds. `step_kmh`: step of the speeds, 0 without one.
+/// The threshold of a recorder; none where its readings begin at the smallest speeds. `step_kmh`: step of the speeds, 0
+/// without one.
 pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone, step_kmh: f64) -> Option<DeadZone> {
     let floor_mps = floor_mps(runs.clone());
     let mut passes: Vec<Pass> = runs.clone().flat_map(|rows| passes(rows, floor_mps)).collect();

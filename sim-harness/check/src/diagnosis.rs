@@ -42,7 +42,8 @@ pub struct RecorderCheck {
     pub skew_s: Option<Figure>,
     /// How much that differs from run to run, s.
     pub skew_spread_s: Option<f64>,
-    /// How surely it is known that its clock loses no seconds beside a wheel that hides them: of the height of such steps, standard deviation, s.
+    /// How surely it is known that its clock loses no seconds beside a wheel that hides them: of the height of such
+    /// steps, standard deviation, s.
     pub lost_second_sd_s: Option<f64>,
     /// What was put right in its speeds.
     pub correction: Correction,
@@ -74,7 +75,8 @@ impl RecorderCheck {
         with_evidence(finding, &self.evidence)
     }
 
-    /// True less read speed as the step decides it: half of it where the recorder truncates, 0 where it rounds; else as measured. In km/h.
+    /// True less read speed as the step decides it: half of it where the recorder truncates, 0 where it rounds; else as
+    /// measured. In km/h.
     pub fn decided_offset_kmh(&self) -> Option<f64> {
         match (self.has(Kind::RoundedSpeed), self.has(Kind::TruncatedSpeed)) {
             (true, _) => Some(0.0),
@@ -114,9 +116,11 @@ pub struct Check {
     pub recorders: Vec<RecorderCheck>,
     /// By run.
     pub runs: Vec<RunCheck>,
-    /// Runs among which perturbed ones cannot be recognised: too few others pass where they do, or they have no timetable in common.
+    /// Runs among which perturbed ones cannot be recognised: too few others pass where they do, or they have no
+    /// timetable in common.
     pub not_compared: usize,
-    /// Locations of the runs that are used lie off the described track. None where they do not, or where no track was given.
+    /// Locations of the runs that are used lie off the described track. None where they do not, or where no track was
+    /// given.
     pub off_track: Option<OffTrack>,
     /// The described gradients look wrong. None where they do not, or where train and track were not given.
     pub gradients: Option<gradients::Doubt>,

@@ -1,4 +1,5 @@
-//! Odometers that are set right on the way, as by balises: between two corrections the location drifts, and leaps back at each.
+//! Odometers that are set right on the way, as by balises: between two corrections the location drifts, and leaps back
+//! at each.
 //!
 //! In: runs of one recorder. Out: by how much of the way their locations drift; these are put right.
 //!
@@ -6,9 +7,10 @@
 //! leap at k = change of (x - ∫ v dt) at once        leap = - drift × way since the last leap
 //! ```
 //!
-//! The corrections bring the location back, so what drifts between them is spread over the way since the last one. A speed of the same wheel drifts with the
-//! location, and one of another sensor does not; either shows its true scale only beside locations that were brought back. Leaps of a clock that loses seconds go
-//! with the speed, and slips of a wheel with neither.
+//! The corrections bring the location back, so what drifts between them is spread over the way since the last one. A
+//! speed of the same wheel drifts with the location, and one of another sensor does not; either shows its true scale
+//! only beside locations that were brought back. Leaps of a clock that loses seconds go with the speed, and slips of a
+//! wheel with neither.
 
 use crate::places;
 use crate::row_step::next_row_s;
@@ -29,8 +31,8 @@ const MOST_LEAP_M: f64 = 100.0;
 const AT_ONCE: f64 = 0.6;
 /// So many leaps of a recorder show that they go with the way ...
 const LEAST_LEAPS: usize = 8;
-/// ... where what is left of their squares is less than this share, than half of what is left of seconds that the clock loses, and not much more than of leaps that
-/// go with the speed otherwise.
+/// ... where what is left of their squares is less than this share, than half of what is left of seconds that the clock
+/// loses, and not much more than of leaps that go with the speed otherwise.
 const MOST_LEFT: f64 = 0.3;
 const LESS_THAN_BY_SECONDS: f64 = 0.5;
 const THAN_BY_SPEED: f64 = 2.0;

@@ -1,9 +1,10 @@
 //! An effort column that has nothing to do with the train: noise, zeros, another train's, the sign turned.
 //!
-//! In: rows of all runs of a unit, put right. Out: how the measured effort goes with the acceleration, where it does not.
+//! In: rows of all runs of a unit, put right. Out: how the measured effort goes with the acceleration, where it does
+//! not.
 //!
-//! Resistance and gradients stand between the two, so they never agree in full; over starts and stops they agree by far the most. The measured mode learns from the
-//! column whatever it holds, so one that does not follow the train is said.
+//! Resistance and gradients stand between the two, so they never agree in full; over starts and stops they agree by far
+//! the most. The measured mode learns from the column whatever it holds, so one that does not follow the train is said.
 
 use crate::agreement::{Figure, HALF_95};
 use nalgebra::{SMatrix, SVector};
@@ -18,7 +19,8 @@ const LEAST_CHANGE: f64 = 0.03;
 /// A correlation that may be above this is one. Judgement: right columns have 0.7 and more.
 const LEAST_CORRELATION: f64 = 0.3;
 
-/// A train that slows down faster brakes, m/s²; and an effort that has this share of that, and the other sign, is none of a brake.
+/// A train that slows down faster brakes, m/s²; and an effort that has this share of that, and the other sign, is none
+/// of a brake.
 const BRAKES_MPS2: f64 = 0.25;
 const FOLLOWS: f64 = 0.4;
 /// So many windows of braking decide.
@@ -74,8 +76,8 @@ pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apar
     (is_apart || is_unsigned).then_some(Apart { correlation, windows: pairs.len(), evidence })
 }
 
-/// Of one run: the windows of a braking train in which the effort is far above zero, and all windows of one; none of too
-/// few, or where the sign of all efforts is turned.
+/// Of one run: the windows of a braking train in which the effort is far above zero, and all windows of one; none of
+/// too few, or where the sign of all efforts is turned.
 pub(crate) fn brakes(rows: &[Sample]) -> Option<[usize; 2]> {
     let windows: Vec<(f64, f64)> = stretches(rows, BRAKE_WINDOW_S).into_iter().filter_map(window).collect();
     let [against, all] = braking(&windows);

@@ -8,9 +8,10 @@
 //! Δv/Δt = k (E(t1 + a) - E(t0 + a))/Δt - r0 - r1 v - r2 v² + noise
 //! ```
 //!
-//! Gain and resistance are fitted for each age; the one with the least squares is the age of the run. A row may hold the mean since the row before or the effort at the
-//! moment: both readings are tried, and what they do not decide is doubt. Gradients count where the track is described. Where a driver holds the
-//! speed the effort follows them, seconds late, which would look like an age; so windows around which the effort changes little do not count.
+//! Gain and resistance are fitted for each age; the one with the least squares is the age of the run. A row may hold
+//! the mean since the row before or the effort at the moment: both readings are tried, and what they do not decide is
+//! doubt. Gradients count where the track is described. Where a driver holds the speed the effort follows them, seconds
+//! late, which would look like an age; so windows around which the effort changes little do not count.
 
 use crate::agreement::Figure;
 use nalgebra::{Matrix4, Vector4};
@@ -24,7 +25,8 @@ const WINDOW_S: f64 = 4.0;
 const MOST_S: f64 = 12.0;
 /// Fewer windows of a moving train say nothing.
 const LEAST_WINDOWS: usize = 60;
-/// Efforts that change by less within the ages that are tried may follow a gradient, N/kg. Holding the speed over 10 permille takes as much.
+/// Efforts that change by less within the ages that are tried may follow a gradient, N/kg. Holding the speed over 10
+/// permille takes as much.
 const LEAST_CHANGE_N_PER_KG: f64 = 0.1;
 /// Slower trains may stand within the window, m/s.
 const SLOWEST_MPS: f64 = 1.0;
@@ -256,8 +258,8 @@ pub(crate) fn pooled(ages: impl Iterator<Item = Figure> + Clone) -> (Figure, f64
     (Figure { value, sd: all.sqrt().recip() }, spread_s)
 }
 
-/// Brings the efforts of a run to the age of its speeds, as means since the row before. As such they are read, too, whatever they were: of one at the moment the age comes out
-/// half a row less, and its mean is right.
+/// Brings the efforts of a run to the age of its speeds, as means since the row before. As such they are read, too,
+/// whatever they were: of one at the moment the age comes out half a row less, and its mean is right.
 pub(crate) fn move_efforts(rows: &mut [Sample], step_s: f64, line: Option<Line<'_>>, usual: &Usual) {
     let alone = of_run(Asked { rows, step_s, line }, Reading::Mean);
     let age_s = alone.map_or(usual.as_means_s, |own| own.age_s.drawn(usual.as_means_s, usual.spread_s));

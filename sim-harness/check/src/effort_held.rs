@@ -7,9 +7,10 @@
 //! a    .1  .2  .4  .3  .2  .1  .0  .0  .1  .0        by as much as the effort jumps then
 //! ```
 //!
-//! A lever that stays where it is repeats efforts as well, but the train goes with them. A gradient changes a - e, but the effort does not jump by as much where it ends.
-//! Zeros are none of these: every coast repeats them. Where a column hardly ever repeats an effort, because it has noise and digits, those that do for so long in
-//! a few runs are old ones, too, unless the train is seen to go with them.
+//! A lever that stays where it is repeats efforts as well, but the train goes with them. A gradient changes a - e, but
+//! the effort does not jump by as much where it ends. Zeros are none of these: every coast repeats them. Where a column
+//! hardly ever repeats an effort, because it has noise and digits, those that do for so long in a few runs are old
+//! ones, too, unless the train is seen to go with them.
 
 use crate::effort::window;
 use rundown_files::sample::Sample;
@@ -66,8 +67,8 @@ enum Says {
 /// Rows that repeat an effort.
 type Repeat = (Says, Range<usize>);
 
-/// Of the runs of a unit. Where some stretches are shown to be old, all are taken to be whose effort is that of no other stretch: the train may have answered to
-/// others in them by less than can be seen.
+/// Of the runs of a unit. Where some stretches are shown to be old, all are taken to be whose effort is that of no
+/// other stretch: the train may have answered to others in them by less than can be seen.
 pub(crate) fn of(runs: &[&[Sample]]) -> Option<HeldEfforts> {
     let asked = |rows: &[Sample]| -> Vec<Repeat> {
         repeats(rows).into_iter().map(|rows_of| (says(rows, &rows_of), rows_of)).collect()
@@ -179,7 +180,8 @@ fn says(rows: &[Sample], range: &Range<usize>) -> Says {
     }
 }
 
-/// Acceleration less effort, and the effort, of the rows since then; none where these are too few, lack something, or the train is slow.
+/// Acceleration less effort, and the effort, of the rows since then; none where these are too few, lack something, or
+/// the train is slow.
 fn answered(rows: &[Sample], since_s: f64) -> Option<(f64, f64)> {
     let begin = rows.iter().rposition(|row| row.time_s < since_s).map_or(0, |i| i + 1);
     let rows = rows.get(begin..).filter(|rows| rows.len() > 1)?;
@@ -195,7 +197,8 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// A train that powers, coasts and powers again on slopes. `reads` makes the column of the efforts, second by second.
+    /// A train that powers, coasts and powers again on slopes. `reads` makes the column of the efforts, second by
+    /// second.
     fn run(seed: u64, noise: f64, reads: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Sample> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let lever = rng.random_range(0.25..0.45);

@@ -1,4 +1,5 @@
-//! Efforts that are written again only once they have changed enough, as event recorders do, and stand still until then.
+//! Efforts that are written again only once they have changed enough, as event recorders do, and stand still until
+//! then.
 //!
 //! In: rows of a run. Out: the same with efforts that go from one change to the next.
 //!
@@ -7,12 +8,12 @@
 //! e   .40  .393 .387 .38  .373 .367 .36  .36  .36   0    put right
 //! ```
 //!
-//! While the train gains speed its effort falls, so what is written is too large by half of a change, in the mean: 0.01 N/kg of 0.02 are a third of the
-//! resistance, and the measured mode would learn them. Before a change of more than [`MOST_CHANGES`] the driver did something, and until then the effort stood
-//! within a change of what is written.
+//! While the train gains speed its effort falls, so what is written is too large by half of a change, in the mean: 0.01
+//! N/kg of 0.02 are a third of the resistance, and the measured mode would learn them. Before a change of more than
+//! [`MOST_CHANGES`] the driver did something, and until then the effort stood within a change of what is written.
 //!
-//! Rounded efforts change by one step, a lever by all sizes, and efforts that arrive every few rows stand still for as long each time: of these nothing is put
-//! right.
+//! Rounded efforts change by one step, a lever by all sizes, and efforts that arrive every few rows stand still for as
+//! long each time: of these nothing is put right.
 
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::{next_row_s, usual_step_s};
@@ -20,17 +21,19 @@ use crate::stairs::{Stairs, level};
 use rundown_files::sample::Sample;
 use std::ops::Range;
 
-/// Of the changes between repeats such a share is near the usual one. Of efforts that are written once they have changed enough 0.53 and more are.
+/// Of the changes between repeats such a share is near the usual one. Of efforts that are written once they have
+/// changed enough 0.53 and more are.
 const ALIKE: f64 = 0.45;
 const NEAR: Range<f64> = 0.7..1.5;
 /// Usual changes that are larger are a driver's, N/kg.
 const MOST_N_PER_KG: f64 = 0.05;
-/// Efforts with larger ones are left out, N/kg: put right, changes of 0.03 still made r(100 km/h) 5 to 9 % too large in five of ten sets.
+/// Efforts with larger ones are left out, N/kg: put right, changes of 0.03 still made r(100 km/h) 5 to 9 % too large in
+/// five of ten sets.
 const COARSE_N_PER_KG: f64 = 0.025;
 /// A change of more usual ones came at once.
 const MOST_CHANGES: f64 = 2.0;
-/// An effort that was constant and then begins to fall stood still for long before its first change, which took no longer than the one beside it but for this
-/// factor.
+/// An effort that was constant and then begins to fall stood still for long before its first change, which took no
+/// longer than the one beside it but for this factor.
 const SLOWER: f64 = 1.5;
 
 /// Puts efforts between two changes where they were.

@@ -1,12 +1,15 @@
-//! A run whose effort column is unlike that of the other runs: it stands still, reads half, is cut off, or is another train's.
+//! A run whose effort column is unlike that of the other runs: it stands still, reads half, is cut off, or is another
+//! train's.
 //!
-//! In: rows of all runs of a unit, put right. Out: the acceleration that a run has for its effort, beside that of the usual run.
+//! In: rows of all runs of a unit, put right. Out: the acceleration that a run has for its effort, beside that of the
+//! usual run.
 //!
 //! ```text
 //! Δv/Δt = k e - r0 - r2 v² + noise
 //! ```
 //!
-//! `k` is 1 of a column in N/kg of the moving mass, and the same in all runs of a unit but for its load. Gradients are noise here.
+//! `k` is 1 of a column in N/kg of the moving mass, and the same in all runs of a unit but for its load. Gradients are
+//! noise here.
 
 use crate::agreement::Figure;
 use crate::effort::{least_squares, stretches, window};
@@ -16,7 +19,8 @@ use rundown_files::statistics::{median_of, spread};
 
 /// Windows are at least so long, s: the effort of a second earlier or later does not matter.
 const WINDOW_S: f64 = 10.0;
-/// So many windows, and accelerations that differ by so much, m/s² (standard deviation), show how a train answers to its effort.
+/// So many windows, and accelerations that differ by so much, m/s² (standard deviation), show how a train answers to
+/// its effort.
 const LEAST_WINDOWS: usize = 20;
 const LEAST_CHANGE_MPS2: f64 = 0.08;
 /// The usual run is known from so many.
@@ -25,7 +29,8 @@ const LEAST_RUNS: usize = 6;
 const LEAST_OFF: f64 = 0.25;
 /// So many standard deviations, its own and those between runs.
 const SURE: f64 = 5.0;
-/// Neighbours have gradients in common: so much wider is the scatter of a fit than that of rows that know nothing of each other.
+/// Neighbours have gradients in common: so much wider is the scatter of a fit than that of rows that know nothing of
+/// each other.
 const WIDER: f64 = 1.5;
 
 /// What explains the answer of the train in a window, and that, m/s².
@@ -39,7 +44,8 @@ fn answered(rows: &[Sample]) -> Option<Answered> {
     (first.min(last) > 0.0).then(|| (Vector3::new(effort, 1.0, mean * mean), acceleration_mps2))
 }
 
-/// The acceleration that a run has for its effort: 0 where the column stands still. None where too little of it powers and brakes.
+/// The acceleration that a run has for its effort: 0 where the column stands still. None where too little of it powers
+/// and brakes.
 pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
     let windows: Vec<Answered> = stretches(rows, WINDOW_S).into_iter().filter_map(answered).collect();
     let n = windows.len() as f64;
@@ -59,7 +65,8 @@ pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
     Some(Figure { value: beta[0], sd: WIDER * (variance * inverse[(0, 0)]).sqrt() })
 }
 
-/// Of these runs the ones that are unlike the usual one, by their places: what they have for their effort, over what the usual run has.
+/// Of these runs the ones that are unlike the usual one, by their places: what they have for their effort, over what
+/// the usual run has.
 pub(crate) fn unlike(runs: &[Option<Figure>]) -> Vec<(usize, Figure)> {
     let values: Vec<f64> = runs.iter().flatten().map(|one| one.value).collect();
     if values.len() < LEAST_RUNS {

@@ -1,9 +1,12 @@
-//! What an effort column has for no effort: a zero that is off, and zeros that are no effort of 0 but none that is known.
+//! What an effort column has for no effort: a zero that is off, and zeros that are no effort of 0 but none that is
+//! known.
 //!
-//! In: rows of all runs of a unit, put right. Out: the reading of trains that stand; and how many trains hold their speed or brake with an effort of 0.
+//! In: rows of all runs of a unit, put right. Out: the reading of trains that stand; and how many trains hold their
+//! speed or brake with an effort of 0.
 //!
-//! A constant on the effort goes into the resistance one to one, and at standstill it is seen alone. A column that has traction only, or drops what is small, has zeros
-//! where a coast has them: as measurements of a coast they would teach the deceleration of the brake, or no resistance at all.
+//! A constant on the effort goes into the resistance one to one, and at standstill it is seen alone. A column that has
+//! traction only, or drops what is small, has zeros where a coast has them: as measurements of a coast they would teach
+//! the deceleration of the brake, or no resistance at all.
 
 use crate::Known;
 use crate::agreement::Figure;
@@ -23,9 +26,11 @@ const LARGEST_ZERO_N_PER_KG: f64 = 0.02;
 const STRETCH_S: f64 = 20.0;
 /// A train that slows down faster than this brakes, m/s²: on any gradient of a railway a coast is slower.
 const BRAKES_MPS2: f64 = 0.45;
-/// A slope that overcomes this share of the described resistance may hold a coasting train, whose own is another one; on a steeper one it gains speed.
+/// A slope that overcomes this share of the described resistance may hold a coasting train, whose own is another one;
+/// on a steeper one it gains speed.
 const DRIVEN: std::ops::Range<f64> = 0.5..2.0;
-/// A train at this speed, m/s, that changes it by less than this over a stretch, m/s, holds it, on gradients that repeat in both directions or not.
+/// A train at this speed, m/s, that changes it by less than this over a stretch, m/s, holds it, on gradients that
+/// repeat in both directions or not.
 const HOLDS_FROM_MPS: f64 = 12.0;
 const HOLDS_WITHIN_MPS: f64 = 0.15;
 /// So many such stretches, and this share of them with zeros, tell.
@@ -33,7 +38,8 @@ const LEAST_STRETCHES: usize = 20;
 const LEAST_SHARE: f64 = 0.7;
 /// Held speeds are this share of the stretches with zeros: fewer are coasts on slopes that just keep the speed.
 const LEAST_OF_ZEROS: f64 = 0.4;
-/// A zero is none of a coast from where the train slows down faster than this, m/s², until it powers again, and for so long before, s.
+/// A zero is none of a coast from where the train slows down faster than this, m/s², until it powers again, and for so
+/// long before, s.
 const SLOWS_MPS2: f64 = 0.15;
 const BEFORE_S: f64 = 10.0;
 
@@ -120,7 +126,8 @@ pub(crate) fn leave_out_brakes(rows: &mut [Sample]) -> usize {
     count
 }
 
-/// The described slopes drive a train that holds its speed by about its described resistance, so that it may coast there.
+/// The described slopes drive a train that holds its speed by about its described resistance, so that it may coast
+/// there.
 fn holds_coasting(line: &Line<'_>, rows: &[Sample]) -> bool {
     let down = rows.iter().filter_map(|row| Some(-line.gradient_n_per_kg(row.location_m?)));
     let resistances = rows.iter().filter_map(|row| Some(line.train.davis().resistance_n_per_kg(row.speed_mps?)));

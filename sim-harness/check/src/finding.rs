@@ -146,7 +146,8 @@ impl Done {
 }
 
 impl Finding {
-    /// It is a defect of the log. That speeds are rounded to the nearest step is none: every display does, and their mean is right. Nor is that a receiver gives no speeds.
+    /// It is a defect of the log. That speeds are rounded to the nearest step is none: every display does, and their
+    /// mean is right. Nor is that a receiver gives no speeds.
     pub fn is_defect(&self) -> bool {
         !matches!(self.kind, Kind::RoundedSpeed | Kind::ComputedSpeed)
     }

@@ -6,8 +6,8 @@
 //! v  ... 62.1  63.9  63.9  63.9  69.2  71.0 ...        repeats between steps of 1.8, then the steps that were missed
 //! ```
 //!
-//! A rounded speed repeats, too, where it changes by less than its step from row to row. So only those rows are asked where it changes by more, before and
-//! after, and only such repeats count after which the speed catches up.
+//! A rounded speed repeats, too, where it changes by less than its step from row to row. So only those rows are asked
+//! where it changes by more, before and after, and only such repeats count after which the speed catches up.
 
 use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
@@ -22,7 +22,8 @@ const MOST_REPEATS: usize = 8;
 const CAUGHT_UP: f64 = 0.45;
 /// The change before and that after are those of one train: neither is more than so many times the other.
 const ALIKE: f64 = 3.0;
-/// A train that brakes on and off has a repeat now and then: held are at least so many rows, and such a share of those asked.
+/// A train that brakes on and off has a repeat now and then: held are at least so many rows, and such a share of those
+/// asked.
 const LEAST_HELD: usize = 3;
 const LEAST_SHARE: f64 = 0.01;
 

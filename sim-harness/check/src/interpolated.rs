@@ -6,8 +6,8 @@
 //! k_i = |x_(i+1) - 2 x_i + x_(i-1)|     of locations at even times: 0 between two readings, but for the digits that are written
 //! ```
 //!
-//! Where nearly all that is left of k lies at every n-th row, the rows between are no readings: they double nothing but the confidence, and make steps of the
-//! acceleration where the train has none.
+//! Where nearly all that is left of k lies at every n-th row, the rows between are no readings: they double nothing but
+//! the confidence, and make steps of the acceleration where the train has none.
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
@@ -99,7 +99,8 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// Every second a train that powers, holds its speed, coasts and brakes, as a recorder with so much noise writes it.
+    /// Every second a train that powers, holds its speed, coasts and brakes, as a recorder with so much noise writes
+    /// it.
     fn log(seed: u64, noise_m: f64) -> Vec<Sample> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let (mut at_m, mut mps) = (0.0, 0.0_f64);
@@ -158,7 +159,8 @@ mod tests {
         }
     }
 
-    /// A receiver that is asked more often than it knows repeats its location, and odometers count whole metres: no row is between two readings.
+    /// A receiver that is asked more often than it knows repeats its location, and odometers count whole metres: no row
+    /// is between two readings.
     #[test]
     fn locations_that_are_repeated_or_whole_metres_are_readings() {
         for seed in 0..20 {

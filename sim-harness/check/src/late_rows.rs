@@ -1,10 +1,11 @@
 //! A speed that is late by whole rows, compared with the locations that it belongs to.
 //!
-//! In: rows, and what they say as they are. Out: the same with the speeds moved by the rows that they are late, and by how much; as they are where that
-//! fits no better.
+//! In: rows, and what they say as they are. Out: the same with the speeds moved by the rows that they are late, and by
+//! how much; as they are where that fits no better.
 //!
-//! The ways between the rows are bent as the speeds of the wrong rows say, which no skew to first order makes up for: with truncated speeds 10 s late in rows of
-//! 10 s twice as many runs were needed to see the truncation, and trams in rows of 1 s whose speed was 3 s late got an offset of 0.9 km/h.
+//! The ways between the rows are bent as the speeds of the wrong rows say, which no skew to first order makes up for:
+//! with truncated speeds 10 s late in rows of 10 s twice as many runs were needed to see the truncation, and trams in
+//! rows of 1 s whose speed was 3 s late got an offset of 0.9 km/h.
 
 use crate::compared::{Compared, Differences, Row};
 
@@ -13,7 +14,8 @@ const SURE: f64 = 6.0;
 /// Two rows follow each other where the time between them is off by less than this share of the usual one.
 const REGULAR: f64 = 0.25;
 
-/// By how much the speeds were moved, s, and what they say then. None: as they are they belong to other rows, and moved they are bent all the way.
+/// By how much the speeds were moved, s, and what they say then. None: as they are they belong to other rows, and moved
+/// they are bent all the way.
 pub(crate) fn moved(parts: &[Vec<Row>], step_s: f64, compared: Compared) -> Option<(Compared, f64)> {
     let skew = compared.skew_s();
     let late = (skew.value / step_s).round();

@@ -40,7 +40,8 @@
 //! | do the described gradients explain how trains coast? | [`gradients`] |
 //! | was the run held up by something outside the train? | [`perturbed`] |
 //!
-//! Offset and scale are one fit, and never decided by a run that cannot tell them apart. A step is called truncated or rounded only where the offset says so.
+//! Offset and scale are one fit, and never decided by a run that cannot tell them apart. A step is called truncated or
+//! rounded only where the offset says so.
 //!
 //! ```
 //! use rundown_check::{check, finding::Kind};
@@ -118,7 +119,8 @@ pub use correction::Correction;
 pub use diagnosis::{Check, RecorderCheck};
 pub use run::{RunCheck, parts};
 
-/// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off by.
+/// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off
+/// by.
 const LEAST_SCALE: f64 = 0.003;
 /// So many standard deviations are beyond doubt where something is put right.
 const SURE: f64 = 4.0;
@@ -140,7 +142,8 @@ pub struct Known {
     pub limits: limits::Described,
     /// The track, for its gradients.
     pub track: Option<Track>,
-    /// Locations are moved to the age of the speed, and efforts that are not the train's are left out. Not for a model that asks for lag and efforts itself.
+    /// Locations are moved to the age of the speed, and efforts that are not the train's are left out. Not for a model
+    /// that asks for lag and efforts itself.
     pub moves_locations: bool,
 }
 

@@ -1,9 +1,11 @@
-//! Trains that exceed what is described of them: faster than the line allows, more effort than the train has, harder brakes.
+//! Trains that exceed what is described of them: faster than the line allows, more effort than the train has, harder
+//! brakes.
 //!
-//! In: rows of all runs of a unit, put right, and the descriptions. Out: what is exceeded, in how many rows, by how much.
+//! In: rows of all runs of a unit, put right, and the descriptions. Out: what is exceeded, in how many rows, by how
+//! much.
 //!
-//! Either the description or the reading is wrong: a limit that nobody keeps, a train of another type, an effort in another unit. A replay learns on, and its
-//! limits rest on what is described; so it is said, once a unit.
+//! Either the description or the reading is wrong: a limit that nobody keeps, a train of another type, an effort in
+//! another unit. A replay learns on, and its limits rest on what is described; so it is said, once a unit.
 
 use crate::agreement::Figure;
 use crate::finding::Kind;

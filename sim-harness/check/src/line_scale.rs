@@ -1,13 +1,16 @@
-//! An odometer that counts with another wheel than the line is measured by: its locations grow too fast or too slowly beside the described stops.
+//! An odometer that counts with another wheel than the line is measured by: its locations grow too fast or too slowly
+//! beside the described stops.
 //!
-//! In: runs whose readings are clean, and the described stops. Out: by which factor the locations of a recorder are off; they are put right.
+//! In: runs whose readings are clean, and the described stops. Out: by which factor the locations of a recorder are
+//! off; they are put right.
 //!
 //! ```text
 //! read location of a stop = offset of the run + scale × described location + platforms
 //! ```
 //!
-//! Where the odometer gives the speed, too, both agree, and nothing else shows the wheel. Once the locations are right, the speed is off beside them by as much, and
-//! what the stops leave open of the locations is open of the speed. All runs of a recorder have one scale, and each an offset, for odometers begin anywhere.
+//! Where the odometer gives the speed, too, both agree, and nothing else shows the wheel. Once the locations are right,
+//! the speed is off beside them by as much, and what the stops leave open of the locations is open of the speed. All
+//! runs of a recorder have one scale, and each an offset, for odometers begin anywhere.
 
 use crate::agreement::Figure;
 use crate::profile::Profile;
@@ -25,9 +28,11 @@ pub const LEAST_STOPS: usize = 4;
 const LEAST_SHARE: f64 = 0.8;
 /// So many stops from either end of a run are tried as described ones.
 const ENDS: usize = 3;
-/// How far a platform is from where it is described, in all runs alike, standard deviation, m: what is believed before the stops are seen.
+/// How far a platform is from where it is described, in all runs alike, standard deviation, m: what is believed before
+/// the stops are seen.
 const PLATFORM_SD_M: f64 = 50.0;
-/// So many platforms that belief is worth beside those that a line goes through. Those of a tram are known to metres, of a freight line to none.
+/// So many platforms that belief is worth beside those that a line goes through. Those of a tram are known to metres,
+/// of a freight line to none.
 const BELIEVED_PLATFORMS: f64 = 5.0;
 
 /// Stops of a run at the described ones: the straight line through them.
@@ -86,7 +91,8 @@ pub(crate) fn of_run(recording: &Recording, described_m: &[f64]) -> Option<RunSt
 }
 
 impl RunStops {
-    /// By which factor the locations are those of another unit: all of the stops are described ones so, and not as they are. And how many.
+    /// By which factor the locations are those of another unit: all of the stops are described ones so, and not as they
+    /// are. And how many.
     pub(crate) fn other_unit(&self, described_m: &[f64]) -> Option<(f64, usize)> {
         if self.line.is_some() {
             return None;
@@ -158,7 +164,8 @@ fn most_agree(calls_m: &[f64], described_m: &[f64], usual: f64) -> Option<StopsL
     (best.stops >= LEAST_STOPS && best.stops as f64 >= LEAST_SHARE * calls_m.len() as f64).then_some(best)
 }
 
-/// Least squares through the stops that are near described ones with this scale and offset. None where they are at one place.
+/// Least squares through the stops that are near described ones with this scale and offset. None where they are at one
+/// place.
 ///
 /// ```
 /// use rundown_check::line_scale::through;

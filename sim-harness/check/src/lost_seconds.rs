@@ -1,11 +1,13 @@
-//! A clock that loses a second at even intervals: from then on the locations are one second further than the distance by speed.
+//! A clock that loses a second at even intervals: from then on the locations are one second further than the distance
+//! by speed.
 //!
 //! ```text
 //! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + (o/s) Δt + τ Δv_r + n v · 1 s + noise       n: lost seconds between the two rows
 //! ```
 //!
-//! A wheel, truncation and an old speed are in the model beside it, so that a ramp is no staircase. The steps lie at `phase + k period` of the recorder's clock: the
-//! period is one of the recorder, the phase one of each run. Single steps may drown in the noise of the location; some dozens at even intervals do not.
+//! A wheel, truncation and an old speed are in the model beside it, so that a ramp is no staircase. The steps lie at
+//! `phase + k period` of the recorder's clock: the period is one of the recorder, the phase one of each run. Single
+//! steps may drown in the noise of the location; some dozens at even intervals do not.
 
 use crate::agreement::Figure;
 use crate::compared::{Compared, Differences, PAIR_S};
@@ -18,8 +20,8 @@ use rundown_files::statistics::spread;
 
 /// Periods that are looked for, s. A longer one does less than a wheel that matters.
 const PERIODS_S: [f64; 2] = [40.0, 800.0];
-/// Where the location is usually off by a smaller share of the distance, no clock is slow, unless a wheel hides it: then single steps stand out on one side, by so many
-/// standard deviations.
+/// Where the location is usually off by a smaller share of the distance, no clock is slow, unless a wheel hides it:
+/// then single steps stand out on one side, by so many standard deviations.
 const LEAST_EXCESS: f64 = 0.0008;
 const STANDS_OUT: f64 = 3.0;
 /// The same, share of the usual way in a second, is too much for that.
@@ -31,7 +33,8 @@ const ASKED: usize = 3;
 const CONFIRM: usize = 3;
 /// Phases that are tried for a period, at first.
 const PHASES: usize = 24;
-/// Nats by which the staircases of all asked runs must beat the model without them, beyond the choice of period and phases.
+/// Nats by which the staircases of all asked runs must beat the model without them, beyond the choice of period and
+/// phases.
 const LEAST_GAIN: f64 = 12.0;
 /// The steps must be a second high, within this, s, and so many standard deviations from none.
 const NEAR_SECOND_S: f64 = 0.25;
@@ -67,8 +70,9 @@ impl Compared {
         (0..dt.len()).map(step_m).collect()
     }
 
-    /// What the data say of the height of the steps, s, and the nats by which steps of that height beat none; the noise as without them. Beside a good odometer each step
-    /// is an outlier, and drawn in: the height is right where the second is taken off already.
+    /// What the data say of the height of the steps, s, and the nats by which steps of that height beat none; the noise
+    /// as without them. Beside a good odometer each step is an outlier, and drawn in: the height is right where the
+    /// second is taken off already.
     fn height_s(&self, comb: Comb) -> (Figure, f64) {
         self.beside(&self.steps_m(comb)).unwrap_or((Figure { value: 0.0, sd: f64::INFINITY }, 0.0))
     }
@@ -126,7 +130,8 @@ impl Compared {
 pub(crate) struct Sought {
     /// Times were moved.
     pub(crate) moved: bool,
-    /// How surely the height of steps at the usual intervals is known beside a wheel, standard deviation, s; none where nothing is compared.
+    /// How surely the height of steps at the usual intervals is known beside a wheel, standard deviation, s; none where
+    /// nothing is compared.
     pub(crate) step_sd_s: Option<f64>,
 }
 
@@ -172,8 +177,8 @@ fn step_sd_s(asked: &[Compared]) -> Option<f64> {
     (information > 0.0).then(|| information.sqrt().recip())
 }
 
-/// More locations are ahead than behind by what noise does at times, beyond chance: so a wheel and lost seconds look that hide each other in the mean. Where noise hides
-/// single steps, only their even intervals show them.
+/// More locations are ahead than behind by what noise does at times, beyond chance: so a wheel and lost seconds look
+/// that hide each other in the mean. Where noise hides single steps, only their even intervals show them.
 fn steps_stand_out(asked: &[Compared]) -> bool {
     let [mut ahead, mut behind] = [0.0, 0.0];
     let mut is_noisy = false;
@@ -200,8 +205,8 @@ fn excess(runs: &[Differences]) -> f64 {
     sum(|differences| &differences.y) / sum(|differences| &differences.by_speed).max(1.0)
 }
 
-/// The period that these runs like best; none where no staircase is better than none. How much the locations run ahead does not bound it: a wheel that reads high takes
-/// from that what the lost seconds add.
+/// The period that these runs like best; none where no staircase is better than none. How much the locations run ahead
+/// does not bound it: a wheel that reads high takes from that what the lost seconds add.
 fn likely_period_s(asked: &[Compared]) -> Option<f64> {
     let [shortest_s, longest_s] = PERIODS_S;
     let duration_s = asked.iter().map(Compared::duration_s).fold(longest_s, f64::max);
@@ -217,7 +222,8 @@ fn likely_period_s(asked: &[Compared]) -> Option<f64> {
     if gain < LEAST_GAIN {
         return None;
     }
-    // Every second or third step of a staircase is one, too, and half a step in between is better than none; from every second one it is found in another round.
+    // Every second or third step of a staircase is one, too, and half a step in between is better than none; from every
+    // second one it is found in another round.
     let refined = |from_s: f64| {
         let parts = [1.0 / 3.0, 0.5, 2.0 / 3.0, 1.0, 2.0, 3.0].map(|part| from_s / part);
         let within = parts.into_iter().filter(|part_s| (shortest_s..=longest_s).contains(part_s));
@@ -245,7 +251,8 @@ fn is_confirmed(asked: &[Compared], period_s: f64) -> bool {
     gain > LEAST_GAIN && (height_s.value - 1.0).abs() < NEAR_SECOND_S && height_s.away_from(0.0) > SURE
 }
 
-/// How far apart periods are tried, s: at the ends of a run of this duration the staircase is off by an eighth of its period at most.
+/// How far apart periods are tried, s: at the ends of a run of this duration the staircase is off by an eighth of its
+/// period at most.
 fn spacing_s(period_s: f64, duration_s: f64) -> f64 {
     period_s * period_s / (2.0 * duration_s)
 }

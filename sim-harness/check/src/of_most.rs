@@ -1,6 +1,7 @@
 //! The scale of the speed of most runs of a recorder.
 //!
-//! In: what each run says of scale and offset. Out: the scale of most of them beside one offset, and how far a single run is from it.
+//! In: what each run says of scale and offset. Out: the scale of most of them beside one offset, and how far a single
+//! run is from it.
 
 use crate::agreement::{Agreement, Figure, Pooled, pooled};
 use rundown_files::statistics::{median, spread};

@@ -4,7 +4,8 @@
 //! v = (v_r + o)/s            x(t - τ) = x(t) - ∫ v_r dt from t to t + τ
 //! ```
 //!
-//! The location is moved to the age of the speed, not the speed to that of the location: the steps of a rounded speed stay what they are.
+//! The location is moved to the age of the speed, not the speed to that of the location: the steps of a rounded speed
+//! stay what they are.
 
 use crate::agreement::{Agreement, Figure, pooled};
 use crate::correction::Correction;
@@ -57,7 +58,8 @@ impl Grown {
     }
 }
 
-/// Scale and skew of a run, its offset known or not; `values`: 1/s - 1 and o/s of its recorder, with their covariance; `ratio`: by which its wheel has changed.
+/// Scale and skew of a run, its offset known or not; `values`: 1/s - 1 and o/s of its recorder, with their covariance;
+/// `ratio`: by which its wheel has changed.
 pub(crate) fn judged(
     recorder: &RecorderCheck,
     run: &mut RunCheck,
@@ -73,7 +75,8 @@ fn times(scale: Figure, ratio: f64) -> Figure {
     Figure { value: ratio * scale.value, sd: ratio * scale.sd }
 }
 
-/// Compares a run with its recorder, and says where they differ. `grown`: how its wheel has changed, which is not in the agreement any more.
+/// Compares a run with its recorder, and says where they differ. `grown`: how its wheel has changed, which is not in
+/// the agreement any more.
 pub(crate) fn of(
     recorder: &RecorderCheck,
     run: &mut RunCheck,

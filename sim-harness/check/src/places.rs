@@ -11,7 +11,8 @@ use std::ops::RangeInclusive;
 
 /// Turns of odometers, m.
 const TURNS_M: [f64; 6] = [10_000.0, 32_768.0, 65_536.0, 100_000.0, 1_000_000.0, 10_000_000.0];
-/// A smaller shift of the location is the estimator's to judge: so many times the usual one between two rows, within these, m.
+/// A smaller shift of the location is the estimator's to judge: so many times the usual one between two rows, within
+/// these, m.
 const SHIFT_OVER_NOISE: f64 = 20.0;
 const LEAST_SHIFT_M: (f64, f64) = (100.0, 400.0);
 /// How far a turn may be off, m, beyond a share of the distance since the last row.
@@ -33,16 +34,19 @@ const LEAST_STUCK: usize = 4;
 const MADE_UP: f64 = 0.5;
 /// Locations scatter by less, m.
 const LEAST_OLD_M: f64 = 15.0;
-/// A speed that stood still for so long shows it as well by the leap with which it goes on: so many rows, s, and distance that it misses, m.
+/// A speed that stood still for so long shows it as well by the leap with which it goes on: so many rows, s, and
+/// distance that it misses, m.
 const LEAST_LEAPT: usize = 8;
 const LEAST_LEAPT_S: f64 = 10.0;
 const LEAST_LEAPT_M: f64 = 15.0;
 /// A leap is more than any train's acceleration makes between two rows, m/s², and no less than this, m/s.
 const LARGEST_MPS2: f64 = 1.4;
 const LEAST_LEAP_MPS: f64 = 0.6;
-/// The distance that it misses, as a share of that of the whole leap over all of the time: a half where the train changed its speed evenly.
+/// The distance that it misses, as a share of that of the whole leap over all of the time: a half where the train
+/// changed its speed evenly.
 const LEAPT_SHARE: core::ops::Range<f64> = 0.15..1.1;
-/// Of a receiver that holds its location between fixes this share of the rows that show it say the same as the row before, and so many rows.
+/// Of a receiver that holds its location between fixes this share of the rows that show it say the same as the row
+/// before, and so many rows.
 const HELD_SHARE: f64 = 0.2;
 const LEAST_HELD: usize = 10;
 /// A row shows it where the train runs so many steps of the location since the row before, and no less than this, m.
@@ -82,7 +86,8 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
             let goes_on_off = std::mem::replace(&mut was_off, is_off);
             if is_off && !goes_on_off && stays(rows, i, sign) {
                 let allowed_m = NEAR_M + 0.3 * expected_m.abs();
-                // An odometer that goes on where it was has not turned over: a clock was set, or the location stood still.
+                // An odometer that goes on where it was has not turned over: a clock was set, or the location stood
+                // still.
                 let turned = |turn_m: f64| (read_m - last_read_m).abs() > 0.5 * turn_m;
                 let turn = TURNS_M.iter().find(|turn| (jump_m.abs() - **turn).abs() < allowed_m && turned(**turn));
                 let gone_m = before.location_m.map_or(0.0, |m| (m - shift_m).abs());
@@ -147,7 +152,8 @@ fn between(a: &Sample, b: &Sample) -> f64 {
     speeds.sum::<f64>() / count * (b.time_s - a.time_s).clamp(0.0, 3600.0)
 }
 
-/// The locations go on from row `i` as the speed says, from row to row and over all of them: it is no spike, and no speed that stands still.
+/// The locations go on from row `i` as the speed says, from row to row and over all of them: it is no spike, and no
+/// speed that stands still.
 fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
     let located: Vec<&Sample> = rows[i..].iter().filter(|row| row.location_m.is_some()).take(4).collect();
     let steps = located.windows(2).map(|pair| {
@@ -163,8 +169,8 @@ fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
 /// So many wild readings may stand together.
 const MOST_WILD: usize = 3;
 
-/// Readings, of these rows, that are far from those before and behind: each with how far. `far` takes the last reading that is not wild, the first and the last of
-/// those that may be, and the next one.
+/// Readings, of these rows, that are far from those before and behind: each with how far. `far` takes the last reading
+/// that is not wild, the first and the last of those that may be, and the next one.
 pub(crate) fn wild(read: &[usize], far: impl Fn([usize; 4]) -> Option<f64>) -> Vec<(usize, f64)> {
     let mut found = Vec::new();
     let Some(mut before) = read.first().copied() else { return found };
@@ -230,7 +236,8 @@ pub fn stuck_locations(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     leave_out(rows, &places, Kind::StuckLocation, findings);
 }
 
-/// The location leaps to where the train is by then: one that stood still for few rows may else be that of a train that stands beside a wrong speed.
+/// The location leaps to where the train is by then: one that stood still for few rows may else be that of a train that
+/// stands beside a wrong speed.
 fn makes_up(rows: &[Sample], stuck: &StuckRows, sign: f64) -> bool {
     let Some(next) = (stuck.to + 1..rows.len()).find(|i| rows[*i].location_m.is_some()) else { return false };
     let from = last_new(rows, stuck.from, sign);
@@ -284,7 +291,8 @@ pub fn stuck_speeds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     leave_out(rows, &speeds, Kind::StuckSpeed, findings);
 }
 
-/// The speed that stood still goes on with a leap that no train makes, and the distance that it misses is that of a train which changed its speed by so much meanwhile.
+/// The speed that stood still goes on with a leap that no train makes, and the distance that it misses is that of a
+/// train which changed its speed by so much meanwhile.
 fn leaps(rows: &[Sample], StuckRows { from, to, metres, .. }: &StuckRows, step_mps: f64) -> bool {
     let (held, Some(next)) = (&rows[*from..=*to], rows.get(to + 1)) else { return false };
     let (Some(stays_mps), Some(next_mps)) = (held[0].speed_mps, next.speed_mps) else { return false };
@@ -330,8 +338,8 @@ struct StuckRows {
     way_m: f64,
 }
 
-/// Stretches of so many rows at least in which a reading stays the same, and the `missing` of distance by speed and by location tells. Where rows are missing a
-/// train may have stopped, and the reading be a new one.
+/// Stretches of so many rows at least in which a reading stays the same, and the `missing` of distance by speed and by
+/// location tells. Where rows are missing a train may have stopped, and the reading be a new one.
 fn stretches(
     rows: &[Sample],
     reading: fn(&Sample) -> Option<f64>,
@@ -377,8 +385,8 @@ pub(crate) fn run_until_m(rows: &[[f64; 2]]) -> Vec<f64> {
     ways_m
 }
 
-/// Distance by speed from one time to another: between two rows with a speed their mean, whatever rows stand between them, before the first and after the last of
-/// them that speed.
+/// Distance by speed from one time to another: between two rows with a speed their mean, whatever rows stand between
+/// them, before the first and after the last of them that speed.
 fn run_m(rows: &[Sample], [from_s, to_s]: [f64; 2]) -> f64 {
     let read: Vec<(f64, f64)> = rows.iter().filter_map(|row| Some((row.time_s, row.speed_mps?))).collect();
     let (Some(first), Some(last)) = (read.first(), read.last()) else { return 0.0 };
@@ -482,7 +490,8 @@ mod tests {
         assert!(rows.windows(2).all(|pair| pair[1].location_m > pair[0].location_m));
     }
 
-    /// Hops of 600 m at 10 m/s, and stands of 30 s between them: each was cut off as a run of its own, too short for one.
+    /// Hops of 600 m at 10 m/s, and stands of 30 s between them: each was cut off as a run of its own, too short for
+    /// one.
     #[test]
     fn an_odometer_that_begins_again_at_each_stop_of_a_tram_is_joined() {
         let hops = |count: usize| {
@@ -582,7 +591,8 @@ mod tests {
         }
     }
 
-    /// The distance between two rows without a speed was taken to be none, so the locations of a steady train ran away from it.
+    /// The distance between two rows without a speed was taken to be none, so the locations of a steady train ran away
+    /// from it.
     #[test]
     fn a_steady_speed_that_stands_in_every_fifth_row_is_no_sensor_that_stands_still() {
         let mut rows = read_at(|_| 20.0);

@@ -1,10 +1,12 @@
-//! How far a train may go between two rows whatever it does between them: it may stop and start again, or run on and brake.
+//! How far a train may go between two rows whatever it does between them: it may stop and start again, or run on and
+//! brake.
 //!
 //! ```text
 //! shortest: v² - 2 b x down to u, up again        longest: v² + 2 b x up to w, down again
 //! ```
 //!
-//! In: both speeds, the time between, the fastest speed. Where rows are missing the mean of both speeds says little, and less than it is no sign of a fault.
+//! In: both speeds, the time between, the fastest speed. Where rows are missing the mean of both speeds says little,
+//! and less than it is no sign of a fault.
 
 use std::ops::RangeInclusive;
 
@@ -16,7 +18,8 @@ pub(crate) fn reach_m([from_mps, to_mps]: [f64; 2], seconds: f64, fastest_mps: f
     let change_mps = MOST_MPS2 * seconds;
     let squares = from_mps.powi(2) + to_mps.powi(2);
     let mean_m = 0.5 * (from_mps + to_mps) * seconds;
-    // Such a change of the speed in so short a time is a fault of a reading, of which the mean says as much as anything.
+    // Such a change of the speed in so short a time is a fault of a reading, of which the mean says as much as
+    // anything.
     if change_mps <= (from_mps - to_mps).abs() {
         return mean_m..=mean_m;
     }

@@ -22,7 +22,8 @@ fn finding(kind: Kind, value: f64, unit: &'static str, count: usize, line: u64, 
     Finding { kind, figure: Figure { value, sd: 0.0 }, unit, count, line, done }
 }
 
-/// Readings that are no numbers, or beyond the range of their column: left out, so that nothing behind has to think of them.
+/// Readings that are no numbers, or beyond the range of their column: left out, so that nothing behind has to think of
+/// them.
 pub fn impossible(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
     let (mut count, mut line) = (0, 0);

@@ -1,8 +1,9 @@
 //! What the rounding of speeds that are held does to the comparison with the location.
 //!
-//! A speed that passes a step is above and below it alike. One that is held is off by the same all the time, by up to half a step, and again where it is held
-//! again: 80.4 km/h read 80 for an hour are a wheel of 0.995 to whoever takes their rounding for noise. So each held speed has an error of its own, of the size
-//! of the rounding, and alike in all runs:
+//! A speed that passes a step is above and below it alike. One that is held is off by the same all the time, by up to
+//! half a step, and again where it is held again: 80.4 km/h read 80 for an hour are a wheel of 0.995 to whoever takes
+//! their rounding for noise. So each held speed has an error of its own, of the size of the rounding, and alike in all
+//! runs:
 //!
 //! ```text
 //! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + (o/s) Δt + τ Δv_r - Σ e_l (time at l) + noise
@@ -15,7 +16,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2, Matrix3, Vector2, Vecto
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// What a run says of scale, offset and skew beside the errors of its held speeds: normal equations of these, in this order.
+/// What a run says of scale, offset and skew beside the errors of its held speeds: normal equations of these, in this
+/// order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Equations {
     /// Readings that are held, m/s.
@@ -27,10 +29,12 @@ pub(crate) struct Equations {
     rounding_mps: f64,
 }
 
-/// A speed that is held for a shorter time is off by no more than noise, s: its readings are taken to be off independently from difference to difference.
+/// A speed that is held for a shorter time is off by no more than noise, s: its readings are taken to be off
+/// independently from difference to difference.
 const LEAST_S: f64 = 2.0 * PAIR_S;
 
-/// What is known of recorders beforehand: scale, and true less read speed, m/s, standard deviations. Wheels wear by 5 %, and steps of speeds are 1 or 2 km/h.
+/// What is known of recorders beforehand: scale, and true less read speed, m/s, standard deviations. Wheels wear by 5
+/// %, and steps of speeds are 1 or 2 km/h.
 const SCALE_SD: f64 = 0.1;
 const OFFSET_SD_MPS: f64 = 1.0;
 
@@ -48,7 +52,8 @@ fn held(compared: &Compared, range: Range<usize>) -> Vec<(f64, Vec<f64>)> {
     times.chunk_by(|a, b| a.speed_mps == b.speed_mps).filter(is_long).map(of).collect()
 }
 
-/// 1/s - 1, o/s and τ of a run with their information, and what the rounding of each speed does to the first two, standard deviation.
+/// 1/s - 1, o/s and τ of a run with their information, and what the rounding of each speed does to the first two,
+/// standard deviation.
 pub(crate) struct Solved {
     pub(crate) values: Vector3<f64>,
     pub(crate) information: Matrix3<f64>,
@@ -114,7 +119,8 @@ impl Equations {
         self.score = &self.score * ratio + self.matrix.column(0) * (ratio - 1.0);
     }
 
-    /// What is left of them when errors of the held speeds that are of this run alone are eliminated. None: there is nothing to solve.
+    /// What is left of them when errors of the held speeds that are of this run alone are eliminated. None: there is
+    /// nothing to solve.
     fn without_own(&self) -> Option<Self> {
         let levels = self.speeds.len();
         let held = self.matrix.columns(3, levels);
@@ -139,11 +145,11 @@ pub(crate) struct Joint {
     pub(crate) covariance: Matrix2<f64>,
 }
 
-/// 1/s - 1 and o/s of all runs. Each held speed has one error in all of them, for a cruise control holds the same in each, and one of its own in each, for a
-/// driver does not: either may be as large as the rounding.
+/// 1/s - 1 and o/s of all runs. Each held speed has one error in all of them, for a cruise control holds the same in
+/// each, and one of its own in each, for a driver does not: either may be as large as the rounding.
 ///
-/// `are_far`: rows are far apart. Little is left where most is bent, and the recorder is taken for one of a train: trams that all hold one speed had an offset of as much, and
-/// no scale.
+/// `are_far`: rows are far apart. Little is left where most is bent, and the recorder is taken for one of a train:
+/// trams that all hold one speed had an offset of as much, and no scale.
 pub(crate) fn joint(runs: &[&Equations], are_far: bool) -> Option<Joint> {
     let speeds = runs.iter().flat_map(|run| &run.speeds).map(|speed| speed.to_bits());
     let mut places: BTreeMap<u64, usize> = speeds.map(|speed| (speed, 0)).collect();
@@ -172,8 +178,8 @@ pub(crate) fn joint(runs: &[&Equations], are_far: bool) -> Option<Joint> {
     Some(Joint { values: root.solve(&score).fixed_rows::<2>(0).into_owned(), covariance })
 }
 
-/// What an error of 1 m/s in each held speed does to one more cause, in units of it: root of the sum of squares. The same reading before and after a place may
-/// be two speeds.
+/// What an error of 1 m/s in each held speed does to one more cause, in units of it: root of the sum of squares. The
+/// same reading before and after a place may be two speeds.
 pub(crate) fn beside(compared: &Compared, metres: &[f64], place: usize) -> f64 {
     let columns = &compared.fit.columns;
     let (taken, column) = compared.taken_up(metres);

@@ -228,7 +228,8 @@ pub(crate) fn differences(rows: &[Sample], step_s: f64) -> Differences {
     Differences::of(&parts(rows, step_s))
 }
 
-/// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as usual.
+/// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as
+/// usual.
 ///
 /// `step_s`: usual time between rows, s.
 pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
@@ -258,7 +259,8 @@ pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
     parts
 }
 
-/// Distance by location over distance by speed far from 1, in the whole log or from a line on: the run is not used. Wild speeds are no matter of units.
+/// Distance by location over distance by speed far from 1, in the whole log or from a line on: the run is not used.
+/// Wild speeds are no matter of units.
 fn other_unit(rows: &[Sample], findings: &mut Vec<Finding>) {
     let mut calm = rows.to_vec();
     readings::speed_spikes(&mut calm, &mut Vec::new());

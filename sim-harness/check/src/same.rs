@@ -1,10 +1,11 @@
 //! Is a log another one again? A run that is given twice would teach twice, and stand on both sides of a hold-out.
 //!
-//! Two logs are the same where all their readings are, to the last digit; a clock that was set and the lines of the file do not count. Where few readings
-//! differ from one another, as while a train stands, the times must agree, too.
+//! Two logs are the same where all their readings are, to the last digit; a clock that was set and the lines of the
+//! file do not count. Where few readings differ from one another, as while a train stands, the times must agree, too.
 //!
-//! A log that was cut, or recorded from another time on, has some of the rows of another one. So pieces of rows that no two runs have alike are remembered by
-//! their digests, of each log a sample: of all logs those whose digests have the same trailing zeros, so that two samples hold the same pieces.
+//! A log that was cut, or recorded from another time on, has some of the rows of another one. So pieces of rows that no
+//! two runs have alike are remembered by their digests, of each log a sample: of all logs those whose digests have the
+//! same trailing zeros, so that two samples hold the same pieces.
 
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -15,13 +16,14 @@ use std::hash::{Hash, Hasher};
 /// So many changes of the location are no chance, whatever the clock says.
 const LEAST_MOVED: usize = 20;
 
-/// Rows of a piece, and how many different steps of the location make it one of a kind: a held speed leaves an odometer two.
+/// Rows of a piece, and how many different steps of the location make it one of a kind: a held speed leaves an odometer
+/// two.
 const PIECE: usize = 16;
 const LEAST_STEPS: usize = 6;
 /// Pieces of a log that are remembered, at most.
 const SAMPLE: usize = 96;
-/// So many that are another log's are no chance, where so many of them have no row in common: trains that start alike from one place are alike for half a minute, in
-/// whole km/h and metres to the last digit, and all pieces of it are.
+/// So many that are another log's are no chance, where so many of them have no row in common: trains that start alike
+/// from one place are alike for half a minute, in whole km/h and metres to the last digit, and all pieces of it are.
 const LEAST_ALIKE: usize = 6;
 const LEAST_APART: usize = 3;
 
@@ -45,7 +47,8 @@ pub struct Shared {
 }
 
 impl Seen {
-    /// The earlier log with the same readings, by its file; none where this one is new. Call it before anything is put right.
+    /// The earlier log with the same readings, by its file; none where this one is new. Call it before anything is put
+    /// right.
     pub fn earlier(&mut self, recording: &Recording) -> Option<&str> {
         if recording.rows.is_empty() {
             return None;
@@ -58,7 +61,8 @@ impl Seen {
         None
     }
 
-    /// What a log that is none of the earlier ones has in common with the one that it is most like. Call it before anything is put right.
+    /// What a log that is none of the earlier ones has in common with the one that it is most like. Call it before
+    /// anything is put right.
     pub fn shared(&mut self, recording: &Recording) -> Option<Shared> {
         let (pieces, zeros) = pieces(&recording.rows);
         // Where the pieces begin that are an earlier log's.

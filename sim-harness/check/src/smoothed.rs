@@ -1,13 +1,16 @@
 //! Speeds that are means over some seconds around their time, beside momentary efforts.
 //!
-//! In: rows of all runs of a unit, put right. Out: over how long the speeds are means; the efforts averaged over as long, so that both are of the same moments.
+//! In: rows of all runs of a unit, put right. Out: over how long the speeds are means; the efforts averaged over as
+//! long, so that both are of the same moments.
 //!
 //! ```text
 //! ∫ v_read dt - x = (L²/24 - τ²/2) a - τ v_read + offset t + scale x + noise          in each window of 40 s, less its mean
 //! ```
 //!
-//! A mean over L s is the true speed plus L²/24 of its second derivative, whatever its shape: L²/12 is the variance of its weights. A speed that is read momentarily has
-//! none of it, but for the trapezia of the integral, which add Δt²/12 between rows Δt apart, and this is taken off. Means of speed, resistance and effort over the same time belong together; a momentary effort beside a mean speed makes a start look like a resistance.
+//! A mean over L s is the true speed plus L²/24 of its second derivative, whatever its shape: L²/12 is the variance of
+//! its weights. A speed that is read momentarily has none of it, but for the trapezia of the integral, which add Δt²/12
+//! between rows Δt apart, and this is taken off. Means of speed, resistance and effort over the same time belong
+//! together; a momentary effort beside a mean speed makes a start look like a resistance.
 
 use crate::agreement::Figure;
 use crate::effort;
@@ -16,7 +19,8 @@ use nalgebra::SVector;
 use rundown_files::sample::Sample;
 use std::ops::Range;
 
-/// Speeds in larger steps show what is none: eight metros in whole km/h had means over 15 s, by seven standard deviations. km/h.
+/// Speeds in larger steps show what is none: eight metros in whole km/h had means over 15 s, by seven standard
+/// deviations. km/h.
 pub(crate) const MOST_STEP_KMH: f64 = 0.5;
 /// Rows farther apart do not show it, s: a window has too few of them.
 const MOST_STEP_S: f64 = 6.0;
@@ -33,18 +37,21 @@ const LEAST_RUNS: usize = 4;
 const SHORTEST_S: f64 = 5.0;
 /// So many standard deviations.
 const SURE: f64 = 6.0;
-/// Averaged efforts leave less than this share of the squares unexplained: above 0.99 where they had been averaged with the speeds, 0.03 to 0.95 where they had not.
+/// Averaged efforts leave less than this share of the squares unexplained: above 0.99 where they had been averaged with
+/// the speeds, 0.03 to 0.95 where they had not.
 const BETTER: f64 = 0.95;
-/// Beside longer means the efforts are left out, s: on slopes of 14 permille those of 15 s put r(60 km/h) 19 % off, for gradients are no means.
+/// Beside longer means the efforts are left out, s: on slopes of 14 permille those of 15 s put r(60 km/h) 19 % off, for
+/// gradients are no means.
 pub(crate) const MOST_S: f64 = 12.0;
-/// The acceleration is itself taken over some seconds, of speeds that are means: where a train powers and brakes for less than a minute L comes out a fifth too large.
+/// The acceleration is itself taken over some seconds, of speeds that are means: where a train powers and brakes for
+/// less than a minute L comes out a fifth too large.
 const SHAPE_SD: f64 = 0.15;
 
 /// What explains the difference of both ways, and that, m.
 pub(crate) type WayDifference = (SVector<f64, 4>, f64);
 
-/// Over how long speeds are means, s; none where they are momentary, or too little shows it. A receiver whose locations trail in a filter shows the same: only the efforts
-/// decide, see [`averaged_efforts`].
+/// Over how long speeds are means, s; none where they are momentary, or too little shows it. A receiver whose locations
+/// trail in a filter shows the same: only the efforts decide, see [`averaged_efforts`].
 pub(crate) fn of(runs: &[&[Sample]]) -> Option<Figure> {
     let of_run = |rows: &&[Sample]| {
         let step_s = usual_step_s(rows);
@@ -61,8 +68,8 @@ pub(crate) fn of(runs: &[&[Sample]]) -> Option<Figure> {
     (long_s > SHORTEST_S && mean > SURE * sd).then_some(figure)
 }
 
-/// Efforts of each run as means over `long_s`; none where they explain the accelerations less well than the efforts as they are, which were averaged with the speeds,
-/// or it is the locations that trail.
+/// Efforts of each run as means over `long_s`; none where they explain the accelerations less well than the efforts as
+/// they are, which were averaged with the speeds, or it is the locations that trail.
 pub(crate) fn averaged_efforts(runs: &[&[Sample]], long_s: f64) -> Option<Vec<Vec<Option<f64>>>> {
     let averaged: Vec<Vec<Option<f64>>> = runs.iter().map(|rows| averaged(rows, long_s)).collect();
     let (mut as_read, mut as_means) = (0.0, 0.0);

@@ -1,4 +1,5 @@
-//! Speeds that stand still from row to row and then change at once: a recorder that writes a speed only where it has changed enough, or every few rows.
+//! Speeds that stand still from row to row and then change at once: a recorder that writes a speed only where it has
+//! changed enough, or every few rows.
 //!
 //! In: rows of a run. Out: the same without the repeats, each of which may be off by as much as the next change.
 //!
@@ -6,9 +7,10 @@
 //! v  62.1  62.1  62.1  63.2  63.2  64.3  64.3  64.3  65.4        by tenths, and every change is 1.1
 //! ```
 //!
-//! A speed that is rounded stands still, too, and then changes by one step; one that is held by a controller, and then goes on changing. So the changes between
-//! repeats are asked: where most of them are of several steps, the train passed the steps between, and the rows did not show it. The first row of each stair is a
-//! reading; the others are left out.
+//! A speed that is rounded stands still, too, and then changes by one step; one that is held by a controller, and then
+//! goes on changing. So the changes between repeats are asked: where most of them are of several steps, the train
+//! passed the steps between, and the rows did not show it. The first row of each stair is a reading; the others are
+//! left out.
 
 use crate::agreement::{Figure, HALF_95};
 use crate::finding::{Done, Finding, Kind};
@@ -18,7 +20,8 @@ use rundown_files::statistics::{median, sd_of_median, spread};
 
 /// Fewer changes between repeats say nothing.
 const LEAST_STAIRS: usize = 20;
-/// The median of these changes is of so many steps; one step more is what a train may change by in a row after it was held.
+/// The median of these changes is of so many steps; one step more is what a train may change by in a row after it was
+/// held.
 const STEPS: f64 = 1.9;
 /// And no less than this, km/h: noise.
 const LEAST_KMH: f64 = 0.4;
@@ -68,7 +71,8 @@ pub(crate) fn level(rows: &[Sample], reading: impl Fn(&Sample) -> Option<f64>) -
 impl Stairs {
     pub(crate) fn of(rows: &[Sample], reading: impl Fn(&Sample) -> Option<f64>) -> Self {
         let longest_s = next_row_s(usual_step_s(rows));
-        // From the row before to this one; none at a stand, or without an effort, and where rows or readings are missing.
+        // From the row before to this one; none at a stand, or without an effort, and where rows or readings are
+        // missing.
         let change = |i: usize| {
             let pair = [rows.get(i.checked_sub(1)?)?, rows.get(i)?];
             let [before, now] = [reading(pair[0])?, reading(pair[1])?];
@@ -109,7 +113,8 @@ impl Stairs {
         are_stairs.then_some(Figure { value, sd })
     }
 
-    /// Without the changes after which a recorder writes a reading again in any case: those that come after as many rows as most others, and hardly one later.
+    /// Without the changes after which a recorder writes a reading again in any case: those that come after as many
+    /// rows as most others, and hardly one later.
     pub(crate) fn without_beats(mut self) -> Self {
         let mut long = self.long.clone();
         long.sort_unstable();
@@ -137,7 +142,8 @@ impl Stairs {
 mod tests {
     use super::*;
 
-    /// Speeds of a train that goes up and down between 40 and 110 km/h, by up to 1.6 km/h a second, as `shown` has them.
+    /// Speeds of a train that goes up and down between 40 and 110 km/h, by up to 1.6 km/h a second, as `shown` has
+    /// them.
     fn shown(mut shown: impl FnMut(usize, f64) -> f64) -> Vec<Sample> {
         let kmh = |i: usize| 75.0 + 35.0 * (i as f64 / 22.0).sin();
         let sample = |i: usize| Sample {

@@ -1,8 +1,10 @@
-//! The step of a reading: whole km/h, tenths, whole metres; of an effort any, for kN and per cent become N/kg by the mass.
+//! The step of a reading: whole km/h, tenths, whole metres; of an effort any, for kN and per cent become N/kg by the
+//! mass.
 
 use rundown_files::sample::Sample;
 
-/// Steps of a speed, km/h, the largest first; among them a metre per second, a knot, a mile per hour, their halves and a tenth of the first.
+/// Steps of a speed, km/h, the largest first; among them a metre per second, a knot, a mile per hour, their halves and
+/// a tenth of the first.
 const SPEED_STEPS_KMH: [f64; 12] = [5.0, 3.6, 2.0, 1.852, 1.8, 1.609_344, 1.0, 0.926, 0.804_672, 0.5, 0.36, 0.1];
 const LOCATION_STEPS_M: [f64; 6] = [1000.0, 100.0, 50.0, 10.0, 5.0, 1.0];
 /// Share of the readings that are multiples of the step; a few may have been put in by hand.
@@ -54,7 +56,8 @@ pub fn of_effort_n_per_kg<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<
     let mut levels = values.clone();
     levels.dedup_by(|next, kept| *next - *kept < PRINTED_N_PER_KG);
     let gaps = levels.windows(2).map(|pair| pair[1] - pair[0]);
-    // The smallest gap is a step, but for its digits; the multiples of the far levels say it better, one by one from zero on.
+    // The smallest gap is a step, but for its digits; the multiples of the far levels say it better, one by one from
+    // zero on.
     let mut step = gaps.min_by(f64::total_cmp).filter(|_| levels.len() >= LEAST_LEVELS)?;
     levels.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
     let [mut with, mut square] = [0.0; 2];

@@ -1,14 +1,16 @@
 //! Speeds that trail behind the train in a filter of first order, beside efforts that do not.
 //!
-//! In: rows of runs of a unit, put right. Out: the time constant of the filter; efforts through the same filter, so that both are of the same moments.
+//! In: rows of runs of a unit, put right. Out: the time constant of the filter; efforts through the same filter, so
+//! that both are of the same moments.
 //!
 //! ```text
 //! dv/dt = (v_true - v)/T          e' = e'_before + (1 - exp(-Δt/T)) (e - e'_before)
 //! ```
 //!
-//! A filter is late by T, and so are locations that are moved by the age of the speed. But it is no delay: a start is spread over some T, and beside an effort
-//! that is as sharp as it was a start looks like a resistance, in each run alike. Which of both it is, or a mean over some seconds, the accelerations say:
-//! each is tried with the age that suits it best ([`effort_age`](crate::effort_age)).
+//! A filter is late by T, and so are locations that are moved by the age of the speed. But it is no delay: a start is
+//! spread over some T, and beside an effort that is as sharp as it was a start looks like a resistance, in each run
+//! alike. Which of both it is, or a mean over some seconds, the accelerations say: each is tried with the age that
+//! suits it best ([`effort_age`](crate::effort_age)).
 
 use crate::agreement::Figure;
 use crate::effort_age::{Asked, Reading, of_run, pooled};
@@ -21,7 +23,8 @@ const STEP_S: f64 = 0.5;
 const STEPS: usize = 12;
 /// Means that are tried against them, s.
 const MEANS_S: [f64; 5] = [3.0, 5.0, 7.0, 9.0, 12.0];
-/// Shorter ones look like what steps of the speed do to efforts that leap (whole km/h without a filter: 0.9 to 1.05 s), s.
+/// Shorter ones look like what steps of the speed do to efforts that leap (whole km/h without a filter: 0.9 to 1.05 s),
+/// s.
 const SHORTEST_S: f64 = 1.25;
 /// Nats by which a filter must explain the accelerations better than a delay and than means, in all runs together ...
 const CLEARLY: f64 = 10.0;
@@ -56,8 +59,8 @@ pub(crate) fn of(runs: &[Asked<'_>]) -> Option<Figure> {
     if gains.len() < LEAST_RUNS || !agree || sum(gains) < rival + CLEARLY {
         return None;
     }
-    // What is left of an age says more of the whole delay than the shape does. Efforts behind the filter are those of the moment, or half a row before it
-    // where those that went in were.
+    // What is left of an age says more of the whole delay than the shape does. Efforts behind the filter are those of
+    // the moment, or half a row before it where those that went in were.
     let tried_s = STEP_S * (best + 1) as f64;
     let left = |run: &Asked<'_>| {
         let rows = with(run, filtered(run, tried_s));

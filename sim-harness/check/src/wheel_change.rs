@@ -1,11 +1,13 @@
-//! A wheel that changes: within a run, or from one run of a recorder on. Turning takes 1 % off its diameter; a new one, or another diameter that is entered, more.
+//! A wheel that changes: within a run, or from one run of a recorder on. Turning takes 1 % off its diameter; a new one,
+//! or another diameter that is entered, more.
 //!
 //! ```text
 //! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + d ∫ v_r dt after the change + (o/s) Δt + τ Δv_r + noise
 //! ```
 //!
-//! Within a run the place is the one that explains most, with scale, offset and skew beside it. Between runs it is where the scales before and after are the furthest
-//! apart for how surely they are known. Both are said; what comes after is brought to the scale from before, and then the runs are judged as those of one wheel.
+//! Within a run the place is the one that explains most, with scale, offset and skew beside it. Between runs it is
+//! where the scales before and after are the furthest apart for how surely they are known. Both are said; what comes
+//! after is brought to the scale from before, and then the runs are judged as those of one wheel.
 
 use crate::agreement::{ALONE, Agreement, BENDS_SD, Figure, Pooled, pooled};
 use crate::compared::Compared;
@@ -45,7 +47,8 @@ pub(crate) struct Change {
 
 /// The change that this run shows; the rounding of its speeds is not in its doubt yet.
 pub(crate) fn within(compared: &Compared) -> Option<Change> {
-    // A change that is not known of looks like noise that adds up: it is looked for again in the noise that is left without it.
+    // A change that is not known of looks like noise that adds up: it is looked for again in the noise that is left
+    // without it.
     let (rough, grows) = place(compared).filter(|(_, grows)| grows.away_from(0.0) > SUSPECT)?;
     let calm = compared.without(&scaled(&compared.way_after(rough), grows.value))?;
     let (at, grows) = place(&compared.in_noise_of(&calm)?)?;
@@ -105,7 +108,8 @@ impl Compared {
 }
 
 impl Change {
-    /// Where it is beyond doubt, with what the rounding of held speeds does on either side of it. `rounding_mps`: of a reading, standard deviation.
+    /// Where it is beyond doubt, with what the rounding of held speeds does on either side of it. `rounding_mps`: of a
+    /// reading, standard deviation.
     pub(crate) fn sure(mut self, rounding_mps: f64) -> Option<Self> {
         self.ratio.sd = self.ratio.sd.hypot(self.held * rounding_mps);
         let is_sure = (self.ratio.value - 1.0).abs() > LEAST_SCALE && self.ratio.away_from(1.0) > WITHIN_SURE;
@@ -153,7 +157,8 @@ impl OfRun {
     }
 }
 
-/// Scales of runs in the order in which they were made: from which on they are others; none where they scatter around one. `may_change`: before which run.
+/// Scales of runs in the order in which they were made: from which on they are others; none where they scatter around
+/// one. `may_change`: before which run.
 pub(crate) fn between(runs: &[OfRun], may_change: impl Fn(usize) -> bool) -> Option<Between> {
     let places = (LEAST_RUNS..(runs.len() + 1).saturating_sub(LEAST_RUNS)).filter(|from| may_change(*from));
     let apart = |found: &Between| found.ratio().away_from(1.0);
@@ -170,7 +175,8 @@ pub(crate) fn between(runs: &[OfRun], may_change: impl Fn(usize) -> bool) -> Opt
     (is_sure && astray as f64 <= MOST_ASTRAY * fewer).then_some(best)
 }
 
-/// What changed is the scale, not the offset: each alone leaves what the other one had to explain. On phones the offset changes with how the speed is smoothed.
+/// What changed is the scale, not the offset: each alone leaves what the other one had to explain. On phones the offset
+/// changes with how the speed is smoothed.
 pub(crate) fn is_wheel(before: &Pooled, after: &Pooled) -> bool {
     let [by_scale, by_offset] = [0, 1].map(|which| grown(before, after, which)).map(|grown| grown.away_from(0.0));
     by_scale * by_scale - by_offset * by_offset > OUTWEIGHS
@@ -199,7 +205,8 @@ fn sides(runs: &[OfRun], from: usize) -> [Figure; 2] {
     parts.map(|part| mean(part, own))
 }
 
-/// Mean scale of runs that differ by `own`, a variance. A speed that is held in all of them has the same rounding in all of them.
+/// Mean scale of runs that differ by `own`, a variance. A speed that is held in all of them has the same rounding in
+/// all of them.
 fn mean(part: &[OfRun], own: f64) -> Figure {
     let weight = |run: &OfRun| (run.scale.sd.powi(2) + own).recip();
     let all: f64 = part.iter().map(weight).sum();

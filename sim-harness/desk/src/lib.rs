@@ -1,6 +1,7 @@
 //! The other end of the link: what a DAS computer says to the board, and in which order.
 //!
-//! In: train, track, configuration, measurements. Out: messages, secured where they must be. The link that carries them is the caller's.
+//! In: train, track, configuration, measurements. Out: messages, secured where they must be. The link that carries them
+//! is the caller's.
 #![warn(missing_docs)]
 
 use rundown::model::effects::{Effect, Effects};

@@ -1,4 +1,5 @@
-//! The columns of a table that is written: name, unit, meaning and when a cell is empty stand once, beside what fills the cell.
+//! The columns of a table that is written: name, unit, meaning and when a cell is empty stand once, beside what fills
+//! the cell.
 //!
 //! In: rows of any type. Out: CSV, records for JSON and Parquet, and the document of all columns.
 

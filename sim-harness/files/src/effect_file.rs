@@ -46,7 +46,8 @@ fn without_ending(name: &str) -> &str {
     name.strip_suffix(".csv").unwrap_or(name)
 }
 
-/// What is said of the entries of the train's and the track's file that name runs which are not among those that are read: there they never act.
+/// What is said of the entries of the train's and the track's file that name runs which are not among those that are
+/// read: there they never act.
 pub fn of_no_run(train: &[EffectEntry], track: &[EffectEntry], is_read: impl Fn(&str) -> bool) -> Vec<String> {
     let of_file = |(file, entries): (&'static str, &'_ [EffectEntry])| {
         let said = |(index, entry): (usize, &EffectEntry)| {
@@ -110,7 +111,8 @@ pub fn effects(track: &[EffectEntry], train: &[EffectEntry], run: Option<&str>) 
     Effects::try_new(acting.map(|entry| entry.effect.clone()))
 }
 
-/// Days since 1970-01-01 UTC of a departure written as in `runs.csv`, `2026-03-01T08:12:00Z` or with another offset; none when it is no such date.
+/// Days since 1970-01-01 UTC of a departure written as in `runs.csv`, `2026-03-01T08:12:00Z` or with another offset;
+/// none when it is no such date.
 ///
 /// ```
 /// use rundown_files::effect_file::day_of;

@@ -5,8 +5,8 @@
 //! message    open uplink message: first `clear_effects`, then `effect`, one for each effect or each point of an unknown one
 //! ```
 //!
-//! A board refuses them as they stand: what changes it must be secured with its key and its announced freshness, which only the sender on its line has.
-//! `rundown link --effects effect.frame` secures and sends them.
+//! A board refuses them as they stand: what changes it must be secured with its key and its announced freshness, which
+//! only the sender on its line has. `rundown link --effects effect.frame` secures and sends them.
 
 use rundown::link::checksum::LengthError;
 use rundown::link::serial::{self, Decoder};

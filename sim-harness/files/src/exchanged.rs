@@ -1,6 +1,7 @@
 //! Does a train stand where a track is expected, or the other way round?
 //!
-//! In: the text of a description that was refused. Out: its refusal; where it is the other description that is said, not its first field that is unknown.
+//! In: the text of a description that was refused. Out: its refusal; where it is the other description that is said,
+//! not its first field that is unknown.
 
 use crate::refusal::ReadError;
 use std::path::Path;

@@ -2,10 +2,11 @@
 //!
 //! In: fixes in the order of time. Out: distance along the track, or the reason why there is none.
 //!
-//! Each fix is projected on the nearest segment, in a plane that touches the ellipsoid there. "Nearest" is searched only where
-//! the train can have got to since the last match, so that a line that comes near itself (a loop, a hairpin) does not throw it about.
-//! A fix farther from the line than [`MAX_DISTANCE_M`] gives no location: it is counted, never guessed. The first and last segments
-//! go on straight for as far as that, so a train that stands before the first point has a location too.
+//! Each fix is projected on the nearest segment, in a plane that touches the ellipsoid there. "Nearest" is searched
+//! only where the train can have got to since the last match, so that a line that comes near itself (a loop, a hairpin)
+//! does not throw it about. A fix farther from the line than [`MAX_DISTANCE_M`] gives no location: it is counted, never
+//! guessed. The first and last segments go on straight for as far as that, so a train that stands before the first
+//! point has a location too.
 //!
 //! Assumes that the line does not cross the date line or a pole.
 

@@ -1,9 +1,11 @@
 //! A recorded run in the estimator's units.
 //!
-//! In: a [`RunLog`], the track's centre line, the direction as far as it is known. Out: a [`Recording`]: one [`Sample`] for each row, with its location.
+//! In: a [`RunLog`], the track's centre line, the direction as far as it is known. Out: a [`Recording`]: one [`Sample`]
+//! for each row, with its location.
 //!
-//! A log without a column `location_m`, or with an empty one, is matched onto the centre line. Direction: that of the index, else the one asked for, else found
-//! from the locations ([`DirectionChoice::Auto`]): the median of the last ones against the median of the first ones.
+//! A log without a column `location_m`, or with an empty one, is matched onto the centre line. Direction: that of the
+//! index, else the one asked for, else found from the locations ([`DirectionChoice::Auto`]): the median of the last
+//! ones against the median of the first ones.
 
 use crate::map_matching::{CentreLine, MatchState, NoMatch};
 use crate::refusal::{Place, ReadError};
@@ -212,8 +214,8 @@ pub(crate) fn direction(
     }
 }
 
-/// Median of the last locations minus median of the first ones, m; none without two of them. Rows that were written out of order are taken by their times; a
-/// clock that goes back a few times was set.
+/// Median of the last locations minus median of the first ones, m; none without two of them. Rows that were written out
+/// of order are taken by their times; a clock that goes back a few times was set.
 fn travelled_m(rows: &[Sample]) -> Option<f64> {
     let located = rows.iter().filter_map(|row| Some((row.time_s, row.location_m?)));
     let mut known: Vec<(f64, f64)> = located.filter(|(_, location_m)| location_m.is_finite()).collect();

@@ -1,5 +1,6 @@
-//! What a file is refused for, and where. Every refusal reads `file:line:column: field: expected X, found Y`, as compilers do; what is not
-//! known is left out. In a log the column is the number of the field, elsewhere that of the character; both count from 1.
+//! What a file is refused for, and where. Every refusal reads `file:line:column: field: expected X, found Y`, as
+//! compilers do; what is not known is left out. In a log the column is the number of the field, elsewhere that of the
+//! character; both count from 1.
 
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,7 @@
 //! Replay: a recorded run through the very `step` of the board.
 //!
-//! In: an [`Estimator`], the vehicle before the run, a [`Recording`]. Out: a [`ReplayedRun`], and the vehicle after the run.
+//! In: an [`Estimator`], the vehicle before the run, a [`Recording`]. Out: a [`ReplayedRun`], and the vehicle after the
+//! run.
 //!
 //! | tick | rows that are steps |
 //! |---|---|
@@ -166,8 +167,8 @@ fn confirmed(estimates: &[Estimate]) -> Vec<Regime> {
     regimes.map(|(estimate, later)| later.unwrap_or(estimate.regime)).collect()
 }
 
-/// Replays runs, each by its own model (an effect may act in some runs only) and each unit's vehicle carried from run to run in order.
-/// Units go side by side. `done` is called once a run.
+/// Replays runs, each by its own model (an effect may act in some runs only) and each unit's vehicle carried from run
+/// to run in order. Units go side by side. `done` is called once a run.
 pub fn replay_carried_by<'a>(
     model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
     recordings: &[Recording],
@@ -177,7 +178,8 @@ pub fn replay_carried_by<'a>(
     replay_units_by(model, recordings, tick, &mut HashMap::new(), done)
 }
 
-/// As [`replay_carried_by`], where `vehicles` has the units that are known already; what the runs say of each goes in there.
+/// As [`replay_carried_by`], where `vehicles` has the units that are known already; what the runs say of each goes in
+/// there.
 pub fn replay_units_by<'a, R: Borrow<Recording> + Sync>(
     model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
     recordings: &[R],
@@ -213,7 +215,8 @@ pub fn replay_units_by<'a, R: Borrow<Recording> + Sync>(
     runs.into_iter().map(|(_, run)| run).collect()
 }
 
-/// Replays runs side by side, each by its own model with the vehicle as its manufacturer describes it. `done` is called once a run.
+/// Replays runs side by side, each by its own model with the vehicle as its manufacturer describes it. `done` is called
+/// once a run.
 pub fn replay_apart_by<'a, R: Borrow<Recording> + Sync>(
     model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
     recordings: &[R],

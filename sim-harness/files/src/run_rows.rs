@@ -1,4 +1,5 @@
-//! Rows of several runs in one table, from a Parquet file or from memory, as recordings. The rows of a run follow each other, runs one after the other.
+//! Rows of several runs in one table, from a Parquet file or from memory, as recordings. The rows of a run follow each
+//! other, runs one after the other.
 //!
 //! In: batches of rows, column by column. Out: a [`Recording`] for each run, with its locations and direction.
 
@@ -99,7 +100,8 @@ struct Open {
 }
 
 impl Recordings {
-    /// Of a table with these columns; `path` is for the messages. Coordinates are matched onto `line` as those of a log are.
+    /// Of a table with these columns; `path` is for the messages. Coordinates are matched onto `line` as those of a log
+    /// are.
     pub fn new(path: &Path, places: &Places, line: Option<&CentreLine>) -> Self {
         Self {
             path: path.to_owned(),
@@ -173,8 +175,8 @@ impl Recordings {
         }
     }
 
-    /// The next run that is complete, after the last row also the one that is open; none where there is none. Runs without a direction
-    /// have the one that their locations have.
+    /// The next run that is complete, after the last row also the one that is open; none where there is none. Runs
+    /// without a direction have the one that their locations have.
     ///
     /// # Errors
     /// [`ReadError`] when there are coordinates only and no line.

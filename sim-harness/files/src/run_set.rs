@@ -2,10 +2,11 @@
 //!
 //! In: files and folders as given on the command line. Out: [`RunSet`].
 //!
-//! A folder stands for all its `*.csv` in the order of their names; one without any that has a folder `runs`, as a data set of
-//! `rundown simulate`, stands for that. The index [`INDEX`] beside the logs gives departure, unit, driver and direction;
-//! when every run stands in an index the runs go in the order of departure, otherwise as given. `runs.csv` and `index.csv` are never
-//! taken for logs, so that `logs/*.csv` works; neither are the results that a `manifest.json` beside the logs lists.
+//! A folder stands for all its `*.csv` in the order of their names; one without any that has a folder `runs`, as a data
+//! set of `rundown simulate`, stands for that. The index [`INDEX`] beside the logs gives departure, unit, driver and
+//! direction; when every run stands in an index the runs go in the order of departure, otherwise as given. `runs.csv`
+//! and `index.csv` are never taken for logs, so that `logs/*.csv` works; neither are the results that a `manifest.json`
+//! beside the logs lists.
 
 use crate::effect_file::day_of;
 use crate::folder::{MANIFEST, results_in};
@@ -324,7 +325,8 @@ fn unknown_columns(path: &Path, line: u64, header: &csv::StringRecord) -> Option
     Some(place.refuse("", format!("expected columns among {columns}, found {names}, which are not read")))
 }
 
-/// Runs of one name get their folder's name before it, and a number when that is not enough: no output overwrites another.
+/// Runs of one name get their folder's name before it, and a number when that is not enough: no output overwrites
+/// another.
 fn tell_apart(files: &mut [RunFile]) {
     let mut counts: HashMap<String, usize> = HashMap::new();
     for file in files.iter() {

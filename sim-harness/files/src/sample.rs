@@ -1,4 +1,5 @@
-//! One sample of a run, and [`COLUMNS`], the table by which CSV and Parquet are read and written. What a file has in other units is SI from here on.
+//! One sample of a run, and [`COLUMNS`], the table by which CSV and Parquet are read and written. What a file has in
+//! other units is SI from here on.
 
 use crate::column::{About, Kind};
 use rundown::{model::effects::Surroundings, model::units::KmPerHour, tick::measurement::Measurement};
@@ -179,7 +180,8 @@ impl Sample {
         Measurement { time_s, location_m, speed_mps, effort_n_per_kg }
     }
 
-    /// Takes the temperature into what is known of the surroundings. An empty field, or one that a board refuses: as it was.
+    /// Takes the temperature into what is known of the surroundings. An empty field, or one that a board refuses: as it
+    /// was.
     pub fn update(&self, surroundings: &mut Surroundings) {
         let now = Surroundings { temperature_c: self.temperature_c.or(surroundings.temperature_c), ..*surroundings };
         if now.are_plausible() {

@@ -82,7 +82,8 @@ impl<T> TomlFile<T> {
         self.refuse(&steps, message)
     }
 
-    /// As [`TomlFile::refuse`], for an error that reads `field: expected X, found Y`, its field below `steps` and written as in `davis.r0`.
+    /// As [`TomlFile::refuse`], for an error that reads `field: expected X, found Y`, its field below `steps` and
+    /// written as in `davis.r0`.
     pub fn refuse_error(&self, steps: &[Step<'_>], error: &dyn Display) -> ReadError {
         let text = error.to_string();
         let (field, message) = text.split_once(": ").unwrap_or(("", &text));

@@ -1,4 +1,5 @@
-//! Track descriptions: a TOML file, see [`TrackFile`]. Out: the estimator's [`Track`], and the tables the estimator has no use for.
+//! Track descriptions: a TOML file, see [`TrackFile`]. Out: the estimator's [`Track`], and the tables the estimator has
+//! no use for.
 
 use crate::effect_file::{self, EffectEntry};
 use crate::toml_file::{self, Step, TomlFile};
@@ -106,8 +107,8 @@ impl TrackFile {
         Self::parse(path, &toml_file::text_of(path)?)
     }
 
-    /// How far a gradient may be off: as the file says; else nothing where gradients are described, and as much as lines differ from flat ones
-    /// where none are.
+    /// How far a gradient may be off: as the file says; else nothing where gradients are described, and as much as
+    /// lines differ from flat ones where none are.
     ///
     /// ```
     /// use rundown_files::track_file::TrackFile;

@@ -1,7 +1,8 @@
 //! Do the columns of a log hold the units that their names say?
 //!
-//! Distance by location over distance by speed is 1 where all is well, within the few percent of a worn wheel. A speed in m/s makes it 3.6, a time in milliseconds or a location in kilometres a
-//! thousandth. An effort that is a force has values that no train has. Medians, so that no single wild reading decides.
+//! Distance by location over distance by speed is 1 where all is well, within the few percent of a worn wheel. A speed
+//! in m/s makes it 3.6, a time in milliseconds or a location in kilometres a thousandth. An effort that is a force has
+//! values that no train has. Medians, so that no single wild reading decides.
 
 use crate::sample::Sample;
 use crate::statistics::median_of;
@@ -27,7 +28,8 @@ const FAR: f64 = 1.25;
 const FEW: usize = 20;
 /// Nor do fewer pieces in which the speed changes.
 const FEW_CHANGING: usize = 5;
-/// Where a unit changes within a log, so large a share of the pieces has the usual ratio of its part, within this factor.
+/// Where a unit changes within a log, so large a share of the pieces has the usual ratio of its part, within this
+/// factor.
 const MOST: f64 = 0.85;
 const ALIKE: f64 = 1.2;
 /// A slower reading is mostly rounding, m/s.
@@ -56,14 +58,15 @@ pub fn doubt(rows: &[Sample]) -> Option<Doubt> {
     far_ratio(&pieces(rows)).map(|ratio| Doubt::Distance { ratio })
 }
 
-/// Distance by location over distance by speed, where it is too far from 1 to be a matter of a wheel, and the line from which on: 0 for the whole run,
-/// otherwise where the part that is off begins or ends.
+/// Distance by location over distance by speed, where it is too far from 1 to be a matter of a wheel, and the line from
+/// which on: 0 for the whole run, otherwise where the part that is off begins or ends.
 pub fn far(rows: &[Sample]) -> Option<(f64, u64)> {
     let pieces = pieces(rows);
     far_ratio(&pieces).map(|ratio| (ratio, 0)).or_else(|| far_part(pieces))
 }
 
-/// The median over the pieces of a run. A speed that stands still is no unit: the pieces in which it changes must say the same, if there are any.
+/// The median over the pieces of a run. A speed that stands still is no unit: the pieces in which it changes must say
+/// the same, if there are any.
 fn far_ratio(pieces: &[Piece]) -> Option<f64> {
     let changing: Vec<f64> = pieces.iter().filter(|piece| piece.changes).map(|piece| piece.ratio).collect();
     let ratio = middle(pieces.iter().map(|piece| piece.ratio)).filter(|ratio| is_far(*ratio))?;

@@ -58,7 +58,8 @@ fn wrong_factor(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
     effort_factor(given, rows).filter(|factor| !(1.0 / most..=most).contains(factor))
 }
 
-/// The described slopes are those of the line: by the effort column, and without one, or where it does not show them, by the coasts.
+/// The described slopes are those of the line: by the effort column, and without one, or where it does not show them,
+/// by the coasts.
 fn slopes(input: &Input, given: &Context<'_>, rows: &[Row]) -> Result<(), Refusal> {
     let TrackConfig { most_slope_factor: most, slope_sure: sure, most_gradient_sd_permille, .. } = given.config.track;
     if given.surroundings.is_level
@@ -87,8 +88,8 @@ pub fn off_track(input: &Input, config: &GapConfig) -> Option<OffTrack> {
     off.any()
 }
 
-/// How many times the effort that the motion of the train needs the column has, where trains are driven hardest: there the acceleration outweighs what is not
-/// known of resistance and gradients. None from too few intervals.
+/// How many times the effort that the motion of the train needs the column has, where trains are driven hardest: there
+/// the acceleration outweighs what is not known of resistance and gradients. None from too few intervals.
 fn effort_factor(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
     // By the motion: of a brake the column may have a part.
     let hardest = powered_hard(rows);

@@ -48,7 +48,8 @@ pub fn selected(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Opt
     Some(Selected { cut, measured, model })
 }
 
-/// Analyses runs against the believed model, with the terms that were selected of them. `None` if there is nothing to analyse: no run has enough of location and speed.
+/// Analyses runs against the believed model, with the terms that were selected of them. `None` if there is nothing to
+/// analyse: no run has enough of location and speed.
 pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading, selected: &Selected) -> Option<Findings> {
     let config = given.config;
     let kinematics = Kinematics::of(runs);
@@ -171,7 +172,8 @@ fn model(
     Some(found)
 }
 
-/// Rows and powering phases of other runs, as the findings would have them: for judging on hold-out runs. `context`: that of the findings.
+/// Rows and powering phases of other runs, as the findings would have them: for judging on hold-out runs. `context`:
+/// that of the findings.
 pub fn apply(context: &Context<'_>, findings: &Findings, runs: &[Run]) -> (Vec<Row>, Vec<Vec<SteadyPower>>) {
     let righted = without_gain(runs, findings.gain.map_or(0.0, |gain| gain.value));
     let runs = &righted;
@@ -215,7 +217,8 @@ mod tests {
 
     const RUNS: usize = 32;
 
-    /// Of 32 runs of four units on eight days, up and down, that coast from 40 to 15 m/s: unit 3 has a share more resistance, and each run a wind of its own, m/s.
+    /// Of 32 runs of four units on eight days, up and down, that coast from 40 to 15 m/s: unit 3 has a share more
+    /// resistance, and each run a wind of its own, m/s.
     fn differing(more: f64, wind_sd_mps: f64, seed: u64) -> BetweenRuns {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let run = |run: usize| Run {

@@ -1,7 +1,8 @@
 //! What an effect is to the workflow: one trait, one file below `candidates/` for each kind.
 //!
-//! A [`Term`] is a candidate with its shape chosen (a section, a time constant, runs): the columns of a linear fit, one for each free coefficient. Effects that do not act on the
-//! resistance offer no terms; they are named from the findings of another stage ([`Candidate::beside`]).
+//! A [`Term`] is a candidate with its shape chosen (a section, a time constant, runs): the columns of a linear fit, one
+//! for each free coefficient. Effects that do not act on the resistance offer no terms; they are named from the
+//! findings of another stage ([`Candidate::beside`]).
 
 use crate::axis::Axis;
 use crate::columns::{both_directions, coordinate};
@@ -174,7 +175,8 @@ impl Term {
         self.of.penalty(&self.shape, &context.penalty(), rows)
     }
 
-    /// What an unnamed section must be better by only because it has no name: it fits as well as one with a name that is better by no more.
+    /// What an unnamed section must be better by only because it has no name: it fits as well as one with a name that
+    /// is better by no more.
     pub fn unnamed_penalty(&self, context: &Context<'_>) -> f64 {
         let is_section = self.is_unnamed() && self.section().is_some();
         if is_section { context.config.penalty.unnamed } else { 0.0 }
@@ -359,7 +361,8 @@ pub struct SectionLimits {
     pub share: (f64, f64),
 }
 
-/// 95 % limits of a shape that is a number, and of the coefficient that goes with it: where the shape moves, the coefficient follows.
+/// 95 % limits of a shape that is a number, and of the coefficient that goes with it: where the shape moves, the
+/// coefficient follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeLimits {
     pub shape: (f64, f64),
@@ -373,11 +376,13 @@ pub struct ShapeLimits {
 pub struct Fitted {
     pub term: Term,
     pub beta: Vec<f64>,
-    /// Their standard deviations: the larger of noise model and spread between runs, and what sensors may do in all runs alike.
+    /// Their standard deviations: the larger of noise model and spread between runs, and what sensors may do in all
+    /// runs alike.
     pub sd: Vec<f64>,
     /// Log-likelihood that would be lost without it.
     pub gain: f64,
-    /// How many times less than the noise says a difference of log-likelihood counts for it, at least 1: the noise does not fit, or runs differ.
+    /// How many times less than the noise says a difference of log-likelihood counts for it, at least 1: the noise does
+    /// not fit, or runs differ.
     pub dispersion: f64,
     pub section: Option<SectionLimits>,
     /// Limits of a shape that is a number.
@@ -406,7 +411,8 @@ impl Fitted {
         }
     }
 
-    /// The value of the first coefficient in a unit, and its 95 % interval; that of a coefficient whose section may be another is a share of it.
+    /// The value of the first coefficient in a unit, and its 95 % interval; that of a coefficient whose section may be
+    /// another is a share of it.
     pub fn first(&self, parameter: &'static str, scale: f64) -> (f64, Interval95) {
         let value = self.beta[0] * scale;
         let interval = match &self.section {
@@ -587,7 +593,8 @@ pub trait Candidate: Sync {
         None
     }
 
-    /// The parameter that is the effect's size, and its value without the effect. `length_m`: of the train as described.
+    /// The parameter that is the effect's size, and its value without the effect. `length_m`: of the train as
+    /// described.
     fn main_parameter(&self, _length_m: f64) -> Option<(&'static str, f64)> {
         self.facts().size
     }

@@ -1,4 +1,5 @@
-//! What chance alone would make of a column: sign-flip test over runs, and for probes that know no law what drivers do alike drawn beside them.
+//! What chance alone would make of a column: sign-flip test over runs, and for probes that know no law what drivers do
+//! alike drawn beside them.
 
 use crate::config::{EvidenceConfig, GapConfig};
 use crate::data::{believed::Context, rows::Row};
@@ -53,8 +54,8 @@ fn is_steady(row: &Row, config: &EvidenceConfig) -> bool {
     row.interval.effort_change_n_per_kg <= config.steady_n_per_kg
 }
 
-/// Other rows hardly count. They do so in the fit of what a column is tried beside, too: were only the column none in them, a lag of the locations, say, would take from these
-/// rows what a train length does, and then from all of them.
+/// Other rows hardly count. They do so in the fit of what a column is tried beside, too: were only the column none in
+/// them, a lag of the locations, say, would take from these rows what a train length does, and then from all of them.
 fn steady(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> Calibrated {
     let config = &context.config.evidence;
     let mut calibrated = driven_less(context, rows, calibrated);
@@ -104,8 +105,9 @@ impl OfRun {
     }
 }
 
-/// How runs scatter about a multiple of a column, beyond what noise makes: the excess of the sum of squares, and by how much it grows with the variance between
-/// runs, so that their ratio is an estimate of it. (DerSimonian and Laird 1986.)
+/// How runs scatter about a multiple of a column, beyond what noise makes: the excess of the sum of squares, and by how
+/// much it grows with the variance between runs, so that their ratio is an estimate of it. (DerSimonian and Laird
+/// 1986.)
 ///
 /// `about`: the multiple, where it is known; else the mean of these runs.
 pub fn beyond_noise(runs: impl Iterator<Item = OfRun> + Clone, about: Option<f64>) -> [f64; 2] {
@@ -136,12 +138,14 @@ impl<'a> Ground<'a> {
         Self { habits, ..Self::on(context, rows, whitening) }
     }
 
-    /// For the trial of a law that is known: what drivers do alike is a random effect beside it, which leaves what only the law explains.
+    /// For the trial of a law that is known: what drivers do alike is a random effect beside it, which leaves what only
+    /// the law explains.
     pub fn of_terms(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
         Self::on(context, rows, steady(context, rows, calibrated).for_trials(context, rows))
     }
 
-    /// For comparing runs by what all have alike in part: the gain of all is no random effect, which would take its share from each run.
+    /// For comparing runs by what all have alike in part: the gain of all is no random effect, which would take its
+    /// share from each run.
     pub fn of_each_run(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
         Self::on(context, rows, driven_less(context, rows, calibrated).without_nuisances(context, rows))
     }
@@ -182,7 +186,8 @@ impl<'a> Ground<'a> {
         enough.then_some(Probe { runs: of_runs, acting, information, noise, drawn, small, habits })
     }
 
-    /// What a column makes of each run beside the base, which it may be a part of: for comparing runs with each other, where what all have alike cancels.
+    /// What a column makes of each run beside the base, which it may be a part of: for comparing runs with each other,
+    /// where what all have alike cancels.
     pub fn of_runs(&self, base: &Base, column: &[f64]) -> Vec<OfRun> {
         self.scores(base, &self.whitening.whiten(column))
     }
@@ -206,8 +211,8 @@ impl<'a> Ground<'a> {
 }
 
 impl Probe {
-    /// In standard deviations: those that the runs scatter about their mean, no less than the noise says. Few runs that agree are then as sure as they are;
-    /// measured by the sum of their squares they could never be.
+    /// In standard deviations: those that the runs scatter about their mean, no less than the noise says. Few runs that
+    /// agree are then as sure as they are; measured by the sum of their squares they could never be.
     fn size(&self, beyond: f64, habits: f64, sign: impl Fn(usize) -> f64) -> f64 {
         let runs = || self.runs.iter().enumerate();
         let sum: f64 = runs().map(|(i, run)| sign(i) * run.weight * run.score).sum();

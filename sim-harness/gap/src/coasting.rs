@@ -1,4 +1,5 @@
-//! Where a log without an effort column coasted: the probability of coasting of each interval, forward and backward over its run.
+//! Where a log without an effort column coasted: the probability of coasting of each interval, forward and backward
+//! over its run.
 //!
 //! The train's effort is calculated from the change of speed and the current model; each regime expects its own,
 //!
@@ -10,8 +11,10 @@
 //! | brake | -0.8 to -0.1, or below |
 //! | change | -0.5 to 1.05 of the largest |
 //!
-//! Coasting and a held speed weigh more than their share, 2.5 times as much as a density of the same width: without that short coasts would hardly be seen. An interval counts as coasted only if the one beside it did, too, or if the change clearly lies in the one
-//! beside it: its effort is a part of the one before. How often regimes change is found from the runs.
+//! Coasting and a held speed weigh more than their share, 2.5 times as much as a density of the same width: without
+//! that short coasts would hardly be seen. An interval counts as coasted only if the one beside it did, too, or if the
+//! change clearly lies in the one beside it: its effort is a part of the one before. How often regimes change is found
+//! from the runs.
 
 use crate::config::CoastingConfig;
 use crate::data::{believed::believed_load, interval::Interval};
@@ -62,7 +65,8 @@ struct Weighed {
 impl Weighed {
     fn new(line: &Line<'_>, interval: &Interval, extra: [f64; 2], recognised: &Recognised<'_>) -> Self {
         let config = recognised.config;
-        // Beyond that it would be power that drivers apply at the same place, taken for a gradient, and found there ever more.
+        // Beyond that it would be power that drivers apply at the same place, taken for a gradient, and found there
+        // ever more.
         let [extra, beyond_places] = extra.map(|e| e.clamp(-config.most_extra_n_per_kg, config.most_extra_n_per_kg));
         let load = believed_load(line, interval) + extra;
         let effort = interval.acceleration_mps2() + load;
@@ -101,7 +105,8 @@ impl Weighed {
             // Changing: anywhere between.
             even(config.change_from_n_per_kg, config.change_to * most) * config.change_weight,
         ];
-        // What was found at this place must not make coasting of a speed that was held; where neither fits, both are as far off as they are, with the same tails.
+        // What was found at this place must not make coasting of a speed that was held; where neither fits, both are as
+        // far off as they are, with the same tails.
         let by_the_rest = student(effort - extra + beyond_places, sd) * sd;
         let moves = interval.speed_mps.iter().all(|speed| *speed >= config.slowest_mps);
         Self {
@@ -156,7 +161,8 @@ impl<'a> Driven<'a> {
     fn coasted(&self, change: f64) -> Vec<bool> {
         let regimes = self.regimes(change);
         let at = |i: isize| usize::try_from(i).ok().filter(|i| *i < regimes.len());
-        // No part of the effort before or after lies in the interval: its neighbour coasted too, or the change lies well within the neighbour.
+        // No part of the effort before or after lies in the interval: its neighbour coasted too, or the change lies
+        // well within the neighbour.
         let pure = |i: isize, outward: isize| {
             let Some(beside) = at(i + outward) else {
                 return true;
@@ -171,7 +177,8 @@ impl<'a> Driven<'a> {
         let mut coasted: Vec<bool> = (0..regimes.len())
             .map(|i| regimes[i][COAST] > self.config.enough && pure(i as isize, -1) && pure(i as isize, 1))
             .collect();
-        // Down a gradient that balances the resistance a held speed looks like coasting, interval by interval; and power between two coasts must not hide in them.
+        // Down a gradient that balances the resistance a held speed looks like coasting, interval by interval; and
+        // power between two coasts must not hide in them.
         let mut at = 0;
         for stretch in coasted.chunk_by_mut(|a, b| a == b) {
             let weighed = &self.weighed[at..at + stretch.len()];
@@ -227,7 +234,8 @@ mod tests {
         Track::try_new(9_000.0, [gradient]).unwrap()
     }
 
-    /// Which intervals of a run on the level with these efforts, in N/kg, count as coasted. The speed stays about 25 m/s: what is given is taken off between.
+    /// Which intervals of a run on the level with these efforts, in N/kg, count as coasted. The speed stays about 25
+    /// m/s: what is given is taken off between.
     fn coasted_of(efforts: &[f64]) -> Vec<bool> {
         let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
         let track = level();

@@ -1,9 +1,11 @@
 //! Every threshold and prior of the workflow: a name, a unit, a source, and a value that a file may change.
 //!
-//! Each line of documentation ends with where the value comes from: `Measured` on data with a known answer, `Derived` from the formulation, or `Judgement`. Sizes that an effect must
-//! have, and the shapes that are tried, belong to the effect: they stand in its file below `candidates/` and can be set as `[prior.<name>]`.
+//! Each line of documentation ends with where the value comes from: `Measured` on data with a known answer, `Derived`
+//! from the formulation, or `Judgement`. Sizes that an effect must have, and the shapes that are tried, belong to the
+//! effect: they stand in its file below `candidates/` and can be set as `[prior.<name>]`.
 //!
-//! What only says how finely something is computed (points along a path, steps of an integration, rounds of an iteration) is a constant where it is used.
+//! What only says how finely something is computed (points along a path, steps of an integration, rounds of an
+//! iteration) is a constant where it is used.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

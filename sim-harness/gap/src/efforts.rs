@@ -1,4 +1,5 @@
-//! The effort of each interval: measured, known to be zero in coasting, or what the model says it takes; and so the rows and the powering phases of a set.
+//! The effort of each interval: measured, known to be zero in coasting, or what the model says it takes; and so the
+//! rows and the powering phases of a set.
 
 use crate::candidate::Term;
 use crate::coasting::{Driven, Extra, Recognised, coasted};
@@ -97,8 +98,8 @@ fn beyond_places((model, beta): (&[Term], &[f64])) -> (Vec<Term>, Vec<f64>) {
     kept
 }
 
-/// Rows with others that coast on both sides: at the ends of coasts there is a rest of what was before or comes after, at the same places in all runs, and no single
-/// row shows it. All of them, where fewer than `few` would be left.
+/// Rows with others that coast on both sides: at the ends of coasts there is a rest of what was before or comes after,
+/// at the same places in all runs, and no single row shows it. All of them, where fewer than `few` would be left.
 fn within_coasts(rows: Vec<Row>, few: usize) -> Vec<Row> {
     let goes_on = |pair: &[Row]| {
         let [a, b] = [&pair[0].interval, &pair[1].interval];
@@ -117,7 +118,8 @@ impl Looked<'_> {
         self.runs.iter().zip(self.cut)
     }
 
-    /// The rows: from every moving interval where the effort is measured, else from coasting. `known`: the noise, if it was found; `uncertain`: how well the resistance is described.
+    /// The rows: from every moving interval where the effort is measured, else from coasting. `known`: the noise, if it
+    /// was found; `uncertain`: how well the resistance is described.
     pub fn rows(&self, known: Option<&Calibrated>, uncertain: f64) -> Vec<Row> {
         let context = self.context;
         let efforts: Vec<Vec<Option<f64>>> = if self.measured {

@@ -1,10 +1,12 @@
 //! Is there a gap at all, and along what?
 //!
-//! Probes are functions of location, speed, time since departure, temperature, day, regime and direction that name no cause. Not of the effort: its own error
-//! stands in the residual, so rows that are chosen by their effort have one. Under the null each run's score of a probe is as likely positive as negative, so
-//! the sign-flip test over runs gives the distribution of the largest of them, whatever the correlation within a run and between probes. (Runs
-//! are the unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, and driven rows count as much less
-//! as they scatter more. Nor is what sensors leave in all runs alike: the observed scores are less by what 1e-4 N/kg would make.
+//! Probes are functions of location, speed, time since departure, temperature, day, regime and direction that name no
+//! cause. Not of the effort: its own error stands in the residual, so rows that are chosen by their effort have one.
+//! Under the null each run's score of a probe is as likely positive as negative, so the sign-flip test over runs gives
+//! the distribution of the largest of them, whatever the correlation within a run and between probes. (Runs are the
+//! unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, and
+//! driven rows count as much less as they scatter more. Nor is what sensors leave in all runs alike: the observed
+//! scores are less by what 1e-4 N/kg would make.
 
 use crate::chance::{Ground, Probe, probability};
 use crate::columns::{coordinate_name, hats, in_the_middle, knots};
@@ -81,7 +83,8 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
     ]
 }
 
-/// Takes out the mean: what differs from run to run shows in comparison, and what all runs have alike, habits of drivers among it, does not.
+/// Takes out the mean: what differs from run to run shows in comparison, and what all runs have alike, habits of
+/// drivers among it, does not.
 fn centre(column: &mut [f64]) {
     let mean = column.iter().sum::<f64>() / column.len() as f64;
     column.iter_mut().for_each(|value| *value -= mean);
@@ -94,7 +97,8 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
     }
     let config = &context.config.evidence;
     let ground = Ground::of_probes(context, rows, calibrated);
-    // What runs of a direction have alike is a matter of runs: with a wind of its own in each of them, what is left of one that all have is what drivers do.
+    // What runs of a direction have alike is a matter of runs: with a wind of its own in each of them, what is left of
+    // one that all have is what drivers do.
     let of_runs = Calibrated { own: Own::default(), ..calibrated.clone() };
     let probes = probes(&ground, &Ground::of_probes(context, rows, &of_runs), config);
     let draws: Vec<Vec<f64>> = ground
@@ -132,7 +136,8 @@ pub struct Placed {
     pub probe: Probe,
 }
 
-/// The probes that stand in enough runs, those of a direction on ground of their own; none where the columns of the sensors are not independent.
+/// The probes that stand in enough runs, those of a direction on ground of their own; none where the columns of the
+/// sensors are not independent.
 pub fn probes(ground: &Ground<'_>, of_runs: &Ground<'_>, config: &EvidenceConfig) -> Vec<Placed> {
     let Some((base, of_runs_base)) = ground.beside(&[]).zip(of_runs.beside(&[])) else {
         return Vec::new();
@@ -158,8 +163,8 @@ mod tests {
     const RUNS: usize = 30;
     const ROWS: usize = 60;
 
-    /// The p-value where nothing is hidden but what `residual` says of a row: its index in the run and whether it brakes, with noise of a standard deviation
-    /// of 0.01 N/kg, five times as much where it brakes.
+    /// The p-value where nothing is hidden but what `residual` says of a row: its index in the run and whether it
+    /// brakes, with noise of a standard deviation of 0.01 N/kg, five times as much where it brakes.
     fn p_value(seed: u64, residual: fn(usize, bool) -> f64) -> f64 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut rows = Vec::new();

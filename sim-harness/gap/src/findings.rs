@@ -54,7 +54,8 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Spread of the wind between runs and its standard deviation, m/s, if runs surely differ by more than the wind that there always is.
+    /// Spread of the wind between runs and its standard deviation, m/s, if runs surely differ by more than the wind
+    /// that there always is.
     fn run_wind(&self, config: &BetweenRunsConfig) -> Option<(f64, f64)> {
         let mut runs: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
         runs.dedup();

@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, DVector};
 
 pub use rundown_files::statistics::median;
 
-/// Log-likelihood that a value at the end of its 95 % interval loses: half the square of [`HALF_95`](rundown_check::agreement::HALF_95).
+/// Log-likelihood that a value at the end of its 95 % interval loses: half the square of
+/// [`HALF_95`](rundown_check::agreement::HALF_95).
 pub const LOSS_AT_LIMIT: f64 = 1.92;
 
 /// Log of the number of ways to choose `chosen` of `all` runs, about.
@@ -14,7 +15,8 @@ pub fn choices(chosen: usize, all: usize) -> f64 {
     -(all as f64) * (p * p.ln() + (1.0 - p) * (1.0 - p).ln()) + 0.5 * (all as f64).ln()
 }
 
-/// Share of the runs that are of a second kind, by expectation and maximisation. `expected`: how many of them are, under a share.
+/// Share of the runs that are of a second kind, by expectation and maximisation. `expected`: how many of them are,
+/// under a share.
 pub fn mixed_share(runs: usize, rounds: usize, most: f64, mut expected: impl FnMut(f64) -> f64) -> f64 {
     let runs = runs as f64;
     (0..rounds).fold(0.2, |share, _| (expected(share) / runs).clamp(0.5 / runs, most))
@@ -30,12 +32,14 @@ pub fn mixed_gain(share: f64, gains: impl Iterator<Item = f64>) -> f64 {
     gains.map(|gain| (1.0 - share).ln() + mixed_odds(share, gain).ln_1p()).sum()
 }
 
-/// A coordinate search: each coordinate is moved by its step to either side as long as that gains, then the steps are made smaller.
+/// A coordinate search: each coordinate is moved by its step to either side as long as that gains, then the steps are
+/// made smaller.
 pub struct Climb<const N: usize> {
     pub steps: [f64; N],
     /// Factor on the steps.
     pub shrink: f64,
-    /// Rounds; the steps are made smaller after each. 0: only after a round without a move, as long as the first step is above `least`.
+    /// Rounds; the steps are made smaller after each. 0: only after a round without a move, as long as the first step
+    /// is above `least`.
     pub rounds: usize,
     /// The least first step.
     pub least: f64,
@@ -120,8 +124,9 @@ fn inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 impl Base {
-    /// How many times wider than the noise says differences of the log-likelihood scatter, at least 1: the mean square of what is left, which should be 1, times
-    /// what neighbours that are alike add to the variance of a mean. (Overdispersion; Burnham and Anderson 2002; autocorrelation of first order.)
+    /// How many times wider than the noise says differences of the log-likelihood scatter, at least 1: the mean square
+    /// of what is left, which should be 1, times what neighbours that are alike add to the variance of a mean.
+    /// (Overdispersion; Burnham and Anderson 2002; autocorrelation of first order.)
     pub fn dispersion(&self) -> f64 {
         let free = self.residual.len().saturating_sub(self.x.ncols()).max(1);
         let squares = self.residual.norm_squared();
@@ -222,7 +227,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Of 40 runs of 50 rows that scatter so many times wider than the noise says, each row with a share of the one before.
+    /// Of 40 runs of 50 rows that scatter so many times wider than the noise says, each row with a share of the one
+    /// before.
     fn dispersion(wider: f64, carried: f64) -> f64 {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let mut before = 0.0;

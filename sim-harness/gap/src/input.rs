@@ -96,8 +96,8 @@ impl Described {
 }
 
 impl Input {
-    /// Reads files: a train, a track, and folders of run logs or run logs. `direction`: of the runs that no index names. What the diagnosis of the logs finds is
-    /// put right; with `as_recorded` it is not asked.
+    /// Reads files: a train, a track, and folders of run logs or run logs. `direction`: of the runs that no index
+    /// names. What the diagnosis of the logs finds is put right; with `as_recorded` it is not asked.
     ///
     /// # Errors
     /// [`Refusal`] names the file.

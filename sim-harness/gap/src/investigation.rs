@@ -1,6 +1,7 @@
 //! The five steps, in their order: is there a gap, where, which effect, add it, show the gap shrink.
 //!
-//! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the training runs, evaluated on the others.
+//! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the
+//! training runs, evaluated on the others.
 
 use crate::analysis::{analyse, selected};
 use crate::candidate::Term;
@@ -40,7 +41,8 @@ pub struct Investigation {
     pub findings: Findings,
     /// What was found, by name, largest first.
     pub named: Vec<Named>,
-    /// What fits as well as a named effect, but may be chance, or does not repeat in halves of the runs: no effect of the repaired model.
+    /// What fits as well as a named effect, but may be chance, or does not repeat in halves of the runs: no effect of
+    /// the repaired model.
     pub candidates: Vec<Named>,
     /// How well the noise fits; none from too few rows.
     pub whiteness: Option<Whiteness>,
@@ -205,7 +207,8 @@ struct Settled {
     candidates: Vec<Named>,
 }
 
-/// Analyses. A term that is no more than chance may have taken what the gain of an effort column does in truth: then it is analysed again without the term. `None`: see [`analyse`].
+/// Analyses. A term that is no more than chance may have taken what the gain of an effort column does in truth: then it
+/// is analysed again without the term. `None`: see [`analyse`].
 fn settled(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Option<Settled> {
     let mut selected = selected(given, runs, effort)?;
     loop {
@@ -219,8 +222,8 @@ fn settled(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Option<S
     }
 }
 
-/// Analyses runs that were put right, and once more where the offset of the locations turns out to be another beside runs of another length. With the runs and readings
-/// of which it is. `None`: see [`analyse`].
+/// Analyses runs that were put right, and once more where the offset of the locations turns out to be another beside
+/// runs of another length. With the runs and readings of which it is. `None`: see [`analyse`].
 fn beside_lengths(given: &Context<'_>, runs: Vec<Run>, readings: Readings) -> Option<(Settled, Vec<Run>, Readings)> {
     let effort = readings.effort.reading;
     let found = settled(given, &runs, effort)?;
@@ -232,7 +235,8 @@ fn beside_lengths(given: &Context<'_>, runs: Vec<Run>, readings: Readings) -> Op
     again.or(Some((found, runs, readings)))
 }
 
-/// What was found, by name, what is but a candidate, and the terms that are no more than chance; nothing of it lies beyond the ends of the line.
+/// What was found, by name, what is but a candidate, and the terms that are no more than chance; nothing of it lies
+/// beyond the ends of the line.
 fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<Named>, Vec<Named>, Vec<Term>) {
     let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
     let limit = findings.limit(&context.config.search);

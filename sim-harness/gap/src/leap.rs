@@ -1,7 +1,8 @@
 //! Do the locations of all runs leap at one place, beyond what their speeds cover?
 //!
-//! In: the runs as they are read. Out: where, by how much, and in how many runs. A chainage that leaps, or a line that was measured again up to one place, puts all that lies
-//! behind it elsewhere: gradients, lengths and wheels would be named for it.
+//! In: the runs as they are read. Out: where, by how much, and in how many runs. A chainage that leaps, or a line that
+//! was measured again up to one place, puts all that lies behind it elsewhere: gradients, lengths and wheels would be
+//! named for it.
 //!
 //! ```text
 //! leap = x1 - x0 -+ (v0 + v1)/2 (t1 - t0)        the largest between two readings of a run
@@ -23,10 +24,12 @@ pub struct Leap {
     pub runs: usize,
 }
 
-/// Locations this long before and after a leap must show it, too, s: a receiver that loses a train in a tunnel finds it again.
+/// Locations this long before and after a leap must show it, too, s: a receiver that loses a train in a tunnel finds it
+/// again.
 const LASTS_S: core::ops::Range<f64> = 90.0..150.0;
 
-/// Time, location, and location less the distance by speed, along the direction of travel, of the readings that have both.
+/// Time, location, and location less the distance by speed, along the direction of travel, of the readings that have
+/// both.
 fn shifts(run: &Run) -> Vec<(f64, f64, f64)> {
     let sign = run.direction.sign();
     let (mut distance_m, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
@@ -77,7 +80,8 @@ mod tests {
     use rand_distr::{Distribution, Normal};
     use rundown::model::direction::Direction;
 
-    /// What is found of 20 runs over 30 km, read every 10 s with a noise of 8 m, of which some leap by so much at km 12.
+    /// What is found of 20 runs over 30 km, read every 10 s with a noise of 8 m, of which some leap by so much at km
+    /// 12.
     fn found(by_m: f64, leaps: fn(usize) -> bool) -> Option<Leap> {
         found_until(by_m, leaps, f64::INFINITY)
     }

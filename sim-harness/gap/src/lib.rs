@@ -22,7 +22,8 @@
 //!      gap.json, page, story, tables, model, frame          Answer
 //! ```
 //!
-//! All thresholds and priors are in [`GapConfig`]; everything about one kind of effect is in its file below `candidates/`.
+//! All thresholds and priors are in [`GapConfig`]; everything about one kind of effect is in its file below
+//! `candidates/`.
 //!
 //! ```no_run
 //! use rundown_gap::config::GapConfig;
@@ -86,10 +87,12 @@ use investigation::investigate;
 use refusal::Refusal;
 use rundown_files::recording::Recording;
 
-/// Does all of it. `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` gets a line for each step.
+/// Does all of it. `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` gets a line
+/// for each step.
 ///
 /// # Errors
-/// [`Refusal`]: too few runs, or to hold out so many; runs that are not on the track, in another unit of effort, or have too little to compare; or more effects than a board takes.
+/// [`Refusal`]: too few runs, or to hold out so many; runs that are not on the track, in another unit of effort, or
+/// have too little to compare; or more effects than a board takes.
 pub fn run(
     input: Input,
     config: GapConfig,

@@ -34,7 +34,8 @@ pub struct Named {
     pub gain: f64,
     /// Which term of the model it is, if it is one.
     pub term: Option<usize>,
-    /// Whether it is more than chance and repeats; none: it was not tried, since it shows in something else than the mean of the residuals.
+    /// Whether it is more than chance and repeats; none: it was not tried, since it shows in something else than the
+    /// mean of the residuals.
     pub trial: Option<Trial>,
 }
 

@@ -4,8 +4,8 @@
 //! y = (k - 1) g(s) + a u + b0 + b1 v + b2 v²      k: 1 described rightly, 0.5 twice too steep, -1 with the sign turned, 0 of another line
 //! ```
 //!
-//! By least squares in rows that no driver can forge. How surely k is known is what parts of the line say of it: a wrong gradient at one place is an effect,
-//! and no wrong track.
+//! By least squares in rows that no driver can forge. How surely k is known is what parts of the line say of it: a
+//! wrong gradient at one place is an effect, and no wrong track.
 
 use crate::data::believed::Context;
 use crate::data::rows::Row;
@@ -15,7 +15,8 @@ use nalgebra::DVector;
 use rundown_check::agreement::Figure;
 use std::collections::BTreeMap;
 
-/// Times the described slopes that the motion of the trains needs; none on a level line or from too few rows. `rows`: of an effort column as it was read.
+/// Times the described slopes that the motion of the trains needs; none on a level line or from too few rows. `rows`:
+/// of an effort column as it was read.
 pub fn factor(given: &Context<'_>, rows: &[Row]) -> Option<Figure> {
     let rows: Vec<&Row> = rows.iter().filter(|row| is_strong(row, &given.config.search)).collect();
     if rows.len() < given.config.search.few_rows {
@@ -55,8 +56,8 @@ fn by_motion(rows: &[&Row]) -> Option<Base> {
     Base::new(&column(rows, |row| row.residual_n_per_kg), &beside, &[])
 }
 
-/// The slopes, permille, of a line that is described as level: standard deviation over places of 1 km, from the median of their sizes, so that what acts at
-/// a few places is none. None where most places are within noise. `rows` as above.
+/// The slopes, permille, of a line that is described as level: standard deviation over places of 1 km, from the median
+/// of their sizes, so that what acts at a few places is none. None where most places are within noise. `rows` as above.
 pub fn of_level(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
     let rows: Vec<&Row> = rows.iter().filter(|row| is_strong(row, &given.config.search)).collect();
     let base = by_motion(&rows)?;
@@ -98,7 +99,8 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rundown::model::direction::Direction;
 
-    /// What 20 runs on a line of 30 km say, of which the slopes are so many times those described, with another gradient of 4 permille from km 10 to 12, or without.
+    /// What 20 runs on a line of 30 km say, of which the slopes are so many times those described, with another
+    /// gradient of 4 permille from km 10 to 12, or without.
     fn found(times: f64, wrong_at_one_place: bool, seed: u64) -> Figure {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         on_a_hilly_line(20, |context| {

@@ -1,8 +1,10 @@
-//! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it is chance, or a candidate.
+//! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it
+//! is chance, or a candidate.
 //!
-//! The column of the term (see `trials.rs`), its shape and coefficients as found, is tried beside the other terms as the probes of the evidence are: by a sign-flip
-//! test over runs and habits of drivers. It was looked for, so it must exceed the largest that chance makes of it or of any probe. And it must say the same in
-//! both halves of the runs: by their order, by the date, by direction, by unit.
+//! The column of the term (see `trials.rs`), its shape and coefficients as found, is tried beside the other terms as
+//! the probes of the evidence are: by a sign-flip test over runs and habits of drivers. It was looked for, so it must
+//! exceed the largest that chance makes of it or of any probe. And it must say the same in both halves of the runs: by
+//! their order, by the date, by direction, by unit.
 
 use crate::config::{CertaintyConfig, GapConfig};
 use crate::data::runs::Run;
@@ -15,7 +17,8 @@ use std::collections::BTreeMap;
 /// How a term fared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// Probability that chance alone makes as much of this term, or of any probe; none: it shows in limits or readings, and is tried in halves alone.
+    /// Probability that chance alone makes as much of this term, or of any probe; none: it shows in limits or readings,
+    /// and is tried in halves alone.
     pub p_value: Option<f64>,
     /// Where the runs could be halved: the term in both halves, as a multiple of what all runs say.
     pub halves: Vec<Halves>,
@@ -119,15 +122,17 @@ impl Halves {
     }
 }
 
-/// The least that a p-value leaves of the odds of its null hypothesis, whatever the alternative: -e p ln p, which is 1 from 1/e on. (Sellke, Bayarri and Berger
-/// 2001, calibration of p-values.) A p-value of 0.05 leaves 0.41, one of 0.001 leaves 0.019.
+/// The least that a p-value leaves of the odds of its null hypothesis, whatever the alternative: -e p ln p, which is 1
+/// from 1/e on. (Sellke, Bayarri and Berger 2001, calibration of p-values.) A p-value of 0.05 leaves 0.41, one of 0.001
+/// leaves 0.019.
 fn left_of_null(p_value: f64) -> f64 {
     // Nothing is left of it at 0, the least that a tail has in floating point.
     let p_value = p_value.max(f64::MIN_POSITIVE);
     if p_value < (-1.0_f64).exp() { -core::f64::consts::E * p_value * p_value.ln() } else { 1.0 }
 }
 
-/// The quantile of Student's t beside this one of the normal distribution, by its series in 1/freedom. (Cornish and Fisher 1938.) Below two no difference is sure.
+/// The quantile of Student's t beside this one of the normal distribution, by its series in 1/freedom. (Cornish and
+/// Fisher 1938.) Below two no difference is sure.
 fn of_few(z: f64, freedom: f64) -> f64 {
     if freedom < 2.0 {
         return f64::INFINITY;
@@ -166,7 +171,8 @@ impl Trial {
         self.p_value.map_or(0.0, left_of_null)
     }
 
-    /// What the halves leave of the odds that it is the same in all runs; 1 where they agree. The worst of several halvings counts, each as often as it is tried.
+    /// What the halves leave of the odds that it is the same in all runs; 1 where they agree. The worst of several
+    /// halvings counts, each as often as it is tried.
     pub(crate) fn odds_of_repeating(&self, config: &GapConfig) -> f64 {
         let apart = self.halves.iter().map(|halves| halves.apart(config)).fold(0.0, f64::max);
         let by_chance = libm::erfc(apart / core::f64::consts::SQRT_2) * self.halves.len() as f64;
@@ -240,7 +246,8 @@ mod tests {
             named.tried(Some(trial), &config);
             named.confidence
         };
-        // Halves may differ by a half of the effect; at 0.3 beyond that, 2.1 standard deviations, the odds of 53 to 1 are 16 to 1.
+        // Halves may differ by a half of the effect; at 0.3 beyond that, 2.1 standard deviations, the odds of 53 to 1
+        // are 16 to 1.
         assert!((confidence(0.001, 1.0) - 0.982).abs() < 1e-3 && (confidence(0.001, 1.4) - 0.982).abs() < 1e-3);
         assert!((confidence(0.001, 1.8) - 0.941).abs() < 3e-3, "{}", confidence(0.001, 1.8));
         assert!((confidence(0.03, 1.0) - 0.778).abs() < 1e-3);

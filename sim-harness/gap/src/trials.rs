@@ -1,4 +1,5 @@
-//! The trial of each term of a model: its column beside the other terms, by flipped signs of runs and in halves of the runs.
+//! The trial of each term of a model: its column beside the other terms, by flipped signs of runs and in halves of the
+//! runs.
 
 use crate::candidate::{Fitted, ShowsIn, Term};
 use crate::chance::{Ground, OfRun, Probe, beyond_noise, probability};
@@ -8,8 +9,8 @@ use crate::noise::calibrate::Calibrated;
 use crate::trial::{By, Halves, Trial};
 use rundown_check::agreement::Figure;
 
-/// How each term of a model fares. `None`: one that does not show in the fit of its own law, or differs from run to run, is judged elsewhere. One that cannot
-/// be distinguished from chance has not stood its trial.
+/// How each term of a model fares. `None`: one that does not show in the fit of its own law, or differs from run to
+/// run, is judged elsewhere. One that cannot be distinguished from chance has not stood its trial.
 pub fn trials(
     context: &Context<'_>,
     rows: &[Row],
@@ -57,7 +58,8 @@ fn halves(probe: &Probe, term: &Term, rows: &[Row], runs: &[Run]) -> Vec<Halves>
     all
 }
 
-/// A scale in halves of the runs that say something of it; none where they cannot be halved. `each`: index of a run, and the scale by it alone.
+/// A scale in halves of the runs that say something of it; none where they cannot be halved. `each`: index of a run,
+/// and the scale by it alone.
 pub(crate) fn of_scale(scale: f64, each: &[(usize, Figure)], runs: &[Run]) -> Option<Trial> {
     let off = scale - 1.0;
     let multiple = |one: &Figure| Figure { value: (one.value - 1.0) / off, sd: one.sd / off.abs() };
@@ -120,7 +122,8 @@ mod tests {
         }
     }
 
-    /// The trial of a tunnel from km 20 to 25 of which so many times as much is there in each run as was found; noise of 0.01 N/kg.
+    /// The trial of a tunnel from km 20 to 25 of which so many times as much is there in each run as was found; noise
+    /// of 0.01 N/kg.
     fn trial(seed: u64, multiple: fn(usize) -> f64) -> Trial {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let directions = [Direction::Up, Direction::Down];
@@ -162,7 +165,8 @@ mod tests {
         }
     }
 
-    /// A lag of the locations does what another length does, where all trains run as fast; it must not learn from rows that the length is not tried in.
+    /// A lag of the locations does what another length does, where all trains run as fast; it must not learn from rows
+    /// that the length is not tried in.
     #[test]
     fn rows_whose_effort_changes_take_nothing_from_a_length_that_the_others_show() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);

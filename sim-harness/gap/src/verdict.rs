@@ -10,7 +10,8 @@ use rundown::model::effects::Effect;
 pub enum Verdict {
     /// What the model does not explain is what sensors leave.
     NoGap,
-    /// Something is there that these runs cannot name: residuals that are not quite noise, or a term that fits and does not repeat.
+    /// Something is there that these runs cannot name: residuals that are not quite noise, or a term that fits and does
+    /// not repeat.
     Candidate,
     /// There is a gap, and no name for it.
     Unknown,
@@ -80,7 +81,8 @@ impl Grounds<'_> {
         let holdout = &config.holdout;
         let share = touched.map_or(gap, |touched| &touched.share);
         let most = share.removed.is_some_and(|share| share >= holdout.explained);
-        // The noise floor may be too low; where nothing is left in the residuals and the hold-out runs have what was foreseen, that is all.
+        // The noise floor may be too low; where nothing is left in the residuals and the hold-out runs have what was
+        // foreseen, that is all.
         let foreseen =
             |multiple: f64, low: f64| low > 0.0 && multiple < holdout.foreseen && multiple * holdout.foreseen > 1.0;
         let nothing_left = self.p_value_after >= config.evidence.significant;

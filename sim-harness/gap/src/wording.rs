@@ -44,7 +44,8 @@ pub fn short(value: f64) -> String {
     digits(value, value.abs() * 0.01, value)
 }
 
-/// With the digits that an uncertainty is worth, and the power of ten of a size, so that numbers beside each other have the same.
+/// With the digits that an uncertainty is worth, and the power of ten of a size, so that numbers beside each other have
+/// the same.
 fn digits(value: f64, uncertainty: f64, size: f64) -> String {
     let size = size.abs().max(uncertainty);
     if !size.is_finite() || size == 0.0 {

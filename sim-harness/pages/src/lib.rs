@@ -1,6 +1,7 @@
 //! One kit of pages for all reports: shell, tables, figures as SVG, numbers as words.
 //!
-//! A page is one HTML file that asks for no address. Its figures stand in it as SVG; with scripts they are live, by uPlot.
+//! A page is one HTML file that asks for no address. Its figures stand in it as SVG; with scripts they are live, by
+//! uPlot.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 

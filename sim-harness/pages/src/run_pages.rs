@@ -1,4 +1,5 @@
-//! A page for each run in a folder beside the page of all, which is read only when the reader goes there: a thousand runs open at once.
+//! A page for each run in a folder beside the page of all, which is read only when the reader goes there: a thousand
+//! runs open at once.
 
 use crate::shell::{Script, Section, document_with};
 use maud::{Markup, html};

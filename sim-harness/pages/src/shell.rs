@@ -1,6 +1,7 @@
 //! The shell of a page and the words around its pictures: one HTML file that asks for no address.
 //!
-//! A page has its script within, but for pages of a folder that share one file. Without scripts it shows the same, standing still.
+//! A page has its script within, but for pages of a folder that share one file. Without scripts it shows the same,
+//! standing still.
 
 use crate::assets::{SCRIPT, STYLE};
 use crate::chart::Drawing;

@@ -62,9 +62,10 @@ impl Check {
 
 /// Diagnoses recorded runs, as `rundown check` does. Logs that cannot be read, and notes, are warnings of Python, too.
 ///
-/// `runs`: run logs, folders of run logs, or tables in memory as `replay` takes them. `track`: its centre line gives the locations of logs that have
-/// coordinates only, its stops are stations. `train`: with a track, whether its gradients explain how the train coasts. `progress`: a function of
-/// (done, total) logs that were read, or True for lines on stderr; a table is read at once.
+/// `runs`: run logs, folders of run logs, or tables in memory as `replay` takes them. `track`: its centre line gives
+/// the locations of logs that have coordinates only, its stops are stations. `train`: with a track, whether its
+/// gradients explain how the train coasts. `progress`: a function of (done, total) logs that were read, or True for
+/// lines on stderr; a table is read at once.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), runs=3, seed=7, recorder="event_recorder")

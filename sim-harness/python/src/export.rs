@@ -68,11 +68,13 @@ fn results(argument: &Bound<'_, PyAny>) -> PyResult<Results> {
 
 /// Writes what was learned of a train into the folder `out` for other tools, as `rundown export` does.
 ///
-/// `replay`: what `replay` has returned, or the folder of a replay, as `Replay.write` or the command makes it, or a board's recording, of
-/// `rundown link --record` or `rundown display --record`. `train`: the description with which the replay was made. `to`: one or several
-/// of "sfera", "sumo", "sumo-table", "osrd", "trainruns", "altrios". `max_speed`: largest speed of the train, km/h. `traction`, for SFERA and OSRD: "diesel", "battery",
-/// "hydrogen", or voltage and frequency as "1500V", "15000V16.7Hz". `company`, for SFERA: RICS code of the railway undertaking. `unit`: where the replay has
-/// several. `id`, `tc_version`, for SFERA: identifier, without it the name of the train, and major version of the train characteristics.
+/// `replay`: what `replay` has returned, or the folder of a replay, as `Replay.write` or the command makes it, or a
+/// board's recording, of `rundown link --record` or `rundown display --record`. `train`: the description with which the
+/// replay was made. `to`: one or several of "sfera", "sumo", "sumo-table", "osrd", "trainruns", "altrios". `max_speed`:
+/// largest speed of the train, km/h. `traction`, for SFERA and OSRD: "diesel", "battery", "hydrogen", or voltage and
+/// frequency as "1500V", "15000V16.7Hz". `company`, for SFERA: RICS code of the railway undertaking. `unit`: where the
+/// replay has several. `id`, `tc_version`, for SFERA: identifier, without it the name of the train, and major version
+/// of the train characteristics.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), runs=3, seed=7)

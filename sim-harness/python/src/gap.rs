@@ -16,7 +16,8 @@ use rundown_pages::numbers::counted;
 use sim_harness::replaying::Runs;
 use std::path::PathBuf;
 
-/// Where recorded runs and a model disagree, which effect is missing, and what remains of the gap with it. `print(gap)` tells the story.
+/// Where recorded runs and a model disagree, which effect is missing, and what remains of the gap with it. `print(gap)`
+/// tells the story.
 #[pyclass(frozen, module = "rundown")]
 pub struct Gap {
     answer: Answer,
@@ -24,7 +25,8 @@ pub struct Gap {
 
 #[pymethods]
 impl Gap {
-    /// The verdict in one word: `explained`, `partly_explained`, `unknown` (a gap without a name), `candidate` (something may be missing that these runs cannot name) or `no_gap`.
+    /// The verdict in one word: `explained`, `partly_explained`, `unknown` (a gap without a name), `candidate`
+    /// (something may be missing that these runs cannot name) or `no_gap`.
     #[getter]
     fn verdict(&self) -> String {
         self.answer.found.verdict.name().to_owned()
@@ -36,7 +38,8 @@ impl Gap {
         said::messages(self.answer.input.notes.iter().cloned().chain(notes(&self.answer)))
     }
 
-    /// The effects that were named: name, confidence, rivals, parameters with their 95 % intervals, as `gap.json` has them.
+    /// The effects that were named: name, confidence, rivals, parameters with their 95 % intervals, as `gap.json` has
+    /// them.
     #[getter]
     fn effects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.to_dict(py)?.get_item("effects")
@@ -81,7 +84,8 @@ impl Gap {
         py.detach(|| self.answer.write(&out, true)).map_err(refused)
     }
 
-    /// A picture of the report: `residual` over location, `coordinates`, the `law` of the effect, or the speed error `before_after`.
+    /// A picture of the report: `residual` over location, `coordinates`, the `law` of the effect, or the speed error
+    /// `before_after`.
     #[pyo3(signature = (what="residual"))]
     fn plot(&self, what: &str) -> PyResult<Figure> {
         let known = report::PICTURES.map(|name| (name, name));
@@ -101,11 +105,12 @@ impl Gap {
 
 /// Finds which effect a model of train and track lacks, as `rundown gap` does.
 ///
-/// `runs`: run logs, folders of run logs, or tables in memory as `replay` takes them, which say the directions themselves. A table has no dates: what
-/// happens over the days is not looked for in it. `train`, `track`: the model, as files. `config`: a file of thresholds and priors. `hold_out`: how many
-/// runs evaluate the repaired model; a fifth without it, and at least five must be left. `direction`: of the runs that no index names, "up" or "down".
-/// `as_recorded=True` takes the logs as they are, with what `check` would put right. `progress`: a function of the name of each step, or True for lines
-/// on stderr.
+/// `runs`: run logs, folders of run logs, or tables in memory as `replay` takes them, which say the directions
+/// themselves. A table has no dates: what happens over the days is not looked for in it. `train`, `track`: the model,
+/// as files. `config`: a file of thresholds and priors. `hold_out`: how many runs evaluate the repaired model; a fifth
+/// without it, and at least five must be left. `direction`: of the runs that no index names, "up" or "down".
+/// `as_recorded=True` takes the logs as they are, with what `check` would put right. `progress`: a function of the name
+/// of each step, or True for lines on stderr.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), example="hidden_effect", runs=10)

@@ -20,13 +20,15 @@ pub struct Imported {
 
 #[pymethods]
 impl Imported {
-    /// The folder with the run logs, their index, `import.toml` that repeats the import, and `import.json`, an account of it.
+    /// The folder with the run logs, their index, `import.toml` that repeats the import, and `import.json`, an account
+    /// of it.
     #[getter]
     fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Files that cannot be read or need an answer in `import.toml`, while others were imported: the messages, with their place.
+    /// Files that cannot be read or need an answer in `import.toml`, while others were imported: the messages, with
+    /// their place.
     #[getter]
     fn failed(&self) -> Vec<String> {
         said::messages(self.done.errors.iter().map(ToString::to_string))
@@ -58,12 +60,15 @@ impl Imported {
     }
 }
 
-/// Turns logs of any recorder into run logs in the folder `out`, as `rundown import` does: CSV, Excel, GPX, NMEA, JSON lines, Parquet.
+/// Turns logs of any recorder into run logs in the folder `out`, as `rundown import` does: CSV, Excel, GPX, NMEA, JSON
+/// lines, Parquet.
 ///
-/// `files`: a file, a folder of files, or a list of them; None for those that the mapping names. `mapping`: an `import.toml` that says what the files do not,
-/// or that of an earlier import. `chainage`: how the runs come onto one chainage, "as-is", "stops", "line" or "align"; found from what is there without it.
-/// `track`: a track whose centre line gives the chainage of positions. `track_out`: where a track to begin with is written. `strict`: refuse where anything
-/// is to be warned of, and write nothing. Files that were not imported, and the first of the warnings, are warnings of Python, too.
+/// `files`: a file, a folder of files, or a list of them; None for those that the mapping names. `mapping`: an
+/// `import.toml` that says what the files do not, or that of an earlier import. `chainage`: how the runs come onto one
+/// chainage, "as-is", "stops", "line" or "align"; found from what is there without it. `track`: a track whose centre
+/// line gives the chainage of positions. `track_out`: where a track to begin with is written. `strict`: refuse where
+/// anything is to be warned of, and write nothing. Files that were not imported, and the first of the warnings, are
+/// warnings of Python, too.
 ///
 /// >>> import pathlib, rundown, tempfile
 /// >>> folder = pathlib.Path(tempfile.mkdtemp())
@@ -140,7 +145,8 @@ impl Preview {
     }
 }
 
-/// Says what `import_logs` would do with files, as `rundown import --preview` does, also where a question is still open. Writes nothing.
+/// Says what `import_logs` would do with files, as `rundown import --preview` does, also where a question is still
+/// open. Writes nothing.
 ///
 /// `files`, `mapping`: as of `import_logs`.
 ///

@@ -10,8 +10,8 @@
 //! | how does a message name an argument? | `options` |
 //! | how is progress said? | `progress` |
 //!
-//! Nothing is calculated here: every number is that of `sim-harness`, as the command `rundown` has it. What is documented for Python stands in
-//! `rundown/__init__.pyi`, and in the docstrings that Python shows.
+//! Nothing is calculated here: every number is that of `sim-harness`, as the command `rundown` has it. What is
+//! documented for Python stands in `rundown/__init__.pyi`, and in the docstrings that Python shows.
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 

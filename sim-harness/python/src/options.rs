@@ -1,7 +1,8 @@
 //! Options of the command, as messages name them, as arguments of Python: `--force` is `force=True`.
 //!
-//! Messages are written once, for the command; here they pass on their way to Python. What stands between backticks is a whole command, to be typed,
-//! and stays as it is. The tests run from `sim-harness/tests/python_options.rs`, as a test program of the module would need the library of an interpreter.
+//! Messages are written once, for the command; here they pass on their way to Python. What stands between backticks is
+//! a whole command, to be typed, and stays as it is. The tests run from `sim-harness/tests/python_options.rs`, as a
+//! test program of the module would need the library of an interpreter.
 
 /// Options without a value; those that begin with `no-` are known by that.
 const FLAGS: [&str; 4] = ["as-recorded", "force", "skip-bad-rows", "strict"];

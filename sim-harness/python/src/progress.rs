@@ -1,8 +1,9 @@
 //! Progress of long work: a function of Python, or lines on `sys.stderr`.
 //!
-//! The work goes on in a thread of its own, without the interpreter's lock, which is taken for the call alone. Meanwhile the calling thread looks for
-//! an interrupt from the keyboard: Python sees it in the main thread only. An interrupt, or what the function raises, ends the work at its next run or
-//! step: that unwinds the work's thread, as its results are wanted no more, and is raised in the caller's.
+//! The work goes on in a thread of its own, without the interpreter's lock, which is taken for the call alone.
+//! Meanwhile the calling thread looks for an interrupt from the keyboard: Python sees it in the main thread only. An
+//! interrupt, or what the function raises, ends the work at its next run or step: that unwinds the work's thread, as
+//! its results are wanted no more, and is raised in the caller's.
 
 use pyo3::prelude::*;
 use std::sync::{

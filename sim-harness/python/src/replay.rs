@@ -83,7 +83,8 @@ impl Replay {
         Table::of_parts(runs.iter().map(named).collect())
     }
 
-    /// What a person should know, in the order of its weight: what was refused, what was found, what is the matter with rows.
+    /// What a person should know, in the order of its weight: what was refused, what was found, what is the matter with
+    /// rows.
     fn said(&self) -> Vec<String> {
         let refused = said::first_failed(&self.replayed.failed);
         let of_rows = said::first_of(&self.warnings(), ["warning of a log", "warnings of logs"], "warnings");
@@ -152,7 +153,8 @@ impl Replay {
         self.by_run(run, |run| (estimates::columns(), estimates::rows(run).collect()))
     }
 
-    /// What coasting from each tick on leads to, as in `<run>.coast_ahead.csv`; no rows where the track has no stops or speed limits.
+    /// What coasting from each tick on leads to, as in `<run>.coast_ahead.csv`; no rows where the track has no stops or
+    /// speed limits.
     #[pyo3(signature = (run=None))]
     fn coast_ahead(&self, run: Option<&str>) -> PyResult<Table> {
         let config = &self.replayed.config.coast;
@@ -180,9 +182,10 @@ impl Replay {
 
     /// Running resistance at a speed or several, m/s, with its 95 % interval: a row for each.
     ///
-    /// `of`: "vehicle" after the run, "run" for the train of that run alone, with wind and load of the day, or "before" for the vehicle before the run.
-    /// Without `run` it is the last one of the `unit`, or of each unit: of several units the first column is `unit`.
-    /// Beyond the speeds of the runs r(v) is extrapolated; far beyond a warning says so.
+    /// `of`: "vehicle" after the run, "run" for the train of that run alone, with wind and load of the day, or "before"
+    /// for the vehicle before the run. Without `run` it is the last one of the `unit`, or of each unit: of several
+    /// units the first column is `unit`. Beyond the speeds of the runs r(v) is extrapolated; far beyond a warning says
+    /// so.
     #[pyo3(signature = (speeds_mps, run=None, *, unit=None, of="vehicle"))]
     fn resistance(
         &self,
@@ -213,8 +216,8 @@ impl Replay {
         Table::of_parts(chosen.iter().map(table).collect::<PyResult<_>>()?)
     }
 
-    /// A picture of the report: `resistance` over speed with its band, its `history` over the runs; of a run `motion`, `terms`, `regimes`,
-    /// `innovations`. Without `run` it is the last one, of the `unit` where there are several.
+    /// A picture of the report: `resistance` over speed with its band, its `history` over the runs; of a run `motion`,
+    /// `terms`, `regimes`, `innovations`. Without `run` it is the last one, of the `unit` where there are several.
     #[pyo3(signature = (what="resistance", run=None, *, unit=None))]
     fn plot(&self, what: &str, run: Option<&str>, unit: Option<&str>) -> PyResult<Figure> {
         let known = Replayed::PICTURES.map(|name| (name, name));
@@ -264,18 +267,22 @@ impl Replay {
     }
 }
 
-/// Replays recorded runs through the estimator of the board, as `rundown replay` does; the numbers are the same to the last bit.
+/// Replays recorded runs through the estimator of the board, as `rundown replay` does; the numbers are the same to the
+/// last bit.
 ///
-/// `runs`: run logs, folders of run logs, Parquet files of runs; or a table in memory that has Arrow's PyCapsule interface (pyarrow, polars, pandas,
-/// DuckDB), with the columns `run`, `time_s`, `location_m`, `speed_kmh`, and if known `unit`, `direction` and the others of a Parquet file of runs.
-/// The rows of a run follow each other. In a list of tables one without the column `run` is a run: `table1`, `table2`; in a dictionary it has the name of
-/// its key. `train`, `track`, `config`: the descriptions and the configuration, as files.
+/// `runs`: run logs, folders of run logs, Parquet files of runs; or a table in memory that has Arrow's PyCapsule
+/// interface (pyarrow, polars, pandas, DuckDB), with the columns `run`, `time_s`, `location_m`, `speed_kmh`, and if
+/// known `unit`, `direction` and the others of a Parquet file of runs. The rows of a run follow each other. In a list
+/// of tables one without the column `run` is a run: `table1`, `table2`; in a dictionary it has the name of its key.
+/// `train`, `track`, `config`: the descriptions and the configuration, as files.
 ///
-/// `mode`: "gated" learns while the train coasts, "measured" from the column `effort_n_per_kg`, "paper" from the effort calculated at each step; without it
-/// that of the configuration, else "gated". `tick`: seconds; without it every sample is a step. `direction`: of the runs that no index names, "up" or
-/// "down". `carry=False` begins every run with the vehicle as its manufacturer describes it. `as_recorded=True` leaves as it is what `check` would put
-/// right. `skip_bad_rows=True` leaves out rows that cannot be read, with a warning, instead of refusing their run. `progress`: a function of (done, total),
-/// or True for lines on stderr. Logs that are refused, notes and the first of the warnings are warnings of Python, too.
+/// `mode`: "gated" learns while the train coasts, "measured" from the column `effort_n_per_kg`, "paper" from the effort
+/// calculated at each step; without it that of the configuration, else "gated". `tick`: seconds; without it every
+/// sample is a step. `direction`: of the runs that no index names, "up" or "down". `carry=False` begins every run with
+/// the vehicle as its manufacturer describes it. `as_recorded=True` leaves as it is what `check` would put right.
+/// `skip_bad_rows=True` leaves out rows that cannot be read, with a warning, instead of refusing their run. `progress`:
+/// a function of (done, total), or True for lines on stderr. Logs that are refused, notes and the first of the warnings
+/// are warnings of Python, too.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), runs=2, seed=7)

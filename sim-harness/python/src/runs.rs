@@ -1,7 +1,8 @@
 //! The runs of a call: paths, or tables of another tool.
 //!
-//! In: whatever has Arrow's PyCapsule interface (`__arrow_c_stream__`): a table of pyarrow, a frame of polars or pandas, a relation of DuckDB; several in
-//! a list, or with names in a dictionary. Out: their rows by the columns of Parquet files of runs. A column of another type is refused by its name.
+//! In: whatever has Arrow's PyCapsule interface (`__arrow_c_stream__`): a table of pyarrow, a frame of polars or
+//! pandas, a relation of DuckDB; several in a list, or with names in a dictionary. Out: their rows by the columns of
+//! Parquet files of runs. A column of another type is refused by its name.
 
 use crate::error::unread;
 use crate::paths::Paths;
@@ -172,7 +173,8 @@ impl Arrived {
         Ok(Batch { texts, numbers })
     }
 
-    /// Runs one after the other in a table that does not say so would be one, and all but the first be dropped as a clock that goes back.
+    /// Runs one after the other in a table that does not say so would be one, and all but the first be dropped as a
+    /// clock that goes back.
     fn check_one_run(&self, batches: &[Batch]) -> Result<(), Refusal> {
         let of = |batch: &Batch| batch.numbers.iter().find(|(column, _)| column.name == TIME).map(|(_, t)| t.clone());
         let times = batches.iter().filter_map(of).flatten().flatten().filter(|time_s| time_s.is_finite());

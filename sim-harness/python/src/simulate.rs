@@ -33,11 +33,13 @@ enum Example {
     HiddenEffect,
 }
 
-/// Simulates runs with known truth into the folder `out`, as `rundown simulate` does; the same scenario and seed give the same bytes.
+/// Simulates runs with known truth into the folder `out`, as `rundown simulate` does; the same scenario and seed give
+/// the same bytes.
 ///
-/// `scenario` is a scenario file; without it `example` is taken: "case_study" with the loads and winds of everyday, "hidden_effect" with a tunnel that
-/// the described track lacks, or None for the case study in still air with the described load. `seed`, `runs` (how many) and `recorder`
-/// ("event_recorder", "phone", "tram_gnss", "jru") replace those of the scenario. `force=True` takes the place of an earlier set.
+/// `scenario` is a scenario file; without it `example` is taken: "case_study" with the loads and winds of everyday,
+/// "hidden_effect" with a tunnel that the described track lacks, or None for the case study in still air with the
+/// described load. `seed`, `runs` (how many) and `recorder` ("event_recorder", "phone", "tram_gnss", "jru") replace
+/// those of the scenario. `force=True` takes the place of an earlier set.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), runs=2, seed=7)

@@ -1,7 +1,7 @@
 //! A table for other tools: Arrow, handed over without a copy.
 //!
-//! In: columns as the writer of a file has them. Out: the PyCapsule interface (`__arrow_c_stream__`), which pandas, polars, pyarrow and DuckDB read.
-//! Unit, meaning and rule for empty cells are metadata of each field.
+//! In: columns as the writer of a file has them. Out: the PyCapsule interface (`__arrow_c_stream__`), which pandas,
+//! polars, pyarrow and DuckDB read. Unit, meaning and rule for empty cells are metadata of each field.
 
 use crate::error::refused;
 use crate::table_html;
@@ -18,8 +18,8 @@ use rundown_files::table::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A table. Take it whole with `pandas.DataFrame.from_arrow(table)`, `polars.DataFrame(table)`, `pyarrow.table(table)` or DuckDB, or a column as a list
-/// with `table["r0"]`.
+/// A table. Take it whole with `pandas.DataFrame.from_arrow(table)`, `polars.DataFrame(table)`, `pyarrow.table(table)`
+/// or DuckDB, or a column as a list with `table["r0"]`.
 #[pyclass(frozen, module = "rundown")]
 pub struct Table {
     schema: SchemaRef,

@@ -21,7 +21,8 @@ use rundown_truth::plan::plan;
 use rundown_truth::scenario::{Scenario, simulate_planned};
 use score::{FleetFigures, JudgedVehicle};
 
-/// True over described r0, r1, r2 of so many vehicles: up to 35 % off in common, with a part of its own for each coefficient. The same every time.
+/// True over described r0, r1, r2 of so many vehicles: up to 35 % off in common, with a part of its own for each
+/// coefficient. The same every time.
 pub fn scales(vehicles: usize) -> Vec<[f64; 3]> {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let scales = |_| {

@@ -1,9 +1,11 @@
 //! Do the efforts of the measured mode teach what the coasts of the same runs do?
 //!
-//! In: the first runs of each unit, replayed once more in the gated mode; the vehicles after all runs. Out: a note for each unit whose efforts say something else.
+//! In: the first runs of each unit, replayed once more in the gated mode; the vehicles after all runs. Out: a note for
+//! each unit whose efforts say something else.
 //!
-//! Nothing else looks at an effort column as a whole: a lever that goes on and off between momentary readings, efforts that are cut off or frozen, and a brake
-//! that is not in the column each explain the speeds with another resistance, and consistently so. A coast needs no column.
+//! Nothing else looks at an effort column as a whole: a lever that goes on and off between momentary readings, efforts
+//! that are cut off or frozen, and a brake that is not in the column each explain the speeds with another resistance,
+//! and consistently so. A coast needs no column.
 
 use super::vehicle::{After, named};
 use crate::report::resistance::Resistance;

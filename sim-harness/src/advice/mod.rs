@@ -1,4 +1,5 @@
-//! What a person should know before trusting the results: things that are no error of any log, and still spoil all of it.
+//! What a person should know before trusting the results: things that are no error of any log, and still spoil all of
+//! it.
 //!
 //! In: the estimator, the runs as replayed. Out: notes, one line each.
 
@@ -203,7 +204,8 @@ mod tests {
         }
     }
 
-    /// Speed and effort each have rows of their own: of the effort there is a minute in one piece, and that was asked for.
+    /// Speed and effort each have rows of their own: of the effort there is a minute in one piece, and that was asked
+    /// for.
     #[test]
     fn efforts_without_a_speed_in_their_rows_are_said() {
         let mut replayed = replayed();

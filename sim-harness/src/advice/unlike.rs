@@ -1,7 +1,8 @@
 //! Is a run among these one of another train?
 //!
-//! In: what each run teaches of the resistance by itself, and the vehicle after all of them. Out: a note on the runs that are far from all others. A log of another
-//! train, a forgotten load or a gale teach the vehicle as the others do, and nothing else asks whether they belong to it.
+//! In: what each run teaches of the resistance by itself, and the vehicle after all of them. Out: a note on the runs
+//! that are far from all others. A log of another train, a forgotten load or a gale teach the vehicle as the others do,
+//! and nothing else asks whether they belong to it.
 //!
 //! ```text
 //! run  = prior + (posterior - prior) / K,   K = 1 - posterior's variance / prior's

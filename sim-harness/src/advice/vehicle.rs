@@ -1,6 +1,8 @@
-//! What a vehicle's resistance is worth after the runs: how its coasts were foreseen, and whether its description can be right.
+//! What a vehicle's resistance is worth after the runs: how its coasts were foreseen, and whether its description can
+//! be right.
 //!
-//! In: the runs as replayed, the description and what is believed of vehicles before any run. Out: notes, one line a unit.
+//! In: the runs as replayed, the description and what is believed of vehicles before any run. Out: notes, one line a
+//! unit.
 
 use crate::report::taught_mps;
 use core::ops::Range;
@@ -18,12 +20,15 @@ use std::collections::BTreeMap;
 
 /// A description this many prior standard deviations away is no description of this train.
 const FAR: f64 = 4.0;
-/// A conversion is worth a word if it comes so much nearer to what was learned than the description, which holds back what is learned.
+/// A conversion is worth a word if it comes so much nearer to what was learned than the description, which holds back
+/// what is learned.
 const NEARER: f64 = 0.6;
-/// A description that is so far off at the speeds that taught, root mean square of the logarithm, and a conversion that is no further than the second and this share of it: trains
-/// that never run fast do not get far from a description per km/h, whose largest term is right.
+/// A description that is so far off at the speeds that taught, root mean square of the logarithm, and a conversion that
+/// is no further than the second and this share of it: trains that never run fast do not get far from a description per
+/// km/h, whose largest term is right.
 const OTHER_UNITS: (f64, f64, f64) = (0.25, 0.1, 0.35);
-/// A conversion is no more than this share as far off as the nearest plain multiple, for a train that has less resistance than it is described to have is in no other units.
+/// A conversion is no more than this share as far off as the nearest plain multiple, for a train that has less
+/// resistance than it is described to have is in no other units.
 const THAN_A_MULTIPLE: f64 = 0.5;
 /// No description is off by a larger factor but in other units.
 const MOST_MULTIPLE: f64 = 4.0;
@@ -67,7 +72,8 @@ impl After {
     }
 }
 
-/// Notes on the vehicles, each after its last run, by their units; of doubtful gradients only where they are not said to look wrong (`look_wrong`).
+/// Notes on the vehicles, each after its last run, by their units; of doubtful gradients only where they are not said
+/// to look wrong (`look_wrong`).
 pub(super) fn notes(estimator: &Estimator, vehicles: &BTreeMap<String, After>, look_wrong: bool) -> Vec<String> {
     let mut notes: Vec<String> = vehicles.iter().flat_map(|(unit, after)| of_vehicle(estimator, unit, after)).collect();
     let sd = estimator.config().track_doubt.gradient_sd_permille;

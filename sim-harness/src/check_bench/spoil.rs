@@ -234,7 +234,8 @@ fn back_again(rows: &mut Vec<Sample>) -> f64 {
     way_m
 }
 
-/// As the run back would read with its own zero: the places in reverse order, and growing. Out: sum of both locations of a place, m.
+/// As the run back would read with its own zero: the places in reverse order, and growing. Out: sum of both locations
+/// of a place, m.
 fn turned(rows: &mut [Sample]) -> f64 {
     let ends_m = rows.iter().filter_map(|row| row.location_m);
     let sum_m = ends_m.clone().fold(f64::INFINITY, f64::min) + ends_m.fold(f64::NEG_INFINITY, f64::max);

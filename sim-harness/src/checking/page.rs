@@ -1,4 +1,5 @@
-//! `report.html` of a check: recorder by recorder what was found, with pictures; the table of runs; and a page for each run.
+//! `report.html` of a check: recorder by recorder what was found, with pictures; the table of runs; and a page for each
+//! run.
 //!
 //! In: a [`Check`] and its [`Logs`]. Out: a folder that opens from the disk.
 
@@ -22,7 +23,8 @@ use std::path::Path;
 /// Folder of the pages of the runs.
 const RUN_PAGES: &str = "report";
 
-/// Writes `report.html` and a page for each run into a folder, which is made when it does not exist. `notes`: what else the screen says.
+/// Writes `report.html` and a page for each run into a folder, which is made when it does not exist. `notes`: what else
+/// the screen says.
 ///
 /// # Errors
 /// [`WriteError`] names the file.

@@ -48,7 +48,8 @@ pub(super) fn readings(run: &RunCheck, recorded: &[Sample], right: &Recording) -
     .into()
 }
 
-/// Distance along the track less the integral of the speed, m, from 0 on; the line is broken where a reading is missing.
+/// Distance along the track less the integral of the speed, m, from 0 on; the line is broken where a reading is
+/// missing.
 fn less_distance(rows: &[Sample], x_of: &impl Fn(&Sample) -> Option<f64>) -> Vec<Option<Point>> {
     let sign = places::heading(rows);
     let mut last: Option<(f64, f64)> = None;

@@ -47,7 +47,8 @@ pub struct Arguments {
     /// Print the whole diagnosis as JSON to stdout, and nothing else
     #[arg(long)]
     json: bool,
-    /// Write the diagnosis into this folder, as a page to explore and as JSON; as JSON alone where the name ends in .json
+    /// Write the diagnosis into this folder, as a page to explore and as JSON; as JSON alone where the name ends in
+    /// .json
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

@@ -1,4 +1,5 @@
-//! `rundown demo`: the paper's case study, simulated, through the on-board code, and a short table of what it says; then a hidden effect, found.
+//! `rundown demo`: the paper's case study, simulated, through the on-board code, and a short table of what it says;
+//! then a hidden effect, found.
 
 use super::study::{Study, of_case_study};
 use super::{Failure, gap, screen};
@@ -21,7 +22,8 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Simulates and replays the runs, writes what `rundown study` writes, and prints the table. Then what `rundown gap` says of runs with a hidden effect.
+/// Simulates and replays the runs, writes what `rundown study` writes, and prints the table. Then what `rundown gap`
+/// says of runs with a hidden effect.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     screen::print(
         "The paper's 67 runs are simulated and replayed through the code of the board, in the paper's mode and in the gated\n\

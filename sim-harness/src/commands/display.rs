@@ -72,13 +72,15 @@ pub struct Arguments {
     /// A recording on standard input
     #[arg(group = "source", value_name = "-", value_parser = ["-"], hide_possible_values = true)]
     stdin: Option<String>,
-    /// How many times as fast as the train a recording is played; without it page and terminal play a file at its pace, text and JSON at once, and standard input is taken as it comes
+    /// How many times as fast as the train a recording is played; without it page and terminal play a file at its pace,
+    /// text and JSON at once, and standard input is taken as it comes
     #[arg(long, value_name = "X", value_parser = speed)]
     speed: Option<f64>,
     /// The file still grows: wait for it, at its end for more, and when it is written again
     #[arg(long, requires = "file")]
     follow: bool,
-    /// Another unit, whose learned resistance stands beside this one's: a recording, or an address: tcp:HOST:PORT, can:IF, DEVICE@BAUD; up to seven times
+    /// Another unit, whose learned resistance stands beside this one's: a recording, or an address: tcp:HOST:PORT,
+    /// can:IF, DEVICE@BAUD; up to seven times
     #[arg(long, value_name = "UNIT", conflicts_with = "view", value_parser = unit)]
     beside: Vec<FrameSource>,
     /// On CAN: send no flow control, another computer does
@@ -148,7 +150,8 @@ impl Arguments {
         })
     }
 
-    /// The other units, each with a thread that listens. Of a recording its end is of interest: it is not played at a pace.
+    /// The other units, each with a thread that listens. Of a recording its end is of interest: it is not played at a
+    /// pace.
     fn beside(&self) -> Result<Vec<Arc<Hub>>, Failure> {
         if self.beside.len() > MOST_BESIDE {
             let found = self.beside.len();
@@ -201,7 +204,8 @@ impl Arguments {
                 Some(received) if json => text::json(received),
                 _ => return,
             };
-            // A reader that has had enough (`| head`) ends the display, as it ends other tools; a full disk does not end it well.
+            // A reader that has had enough (`| head`) ends the display, as it ends other tools; a full disk does not
+            // end it well.
             let mut stdout = io::stdout().lock();
             match writeln!(stdout, "{line}").and_then(|()| stdout.flush()) {
                 Ok(()) => (),

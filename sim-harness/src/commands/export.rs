@@ -34,7 +34,8 @@ train.toml; the others have no place for them. docs/formats.md has every field."
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
-    /// Results of `rundown replay`, not made with --no-carry; or a board's recording, of `rundown display --record` or `rundown link --record`
+    /// Results of `rundown replay`, not made with --no-carry; or a board's recording, of `rundown display --record` or
+    /// `rundown link --record`
     #[arg(value_name = "REPLAY")]
     replay: PathBuf,
     /// Formats to write, separated by commas

@@ -62,13 +62,15 @@ pub struct Arguments {
     /// Sets with two effects, of each size and effort
     #[arg(long, value_name = "N", default_value_t = 6)]
     pairs: u64,
-    /// As many sets with each of these, instead of those without: what is wrong with recorders and descriptions, and no effect
+    /// As many sets with each of these, instead of those without: what is wrong with recorders and descriptions, and no
+    /// effect
     #[arg(long, value_enum, value_name = "NAME")]
     nuisance: Vec<Nuisance>,
     /// Share of the sets with an effect that have dirty sensors
     #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
     dirty: f64,
-    /// Services beyond the case study: all kinds of drivers, signals at danger, a little wind, momentary efforts that differ from run to run
+    /// Services beyond the case study: all kinds of drivers, signals at danger, a little wind, momentary efforts that
+    /// differ from run to run
     #[arg(long)]
     rough: bool,
     /// Runs of a set
@@ -80,7 +82,8 @@ pub struct Arguments {
     /// Only the sets with these seeds, which --list prints
     #[arg(long, value_name = "SEED")]
     only: Vec<u64>,
-    /// Keep the sets with their residuals, each under its seed, in the folder `sets` of the results: for `rundown gap` and other tools
+    /// Keep the sets with their residuals, each under its seed, in the folder `sets` of the results: for `rundown gap`
+    /// and other tools
     #[arg(long)]
     keep: bool,
     /// Sets of others instead: a folder of sets as `rundown simulate` writes them, and of each its key, keys/NAME.json

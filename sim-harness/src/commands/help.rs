@@ -1,7 +1,8 @@
 //! Help is wrapped once, to the width of the terminal, and an item of a list goes on below its text.
 //!
-//! The texts below the options stand in the source with lines of up to 120 columns, so the line breaks inside a paragraph are taken out first. What clap
-//! breaks goes on below the name of an item; so clap breaks nothing, and the whole help is broken here.
+//! The texts below the options stand in the source with lines of up to 120 columns, so the line breaks inside a
+//! paragraph are taken out first. What clap breaks goes on below the name of an item; so clap breaks nothing, and the
+//! whole help is broken here.
 
 use super::Arguments;
 use clap::error::{ContextKind, ErrorKind};
@@ -104,7 +105,8 @@ fn line_of(line: &str, width: usize) -> String {
     }
 }
 
-/// Where the text of an item begins: behind its name and two spaces or more, of a value behind `- value: `, of the usage behind `Usage: `.
+/// Where the text of an item begins: behind its name and two spaces or more, of a value behind `- value: `, of the
+/// usage behind `Usage: `.
 fn text_of_item(line: &str) -> Option<usize> {
     let text = line.trim_start();
     let behind = |end: usize| text[end..].len() - text[end..].trim_start().len() + end;

@@ -160,7 +160,8 @@ impl Failure {
 
 #[derive(Clone, Copy, Debug, clap::Args)]
 struct Strict {
-    /// Fail with exit code 1, and write nothing, where anything is to be warned of: a run refused, a row left out, a reading put right
+    /// Fail with exit code 1, and write nothing, where anything is to be warned of: a run refused, a row left out, a
+    /// reading put right
     #[arg(long)]
     strict: bool,
 }

@@ -88,7 +88,8 @@ pub struct Arguments {
     /// How tables are written
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// No row for each tick, and no report: only parameters, features, switching points and replay.json, in constant memory
+    /// No row for each tick, and no report: only parameters, features, switching points and replay.json, in constant
+    /// memory
     #[arg(long)]
     no_estimates: bool,
     #[command(flatten)]
@@ -102,7 +103,8 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ModeChoice {
-    /// The paper: effort calculated from the change of speed over each step; paper.difference = "backward" takes the change before it
+    /// The paper: effort calculated from the change of speed over each step; paper.difference = "backward" takes the
+    /// change before it
     Paper,
     /// Effort known to be zero while coasting; learning only then
     Gated,

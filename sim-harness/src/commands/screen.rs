@@ -148,9 +148,9 @@ pub(super) fn mode_words(config: &Config) -> String {
     }
 }
 
-/// One line a run: rows, steps, time in each regime, resistance of the vehicle after it at 100 km/h, or the fastest speed that taught it.
-/// `all`: how many runs there are, of which these are the first. In the `paper` mode the interval is the filter's and no measure of accuracy:
-/// it is left out.
+/// One line a run: rows, steps, time in each regime, resistance of the vehicle after it at 100 km/h, or the fastest
+/// speed that taught it. `all`: how many runs there are, of which these are the first. In the `paper` mode the interval
+/// is the filter's and no measure of accuracy: it is left out.
 pub(super) fn run_table(runs: &[ReplayedRun], all: usize, mode: Mode) -> String {
     let width = runs.iter().take(RUNS_PRINTED).map(|run| run.name.chars().count()).max().unwrap_or(0).max(3);
     let mut text = format!("{:width$}  {:>6} {:>6} {:>8}", "run", "rows", "steps", "dropped");

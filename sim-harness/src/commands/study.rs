@@ -91,7 +91,8 @@ pub struct Arguments {
     /// Configuration of the estimator; what it leaves out keeps its default, its mode is not used
     #[arg(long, value_name = "C.toml")]
     config: Option<PathBuf>,
-    /// Name of the run of Figs. 3, 5 and 6; without it the one that is nearest to the paper's by its largest speed, its brake and its regimes
+    /// Name of the run of Figs. 3, 5 and 6; without it the one that is nearest to the paper's by its largest speed, its
+    /// brake and its regimes
     #[arg(long, value_name = "RUN")]
     example: Option<String>,
     /// Folder for the results; made when it does not exist
@@ -108,7 +109,8 @@ pub struct Arguments {
     /// Only the comparison of readings of the text: with many recorders on simulated runs, or on recorded ones (--runs)
     #[arg(long, conflicts_with_all = ["count", "example", "keep_runs", "truth_slope", "config"])]
     readings: bool,
-    /// All of it: the case study with both efforts and by two recorders, its claims beside each other, the readings, the self-test of learning and the tunnel, each in a folder of its own
+    /// All of it: the case study with both efforts and by two recorders, its claims beside each other, the readings,
+    /// the self-test of learning and the tunnel, each in a folder of its own
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "tunnel", "config", "json"])]
     all: bool,
     /// Only the tunnel at Best: what the paper's mode and rundown gap make of it

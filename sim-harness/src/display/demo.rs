@@ -1,6 +1,7 @@
 //! Runs of the case study through the board's task, without a board: frames to look at.
 //!
-//! In: nothing. Out: messages, as a board sends them in lockstep. The train is 8 % better than described, the board knows of the weak section at the departure and of its strong motors.
+//! In: nothing. Out: messages, as a board sends them in lockstep. The train is 8 % better than described, the board
+//! knows of the weak section at the departure and of its strong motors.
 
 use crate::session::{self, Heard, Session};
 use crate::study::case::{case_study, fleet_run};

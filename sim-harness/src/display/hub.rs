@@ -1,6 +1,7 @@
 //! One state, written by the source's thread, read by every view.
 //!
-//! In: messages of the board and to it, damage, what becomes of the connection. Out: [`View`]s under one lock, and a wait for the next change.
+//! In: messages of the board and to it, damage, what becomes of the connection. Out: [`View`]s under one lock, and a
+//! wait for the next change.
 
 use super::{sent::SentSetup, setup::Setup, state::State};
 use rundown_wire::{Reader, Received, Tally};

@@ -1,6 +1,8 @@
-//! What frames say together that none says alone: how much was learned, how well coasts were foreseen, which sensor is to be looked at.
+//! What frames say together that none says alone: how much was learned, how well coasts were foreseen, which sensor is
+//! to be looked at.
 //!
-//! In: frames in their order. Out: [`Conclusion`], a part of the state. Nothing is known before its frames have come: then it is `None`.
+//! In: frames in their order. Out: [`Conclusion`], a part of the state. Nothing is known before its frames have come:
+//! then it is `None`.
 
 use rundown_wire::{Cause, CoastAhead, CoastOutcome, Estimate, Learned, Parameters, Regime, Status};
 use serde::Serialize;
@@ -15,8 +17,8 @@ const LEAST_DOUBTS: u32 = 3;
 /// What is concluded.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Conclusion {
-    /// Information on r(v) since this display heard that nothing was learned yet, bits at [`SPEEDS_KMH`]: log2 of the standard deviation then over
-    /// that of now.
+    /// Information on r(v) since this display heard that nothing was learned yet, bits at [`SPEEDS_KMH`]: log2 of the
+    /// standard deviation then over that of now.
     pub learned_bits: Option<[f32; SPEEDS_KMH.len()]>,
     /// Coasts whose first prediction could be compared with their last.
     pub coasts: Coasts,

@@ -2,7 +2,8 @@
 //!
 //! In: messages in their order. Out: the same, each tick when it is due by the times of its estimates.
 //!
-//! A tick is held back until its estimate, which closes it, says when it is due. Between runs time may go back; a pause of more than [`LONGEST_S`] is cut short.
+//! A tick is held back until its estimate, which closes it, says when it is due. Between runs time may go back; a pause
+//! of more than [`LONGEST_S`] is cut short.
 
 use super::hub::Hub;
 use rundown_wire::{Body, Downlink};

@@ -1,6 +1,7 @@
 //! Train and track as described to the board: the other direction of a recording of `rundown link --record`.
 //!
-//! In: messages to the board. Out: a [`Setup`] whenever a run begins, for then the description is whole. A display has no key: the MAC is the board's affair, and what it refused is no description of its run.
+//! In: messages to the board. Out: a [`Setup`] whenever a run begins, for then the description is whole. A display has
+//! no key: the MAC is the board's affair, and what it refused is no description of its run.
 
 use super::setup::Setup;
 use rundown::onboard::auth::TRAILER;

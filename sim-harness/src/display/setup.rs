@@ -1,6 +1,8 @@
-//! What is drawn behind the values and no frame of the board has: the train as its manufacturer describes it, stops, limits, gradients.
+//! What is drawn behind the values and no frame of the board has: the train as its manufacturer describes it, stops,
+//! limits, gradients.
 //!
-//! In: train and track files, each or none; what was sent to the board. Out: [`Setup`], which the page gets whenever it changes.
+//! In: train and track files, each or none; what was sent to the board. Out: [`Setup`], which the page gets whenever it
+//! changes.
 
 use rundown_files::{track_file::TrackFile, train_file::TrainFile};
 use serde::Serialize;

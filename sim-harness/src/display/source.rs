@@ -2,8 +2,9 @@
 //!
 //! In: a [`FrameSource`]. Out: its messages, in a [`Hub`], and what becomes of it.
 //!
-//! A port, a connection or an interface that fails is opened again, after [`FIRST_PAUSE`], then twice as long, at most [`LONGEST_PAUSE`]; a source that brings frames begins with the first pause again.
-//! A recording is the bytes of a serial line, or what `rundown link --record` writes (`docs/formats.md`); its first bytes show which.
+//! A port, a connection or an interface that fails is opened again, after [`FIRST_PAUSE`], then twice as long, at most
+//! [`LONGEST_PAUSE`]; a source that brings frames begins with the first pause again. A recording is the bytes of a
+//! serial line, or what `rundown link --record` writes (`docs/formats.md`); its first bytes show which.
 
 use super::hub::{Connection, Hub};
 use super::{demo, player::Player};
@@ -91,7 +92,8 @@ pub enum Open {
 }
 
 impl Open {
-    /// Hands all that comes to the hub: until the end of a recording, for ever from a board. `speed` is for recordings; none: at once.
+    /// Hands all that comes to the hub: until the end of a recording, for ever from a board. `speed` is for recordings;
+    /// none: at once.
     pub fn run(self, hub: &Hub, speed: Option<f64>) {
         match self {
             Self::Board(address, listen_only) => board(&address, listen_only, hub),

@@ -1,8 +1,10 @@
 //! What is known, folded from frames: the present values, the run so far, the runs before.
 //!
-//! In: frames in their order. Out: [`State`], of which every view shows a part. A frame that is late or came twice changes nothing.
+//! In: frames in their order. Out: [`State`], of which every view shows a part. A frame that is late or came twice
+//! changes nothing.
 //!
-//! A value that has not come is `None`, never a zero. With a new run the values of the old one are gone; its speed over location and what it has taught stay.
+//! A value that has not come is `None`, never a zero. With a new run the values of the old one are gone; its speed over
+//! location and what it has taught stay.
 
 use super::judged::Conclusion;
 use rundown_wire::{
@@ -17,7 +19,8 @@ const MOST_RUNS: usize = 200;
 /// A train that stands adds no points; its location is noise within this.
 const STANDING_M: f32 = 25.0;
 
-/// Points at the end that may still change: the last one's regime is confirmed by the next, and at a stop it is replaced.
+/// Points at the end that may still change: the last one's regime is confirmed by the next, and at a stop it is
+/// replaced.
 pub const UNSETTLED: usize = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -39,7 +42,8 @@ pub struct Point {
     pub gap: bool,
 }
 
-/// A point as JSON has it, in the order of its fields: thousands go to each browser. Regime as in [`Regime::ALL`]; 0 valid, 1 held, 2 invalid.
+/// A point as JSON has it, in the order of its fields: thousands go to each browser. Regime as in [`Regime::ALL`]; 0
+/// valid, 1 held, 2 invalid.
 pub type PointRow = (f32, f32, f32, u8, u8, f64, Option<f32>, bool, bool);
 
 impl From<Point> for PointRow {

@@ -2,7 +2,8 @@
 //!
 //! In: a [`Hub`]. Out: a screen, drawn again with each change; `q`, Esc or Ctrl-C leaves it.
 //!
-//! A narrow screen, as the usual one of 80 x 24, has no room for both charts above four tables that can be read: past runs take the place of r(v), whose values stand in their table.
+//! A narrow screen, as the usual one of 80 x 24, has no room for both charts above four tables that can be read: past
+//! runs take the place of r(v), whose values stand in their table.
 
 use super::hub::{Connection, Hub, View};
 use super::setup::Setup;

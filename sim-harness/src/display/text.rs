@@ -43,7 +43,8 @@ const fn word(order: Order) -> &'static str {
     }
 }
 
-/// The frame as a line for a person: sequence, tick, kind, what it says. What is missing before it stands in a mark in front.
+/// The frame as a line for a person: sequence, tick, kind, what it says. What is missing before it stands in a mark in
+/// front.
 pub fn line(received: &Received) -> String {
     let frame = &received.frame;
     let mark = match received.order {

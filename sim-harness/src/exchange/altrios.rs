@@ -10,9 +10,10 @@
 //! | `braking_ratio` | - | γ b / g, b the largest deceleration |
 //! | `length_meters`, `speed_max_meters_per_second` | m, m/s | length, as given |
 //!
-//! ALTRIOS computes the resistance as (`rolling_ratio` + `davis_b` v) times the weight, `cd_area` ρ v² with ρ = 1.225 kg/m³, and a force for each axle
-//! (`bearing_res_per_axle`, here 0). Effort and power belong to its locomotives: a rail vehicle has no place for them. Its weight includes
-//! that of the locomotives, so one that hauls this vehicle must have no mass of its own.
+//! ALTRIOS computes the resistance as (`rolling_ratio` + `davis_b` v) times the weight, `cd_area` ρ v² with ρ = 1.225
+//! kg/m³, and a force for each axle (`bearing_res_per_axle`, here 0). Effort and power belong to its locomotives: a
+//! rail vehicle has no place for them. Its weight includes that of the locomotives, so one that hauls this vehicle must
+//! have no mass of its own.
 
 use super::{draft::Draft, number::decimal};
 use rundown::model::units::{GRAVITY_MPS2, KmPerHour};

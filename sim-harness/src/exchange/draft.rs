@@ -1,6 +1,7 @@
 //! A train read from another tool's file, which may not have everything that a train file needs.
 //!
-//! In: what a reader found, and what the user sets. Out: a checked train file. Nothing is guessed: a value that neither has is refused by name.
+//! In: what a reader found, and what the user sets. Out: a checked train file. Nothing is guessed: a value that neither
+//! has is refused by name.
 
 use rundown::model::resistance::Davis;
 use rundown_files::refusal::{Place, ReadError};

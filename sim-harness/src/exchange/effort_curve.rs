@@ -11,7 +11,8 @@ const STEP_KMH: f64 = 5.0;
 /// A curve that differs from F(v) by less is one that follows it, written with few digits.
 const ALIKE: f64 = 0.005;
 
-/// Points of F(v) up to `max_speed_kmh`: speed in km/h, effort in N. Constant up to the speed where the power bounds it.
+/// Points of F(v) up to `max_speed_kmh`: speed in km/h, effort in N. Constant up to the speed where the power bounds
+/// it.
 pub(super) fn points(effort_n: f64, power_w: f64, max_speed_kmh: f64) -> Vec<(f64, f64)> {
     let knee_kmh = 3.6 * power_w / effort_n;
     let force_n = |kmh: f64| effort_n.min(power_w / KmPerHour(kmh).to_mps());

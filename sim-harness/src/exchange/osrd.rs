@@ -9,7 +9,8 @@
 //! | `startup_acceleration`, `comfort_acceleration` | m/s² | F / (γ m): they bind nowhere |
 //! | `length`, `max_speed` | m, m/s | length, as given |
 //!
-//! Fields and units are those of RailJSON 3.4, which `editoast` reads. Signalling systems and category are not known here: none, and `REGIONAL_TRAIN`.
+//! Fields and units are those of RailJSON 3.4, which `editoast` reads. Signalling systems and category are not known
+//! here: none, and `REGIONAL_TRAIN`.
 
 use super::{draft::Draft, effort_curve};
 use rundown::model::units::KmPerHour;

@@ -62,7 +62,8 @@ fn refuse(path: &Path, at: Location, field: &str, message: String) -> ReadError 
     place.refuse(format!("paths[0].characteristic_sections{field}"), message).into()
 }
 
-/// The sections, in the order of the file: a section holds from its position up to the next one's, so that positions must rise.
+/// The sections, in the order of the file: a section holds from its position up to the next one's, so that positions
+/// must rise.
 fn sections(path: &Path, found: &Spanned<Vec<Spanned<Section>>>) -> Result<Vec<Values>, ReadError> {
     let mut sections: Vec<Values> = Vec::new();
     for (index, section) in found.value.iter().enumerate() {

@@ -10,9 +10,11 @@
 //! | `TractionForceCurve` | km/h, N | min(F, P/v) with the stated mass |
 //! | `trainLength` | m, whole | length |
 //!
-//! The coefficients are learned per rotating mass, from decelerations. With the stated mass, and not with the unrounded one, a reader who divides by γ m gets the learned
-//! decelerations back. Names, units, order and what is mandatory were read in the schema file itself; no message of a real system was at hand. The schema does not say whether `rotatingMassFactor` is γ (1.06), γ - 1
-//! (0.06) or percent: here it is γ, for the reasons in `docs/formats.md`, and the file says so in a comment.
+//! The coefficients are learned per rotating mass, from decelerations. With the stated mass, and not with the unrounded
+//! one, a reader who divides by γ m gets the learned decelerations back. Names, units, order and what is mandatory were
+//! read in the schema file itself; no message of a real system was at hand. The schema does not say whether
+//! `rotatingMassFactor` is γ (1.06), γ - 1 (0.06) or percent: here it is γ, for the reasons in `docs/formats.md`, and
+//! the file says so in a comment.
 
 use super::number::decimal;
 use super::{draft::Draft, effort_curve, xml};

@@ -1,4 +1,5 @@
-//! SUMO's vehicle type for rail: an additional file with one `vType` of the car-following model `Rail`, train type `custom`.
+//! SUMO's vehicle type for rail: an additional file with one `vType` of the car-following model `Rail`, train type
+//! `custom`.
 //!
 //! | attribute | unit | from |
 //! |---|---|---|
@@ -8,8 +9,8 @@
 //! | `decel` | m/s² | largest brake |
 //! | `length`, `maxSpeed` | m, m/s | length, as given |
 //!
-//! Units as SUMO's documentation of railways and its model `MSCFModel_Rail` state them (version 1.28). The same model in table form, which is exact
-//! at its points only: `sumo_table.rs`.
+//! Units as SUMO's documentation of railways and its model `MSCFModel_Rail` state them (version 1.28). The same model
+//! in table form, which is exact at its points only: `sumo_table.rs`.
 
 use super::xml::{self, Element};
 use super::{draft::Draft, number::decimal, sumo_table};
@@ -133,7 +134,8 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
     Ok(draft)
 }
 
-/// Each of parameters where the vehicle type has them, else of a table: SUMO takes them so, and ignores a table beside parameters.
+/// Each of parameters where the vehicle type has them, else of a table: SUMO takes them so, and ignores a table beside
+/// parameters.
 fn traction_and_resistance(vtype: &Element, draft: &mut Draft) -> Result<(), ReadError> {
     let has = |name: &str| vtype.attribute(name).is_some();
     let mut ignored = |name: &str| draft.notes.push(format!("{name} is ignored beside parameters, as SUMO does"));

@@ -57,7 +57,8 @@ fn there_and_back(format: ExchangeFormat, train: &TrainFile) -> TrainFile {
 
 fn trains() -> impl Strategy<Value = TrainFile> {
     let davis = (3e-3..3e-2f64, prop_oneof![Just(0.0), 0.0..8e-4f64], 1e-6..8e-5f64);
-    // SFERA and ALTRIOS state whole tonnes and metres, or digits: whole ones here, so that what is compared is the form.
+    // SFERA and ALTRIOS state whole tonnes and metres, or digits: whole ones here, so that what is compared is the
+    // form.
     let sizes = (40u32..2000, 30u32..700, 1.0..1.3f64);
     // Effort and power per rotating mass; the knee is then below 29 m/s.
     let limits = (0.2..1.0f64, 3.0..5.8f64, 0.3..1.3f64);

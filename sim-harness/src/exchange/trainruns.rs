@@ -1,6 +1,7 @@
 //! Rolling stock of railtoolkit's schema (2022.05), YAML, as TrainRuns.jl reads it.
 //!
-//! TrainRuns has no Davis coefficients. With weights m g, x = v / (100 km/h), δ = 15 km/h / (100 km/h) for the wind that it adds, and f in permille:
+//! TrainRuns has no Davis coefficients. With weights m g, x = v / (100 km/h), δ = 15 km/h / (100 km/h) for the wind
+//! that it adds, and f in permille:
 //!
 //! ```text
 //! traction unit   R / (m g) = base_resistance + air_resistance (x + δ)²
@@ -8,8 +9,9 @@
 //! freight car     R / (m g) = base_resistance + air_resistance x²
 //! ```
 //!
-//! A traction unit and one car, each of half the mass and length, give any a + b x + c x² back exactly: where b >= 2 δ c with a passenger car that has the rest of b,
-//! else with a freight car that has the c which the traction unit's b leaves. So the formation is a device of this file, not one of the train.
+//! A traction unit and one car, each of half the mass and length, give any a + b x + c x² back exactly: where b >= 2 δ
+//! c with a passenger car that has the rest of b, else with a freight car that has the c which the traction unit's b
+//! leaves. So the formation is a device of this file, not one of the train.
 
 use super::{draft::Draft, effort_curve, number::decimal, yaml};
 use rundown::model::units::{GRAVITY_MPS2, KmPerHour};

@@ -131,7 +131,8 @@ impl Set {
     }
 }
 
-/// What a service has that the case study has not, and no effect. From a stream of its own: the rest of the set stays what it is.
+/// What a service has that the case study has not, and no effect. From a stream of its own: the rest of the set stays
+/// what it is.
 fn rough(seed: u64, scenario: &mut Scenario) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x40_06);
     scenario.driver =

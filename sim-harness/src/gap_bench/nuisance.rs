@@ -1,4 +1,5 @@
-//! What is wrong with a recorder, or with the description of a line, and no effect of a train: an investigation has to tell it, not to name an effect for it.
+//! What is wrong with a recorder, or with the description of a line, and no effect of a train: an investigation has to
+//! tell it, not to name an effect for it.
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -220,7 +220,8 @@ fn parameters(hidden: &Hidden) -> Value {
     serde_json::to_value(hidden).unwrap_or(Value::Null)
 }
 
-/// Wrong coefficients hide in each other, their resistance does not: error of it between 60 and 140 km/h as a share of what was hidden, root mean squares.
+/// Wrong coefficients hide in each other, their resistance does not: error of it between 60 and 140 km/h as a share of
+/// what was hidden, root mean squares.
 fn davis_error(truth: &Value, found: &DavisError) -> Option<f64> {
     let truth = DavisTruth { r0: truth["dr0"].as_f64()?, r1: truth["dr1"].as_f64()?, r2: truth["dr2"].as_f64()? };
     let found = DavisTruth { r0: found.dr0, r1: found.dr1, r2: found.dr2 };

@@ -1,4 +1,5 @@
-//! Trains that hop and hold speeds on right gradients: hardly a stretch is coasted, and a held speed looks like a coast on a level line.
+//! Trains that hop and hold speeds on right gradients: hardly a stretch is coasted, and a held speed looks like a coast
+//! on a level line.
 
 use crate::accuracy_bench::{
     fleets::{self, Fleet},
@@ -17,7 +18,8 @@ use rundown_truth::scenario::Scenario;
 const FLEETS: [&str; 6] = ["metro", "tram", "suburban", "suburban-1s", "freight", "holding"];
 const DRIVERS: [DriverKind; 2] = [DriverKind::ShortHop, DriverKind::HopAndCoast];
 
-/// The fleet of a seed: a service of the accuracy bench on a line of its own, or a set of the gap bench that hides nothing, with drivers who hop.
+/// The fleet of a seed: a service of the accuracy bench on a line of its own, or a set of the gap bench that hides
+/// nothing, with drivers who hop.
 pub fn fleet(seed: u64) -> Result<Fleet, String> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x4055);
     let name = FLEETS[random.random_range(0..FLEETS.len())];

@@ -1,4 +1,5 @@
-//! Files that are read in the same way, put together by equal headers. These need not be of one recorder: those that deny what the others say are read by themselves.
+//! Files that are read in the same way, put together by equal headers. These need not be of one recorder: those that
+//! deny what the others say are read by themselves.
 
 use super::analysis::Group;
 use super::mapping::{Mapping, SourceMapping};
@@ -59,7 +60,8 @@ fn groups(sources: Vec<SourceFile>, mapping: &SourceMapping) -> Result<Vec<Group
     Ok([groups(rest, mapping)?, groups(others, mapping)?].concat())
 }
 
-/// Files that are no group as they are: those that know alone what they hold, then those that agree with these, then the others by what is asked of them.
+/// Files that are no group as they are: those that know alone what they hold, then those that agree with these, then
+/// the others by what is asked of them.
 fn apart(sources: Vec<SourceFile>, mapping: &SourceMapping) -> Result<Vec<Group>, ReadError> {
     let each: Vec<Group> =
         sources.into_iter().map(|source| Group::new(vec![source], mapping.clone())).collect::<Result<_, _>>()?;

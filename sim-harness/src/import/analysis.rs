@@ -198,8 +198,8 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     notes
 }
 
-/// Files of the arguments, and what is to be said of those left out: results of Rundown. A folder is its files in the order of their names;
-/// an index beside named files is none of them.
+/// Files of the arguments, and what is to be said of those left out: results of Rundown. A folder is its files in the
+/// order of their names; an index beside named files is none of them.
 ///
 /// # Errors
 /// A folder cannot be read.

@@ -1,4 +1,5 @@
-//! Many runs on one chainage: as they are, by the places where trains stop, by their speeds over the location, or on a centre line.
+//! Many runs on one chainage: as they are, by the places where trains stop, by their speeds over the location, or on a
+//! centre line.
 
 use super::line;
 use super::mapping::Method;
@@ -13,7 +14,8 @@ use rundown_files::track_file::CentreLinePoint;
 /// Where the locations of a run go.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Placing {
-    /// location = offset + factor * own location. Below 0 the run is inverted; other than 1 in size its wheel is not the one that it counts with.
+    /// location = offset + factor * own location. Below 0 the run is inverted; other than 1 in size its wheel is not
+    /// the one that it counts with.
     Shift {
         factor: f64,
         offset_m: f64,
@@ -148,7 +150,8 @@ fn decided(runs: &[Staged], given: &Given) -> (Method, String) {
     if given.stops_m.len() >= LEAST_STOPS {
         return by_stops_of(runs, &given.stops_m);
     }
-    // A piece behind a cut goes on where the one before ended; the first of a file or a run says where its locations begin.
+    // A piece behind a cut goes on where the one before ended; the first of a file or a run says where its locations
+    // begin.
     let heads: Vec<&Staged> = runs.iter().filter(|run| run.is_head).collect();
     let own = heads.iter().filter(|run| run.first_m.abs() < OWN_M).count();
     if heads.len() < 2 || 10 * own < 9 * heads.len() {
@@ -200,7 +203,8 @@ fn own_stops(run: &Staged) -> Vec<f64> {
     stops
 }
 
-/// Projected on the line of the track, or on one that is made of them; that counts as the track does, where its stops tell how.
+/// Projected on the line of the track, or on one that is made of them; that counts as the track does, where its stops
+/// tell how.
 fn on_line(runs: &[Staged], given: Given, mut why: String) -> Placed {
     let all: Vec<&Staged> = runs.iter().collect();
     let is_made = given.line.is_empty();
@@ -312,7 +316,8 @@ impl KnownLine {
         self.agree_at_one_place(&own_stops(run))
     }
 
-    /// Sign and offset by which these stops are those of the line, where three or more, and at least half, agree so and fewer otherwise.
+    /// Sign and offset by which these stops are those of the line, where three or more, and at least half, agree so and
+    /// fewer otherwise.
     fn agree_at_one_place(&self, own: &[f64]) -> Option<(f64, f64, String)> {
         let best = self.agreeing(own);
         let (count, sign, offset_m) = *best.first()?;
@@ -322,7 +327,8 @@ impl KnownLine {
         clear.then(|| (sign, offset_m, format!("{count} of {} stops agree, {other} at the next best place", own.len())))
     }
 
-    /// By the stops of a track, where the wheel of the run is not the one that it counts with, so that more of its stops agree: by least squares over these.
+    /// By the stops of a track, where the wheel of the run is not the one that it counts with, so that more of its
+    /// stops agree: by least squares over these.
     fn by_scaled_stops(&self, run: &Staged) -> Option<(f64, f64, String)> {
         if !self.of_track {
             return None;
@@ -447,9 +453,9 @@ fn profile(run: &Staged, factor: f64) -> Vec<(i64, f64)> {
     bins.into_iter().collect()
 }
 
-/// A run of the length that most have stays as it is, of several the longest, of these the first; the others are placed beside those that are placed already. Runs of a length
-/// of their own come last: two that a short stop did not part, or the readings of another wheel.
-/// Where the stops of a track are known, all are placed by these.
+/// A run of the length that most have stays as it is, of several the longest, of these the first; the others are placed
+/// beside those that are placed already. Runs of a length of their own come last: two that a short stop did not part,
+/// or the readings of another wheel. Where the stops of a track are known, all are placed by these.
 fn shifted(runs: &[Staged], ways: &[FindPlace], stops_m: &[f64]) -> Vec<Placing> {
     let lengths_m: Vec<f64> = runs.iter().map(Staged::length_m).collect();
     let alike = |length_m: f64| lengths_m.iter().filter(|other| (**other - length_m).abs() < STOP_M).count();

@@ -225,7 +225,8 @@ const MONTHS: [&[&str]; 12] = [
     &["dec", "dez", "dic"],
 ];
 
-/// `31 January 2025`, `Jan 31st, 2025`, `31-JAN-25`, `Fri 31. Januar 2025`. With two words for months (`mar.` is a Tuesday, too) it is none.
+/// `31 January 2025`, `Jan 31st, 2025`, `31-JAN-25`, `Fri 31. Januar 2025`. With two words for months (`mar.` is a
+/// Tuesday, too) it is none.
 fn in_words(date: &str) -> Option<Date> {
     let (mut months, mut numbers, mut rest) = (Vec::new(), Vec::new(), &*plain(date));
     while let Some(first) = rest.chars().next() {
@@ -318,7 +319,8 @@ impl Orders {
     }
 }
 
-/// A local time in a zone, s since 1970-01-01 UTC. An hour that the clocks are set back over is its first; `from_before` keeps it going forward.
+/// A local time in a zone, s since 1970-01-01 UTC. An hour that the clocks are set back over is its first;
+/// `from_before` keeps it going forward.
 pub fn in_zone(civil: DateTime, zone: &TimeZone, from_before: Option<f64>) -> Option<f64> {
     let ambiguous = zone.to_ambiguous_timestamp(civil);
     let first = ambiguous.earlier().ok()?.as_nanosecond() as f64 / 1e9;

@@ -153,7 +153,8 @@ fn is_misnamed(header: &Header) -> bool {
     !named.iter().any(speed) && header.unit_of(Meaning::Speed).is_some()
 }
 
-/// What no name says: the only column without a meaning that has such a unit. A place needs it only where there is none, and a named speed to try it against.
+/// What no name says: the only column without a meaning that has such a unit. A place needs it only where there is
+/// none, and a named speed to try it against.
 fn by_unit_alone(meaning: Meaning, headers: &[Header], of: &BTreeMap<Meaning, Column>) -> Option<Column> {
     let located = of.contains_key(&Meaning::Latitude) && of.contains_key(&Meaning::Longitude);
     let named_speed = of.get(&Meaning::Speed).is_some_and(|speed| speed.how != How::UnitAlone);
@@ -274,7 +275,8 @@ impl Columns {
         Meaning::ALL.into_iter().filter_map(by_name).collect()
     }
 
-    /// The columns that are not used, and the line for `--mapping` that takes one for `meaning`; nothing where all are used.
+    /// The columns that are not used, and the line for `--mapping` that takes one for `meaning`; nothing where all are
+    /// used.
     pub fn remedy(&self, meaning: Meaning, headers: &[Header]) -> String {
         let left: Vec<&Header> = unused(headers, &self.of).map(|(_, header)| header).collect();
         let likely = left.iter().find(|header| header.unit_of(meaning).is_some()).or(left.first());

@@ -1,9 +1,9 @@
 //! The rate of change in the middle of readings: the slope of a cubic by least squares.
 //!
-//! In: readings with their times from the middle. Out: the slope there, per s. A mean over as long is too small on a peak and too large in
-//! a dip, which a cubic follows: on trams with a fix each second speeds over ± 4 s looked like a wheel of 2 % and an offset of 0.8 km/h, the slope
-//! over ± 5 s leaves 0.1 % and 0.07 km/h, and less noise.
-//! Too few readings, or all at one time: nothing.
+//! In: readings with their times from the middle. Out: the slope there, per s. A mean over as long is too small on a
+//! peak and too large in a dip, which a cubic follows: on trams with a fix each second speeds over ± 4 s looked like a
+//! wheel of 2 % and an offset of 0.8 km/h, the slope over ± 5 s leaves 0.1 % and 0.07 km/h, and less noise. Too few
+//! readings, or all at one time: nothing.
 
 use nalgebra::{Matrix4, Vector4};
 

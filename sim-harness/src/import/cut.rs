@@ -28,7 +28,8 @@ const STOOD_M: f64 = 300.0;
 /// A reading that is written again sooner than this is one reading, s; so many rows tell, and half of them.
 const REPEATS_S: f64 = 0.999;
 const LEAST_REPEATED: usize = 50;
-/// A speed is the slope in the middle of so long before and after, s; where there are not as many rows on both sides, the mean of this.
+/// A speed is the slope in the middle of so long before and after, s; where there are not as many rows on both sides,
+/// the mean of this.
 const SLOPE_S: f64 = 5.0;
 const MEAN_S: f64 = 4.0;
 /// Rows that are further apart show no slope, s.
@@ -62,7 +63,8 @@ pub struct Odometer {
 }
 
 impl Odometer {
-    /// Leaves out what is beyond any line where most of the stretch is not: readings that mean nothing, not an odometer. Joins wraps; those before a gap too, where the train stood in the gap.
+    /// Leaves out what is beyond any line where most of the stretch is not: readings that mean nothing, not an
+    /// odometer. Joins wraps; those before a gap too, where the train stood in the gap.
     fn join(&mut self, stretch: &mut Stretch, findings: &mut Vec<Finding>, account: &mut Account) {
         let left_out = far_readings(&mut stretch.rows);
         if left_out > 0 {
@@ -93,8 +95,8 @@ fn far_readings(rows: &mut [Sample]) -> usize {
     beyond.count()
 }
 
-/// Makes stretches of rows as they come. Rows of several units or runs may take turns, as where a fleet writes one file: each has a stretch of its own until it
-/// has not been continued for long.
+/// Makes stretches of rows as they come. Rows of several units or runs may take turns, as where a fleet writes one
+/// file: each has a stretch of its own until it has not been continued for long.
 #[derive(Debug)]
 pub struct Cutter {
     settings: RunCuts,
@@ -132,7 +134,8 @@ impl Cutter {
         ended.into_iter().map(|held| held.stretch).chain(self.next(record, begun)).collect()
     }
 
-    /// A sheet goes on where the one before ended; one that begins earlier holds other runs, not a clock that was set back.
+    /// A sheet goes on where the one before ended; one that begins earlier holds other runs, not a clock that was set
+    /// back.
     fn is_earlier(&self, record: &Record) -> bool {
         let last = self.held.iter().filter_map(|held| held.stretch.rows.last());
         last.map(|row| row.time_s).fold(f64::NEG_INFINITY, f64::max) > record.sample.time_s
@@ -230,7 +233,8 @@ impl Stretch {
         self.split(cuts, account).into_iter().filter_map(|piece| piece.kept(settings, account)).collect()
     }
 
-    /// Times go forward: rows that were written out of order are sorted, a clock that was set is put right. Which, the locations say: the shorter path is the true one.
+    /// Times go forward: rows that were written out of order are sorted, a clock that was set is put right. Which, the
+    /// locations say: the shorter path is the true one.
     fn in_order(&mut self, account: &mut Account) {
         let back = self.rows.windows(2).filter(|pair| pair[1].time_s < pair[0].time_s).count();
         if back > 0 {
@@ -256,7 +260,8 @@ impl Stretch {
         account.count("rows with a time that was there before, left out", (before - self.rows.len()) as u64);
     }
 
-    /// A logger that is faster than its receiver writes each reading several times, with later times: the first of them is the reading.
+    /// A logger that is faster than its receiver writes each reading several times, with later times: the first of them
+    /// is the reading.
     fn leave_out_repeats(&mut self, account: &mut Account) {
         let read = |row: &Sample| (row.location_m, fix(row), row.speed_mps);
         let is_soon = |a: &Sample, b: &Sample| b.time_s - a.time_s < REPEATS_S;
@@ -343,8 +348,8 @@ impl Stretch {
         }
     }
 
-    /// The first and the last of the rows around one. As many rows on each side, not as long a time: where a clock jitters, the rows within a time are those whose
-    /// time is too short.
+    /// The first and the last of the rows around one. As many rows on each side, not as long a time: where a clock
+    /// jitters, the rows within a time are those whose time is too short.
     fn around(&self, located: &[usize], k: usize, step_s: f64, reach: usize) -> (usize, usize) {
         let time = |k: usize| self.rows[located[k]].time_s;
         let longest_s = 1.5 * step_s * reach as f64;

@@ -177,7 +177,8 @@ impl SeenRows {
         }))
     }
 
-    /// Positions without a unit that are no degrees may be degrees and minutes as one number, as receivers write them. Out: that they are.
+    /// Positions without a unit that are no degrees may be degrees and minutes as one number, as receivers write them.
+    /// Out: that they are.
     pub fn positions(&self, columns: &mut Columns) -> Option<String> {
         let of = |meaning: Meaning| columns.of.get(&meaning).filter(|column| column.unit.is_some_and(Unit::is_degrees));
         if of(Meaning::Latitude).is_none_or(|column| column.how == How::Mapping) || of(Meaning::Longitude).is_none() {
@@ -202,8 +203,8 @@ impl SeenRows {
         ))
     }
 
-    /// A column with nothing but its unit is a speed or a location where it follows the other of the two. A speed that too few rows can deny stays; a location
-    /// does not: altitudes and accuracies are lengths, too.
+    /// A column with nothing but its unit is a speed or a location where it follows the other of the two. A speed that
+    /// too few rows can deny stays; a location does not: altitudes and accuracies are lengths, too.
     pub fn unit_alone(&self, columns: &mut Columns) -> Vec<String> {
         let alone = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::UnitAlone);
         let Some(meaning) = [Meaning::Speed, Meaning::Location].into_iter().find(alone) else { return Vec::new() };
@@ -287,7 +288,8 @@ impl SeenRows {
         is_denied.then(|| format!("units of the mapping are believed: {}", contradiction(columns, ratio, &stretches)))
     }
 
-    /// Of each file, whether its own rows deny what was decided of all: times that are not read so, or distances that do not agree. Never what a person said.
+    /// Of each file, whether its own rows deny what was decided of all: times that are not read so, or distances that
+    /// do not agree. Never what a person said.
     pub fn denied(&self, columns: &Columns) -> Vec<bool> {
         let ends = self.begins.iter().skip(1).copied().chain([self.rows.len()]);
         let of_file = |(begin, end): (&usize, usize)| {
@@ -490,7 +492,8 @@ fn kind_of(times: &[f64], texts: &[&String], has_unit: bool) -> ClockKind {
 const SHEET_DAYS: std::ops::Range<f64> = 20_000.0..80_000.0;
 const SHEET_STEP: std::ops::Range<f64> = 1e-7..7e-3;
 
-/// Numbers that go forward by seconds, if they are days: a clock in seconds would be read a hundred times a second and more.
+/// Numbers that go forward by seconds, if they are days: a clock in seconds would be read a hundred times a second and
+/// more.
 fn are_days(times: &[f64]) -> bool {
     let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
     median(steps).is_some_and(|step| SHEET_STEP.contains(&step))

@@ -1,7 +1,7 @@
 //! Does a text look as if it was read with the wrong code page?
 //!
-//! Windows-1252 gives every byte a meaning, so a text of another code page is read without an error: `prędkość` (Windows-1250) as
-//! `prêdkoœæ`, `время` (Windows-1251) as `âðåìÿ`.
+//! Windows-1252 gives every byte a meaning, so a text of another code page is read without an error: `prędkość`
+//! (Windows-1250) as `prêdkoœæ`, `время` (Windows-1251) as `âðåìÿ`.
 
 /// The encoding that is taken where a text is neither UTF-8 nor UTF-16.
 pub const ASSUMED: &str = "windows-1252";

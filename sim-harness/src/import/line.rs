@@ -20,7 +20,8 @@ pub fn centre_line(runs: &[&Staged]) -> Option<Vec<CentreLinePoint>> {
     let mut order: Vec<&&Staged> = runs.iter().filter(|run| run.fixes > 1).collect();
     order.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()).then_with(|| a.name.cmp(&b.name)));
     let mut line = measured(&thinned(&fixes(order.first()?)));
-    // The guess grows at its ends by what other runs went further, those that begin where others end one after the other.
+    // The guess grows at its ends by what other runs went further, those that begin where others end one after the
+    // other.
     for _ in 0..MOST_GROWTH {
         let before = line.len();
         for run in order.iter().skip(1) {

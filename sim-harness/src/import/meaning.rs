@@ -116,7 +116,8 @@ impl Meaning {
         self.words().position(|word| word == name)
     }
 
-    /// The column of each meaning among these names without their units; a column has one meaning, the more usual name wins.
+    /// The column of each meaning among these names without their units; a column has one meaning, the more usual name
+    /// wins.
     pub fn of_names(names: &[String]) -> Vec<(Self, usize)> {
         let names: Vec<String> = names.iter().map(|name| plain(name)).collect();
         let mut found: Vec<(Self, usize)> = Vec::new();

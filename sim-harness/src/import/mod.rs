@@ -4,9 +4,9 @@
 //! source -> columns, clock, evidence (analysis, alike) -> rows -> cut -> staged -> chainage, line -> write, skeleton
 //! ```
 //!
-//! In: tables as text, sheets, GPX, NMEA, JSON lines, Parquet, and what `import.toml` says about them. Out: a folder of run logs with its
-//! index, `import.toml` that repeats the import, and an account of whatever was left out or changed. Text is streamed; of the runs only what
-//! places them on a common chainage is held.
+//! In: tables as text, sheets, GPX, NMEA, JSON lines, Parquet, and what `import.toml` says about them. Out: a folder of
+//! run logs with its index, `import.toml` that repeats the import, and an account of whatever was left out or changed.
+//! Text is streamed; of the runs only what places them on a common chainage is held.
 
 pub(crate) mod account;
 mod alike;
@@ -166,7 +166,8 @@ impl ImportOrder {
         Ok(Self { files, mapping: read, mapping_file: mapping, out, track_out: None, strict: false })
     }
 
-    /// How the runs come onto one chainage, and a track whose centre line or stops give it; what is not given here stays as the mapping says it.
+    /// How the runs come onto one chainage, and a track whose centre line or stops give it; what is not given here
+    /// stays as the mapping says it.
     pub fn place_by(&mut self, method: Option<Method>, track: Option<PathBuf>) {
         let said = &mut self.mapping.chainage;
         said.method = method.or(said.method);

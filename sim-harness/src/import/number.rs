@@ -12,8 +12,8 @@ pub fn parse(text: &str, decimal: char) -> Option<(f64, &str)> {
     value.is_finite().then_some((value, rest.trim()))
 }
 
-/// An angle with its degrees, minutes and seconds apart, or with the letter of its hemisphere: the value, and whether it is whole, in degrees.
-/// None for a plain number. O is east or west, by the language.
+/// An angle with its degrees, minutes and seconds apart, or with the letter of its hemisphere: the value, and whether
+/// it is whole, in degrees. None for a plain number. O is east or west, by the language.
 pub fn angle(text: &str, decimal: char) -> Option<(f64, bool)> {
     let text = text.trim();
     let hemisphere = |c: &char| "NSEWnsew".contains(*c);

@@ -9,7 +9,8 @@ const BACK_M: f64 = 300.0;
 /// Logs that must rise from one to the next: two may be the two halves of a line.
 const LEAST_LOGS: usize = 3;
 
-/// Why the locations of these runs are no chainage: they are beyond any line, or rise from run to run of a unit and none comes back.
+/// Why the locations of these runs are no chainage: they are beyond any line, or rise from run to run of a unit and
+/// none comes back.
 pub fn counts_on(runs: &[Staged]) -> Option<String> {
     if let Some(far) = runs.iter().find(|run| is_far(run.ends_m)) {
         return Some(format!("{} is at {:.0} km, beyond any line: an odometer", far.name, far.ends_m.1 / 1e3));

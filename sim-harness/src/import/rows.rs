@@ -45,7 +45,8 @@ const NO_PLACE: &str = "positions that are no place on Earth, taken as missing";
 pub const MIDNIGHT: &str = "midnights, joined";
 const DATE_LAGS: &str = "rows whose date turned before or after midnight, put right";
 const DAY_S: f64 = 86_400.0;
-/// A date that is copied from another clock turns within so much of midnight, s: receivers and networks tell it each minute, or few.
+/// A date that is copied from another clock turns within so much of midnight, s: receivers and networks tell it each
+/// minute, or few.
 const MOST_DATE_LAG_S: f64 = 600.0;
 /// Rows so near to each other by the time of the day are of one recording, s.
 const GOES_ON_S: f64 = 60.0;
@@ -211,8 +212,8 @@ impl<'a> Converter<'a> {
         Some((time_s, is_dated))
     }
 
-    /// The time where a date turned too late or too early: just behind midnight it is a day too small, just before it a day too large, and the time of the day
-    /// goes on from row to row.
+    /// The time where a date turned too late or too early: just behind midnight it is a day too small, just before it a
+    /// day too large, and the time of the day goes on from row to row.
     fn of_turned_date(&self, of_day_s: f64, dated_s: f64, beside: impl Fn() -> Option<[f64; 2]>) -> Option<f64> {
         let last_s = self.last_s.filter(|last_s| (dated_s - last_s).abs() > 0.5 * DAY_S)?;
         let [tomorrow_s, yesterday_s] = beside()?;
@@ -257,7 +258,8 @@ impl<'a> Converter<'a> {
     }
 }
 
-/// What recorders write for nothing. `#N/A` of a table calculation is none of it: it stands where a formula found no value.
+/// What recorders write for nothing. `#N/A` of a table calculation is none of it: it stands where a formula found no
+/// value.
 fn is_missing(text: &str) -> bool {
     matches!(
         text.trim().to_ascii_lowercase().as_str(),

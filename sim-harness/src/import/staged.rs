@@ -125,8 +125,8 @@ impl Staged {
         self.ends_m.1 - self.ends_m.0
     }
 
-    /// The places that the run passed. Thousands of runs are placed in constant memory, so they wait in a file too; where that is gone
-    /// the rows beside it are gone as well, and their reading says so.
+    /// The places that the run passed. Thousands of runs are placed in constant memory, so they wait in a file too;
+    /// where that is gone the rows beside it are gone as well, and their reading says so.
     pub fn marks(&self) -> Vec<Mark> {
         let bytes = std::fs::read(self.path.with_extension("marks")).unwrap_or_default();
         bytes.chunks_exact(8 * MARK_NUMBERS).map(Mark::of_bytes).collect()

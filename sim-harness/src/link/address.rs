@@ -10,7 +10,8 @@
 //! | `slcan:PORT`, `slcanfd:PORT` | CAN behind one of the ports above, frames of 8 or 64 bytes |
 //! | `can:can0`, `canfd:can0` | CAN, a network interface of Linux |
 //!
-//! The bit rate of the bus is set where the adapter or the interface is set up, not here: a wrong one would stop the whole bus.
+//! The bit rate of the bus is set where the adapter or the interface is set up, not here: a wrong one would stop the
+//! whole bus.
 
 use super::port::HostPort;
 use super::{HostLink, Unwrapped};

@@ -1,8 +1,10 @@
 //! Ports of the host that do not wait: serial, TCP, stdin and stdout.
 //!
-//! In: an open port. Out: [`HostPort`], which tells whether there is something to read, as the links of the library need.
+//! In: an open port. Out: [`HostPort`], which tells whether there is something to read, as the links of the library
+//! need.
 //!
-//! A thread reads the port into a bounded queue. When nobody takes from the queue the thread stops reading, and the other side is held back by its own port. Writing waits, at most [`WRITE_TIMEOUT`].
+//! A thread reads the port into a bounded queue. When nobody takes from the queue the thread stops reading, and the
+//! other side is held back by its own port. Writing waits, at most [`WRITE_TIMEOUT`].
 
 use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};

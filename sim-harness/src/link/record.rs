@@ -63,7 +63,8 @@ pub fn columns() -> Vec<Column<RecordRow>> {
 
 /// The lines of a recording.
 ///
-/// A writer that fails does not stop what is recorded: its first error is kept for [`finish`](Self::finish), and nothing more is written.
+/// A writer that fails does not stop what is recorded: its first error is kept for [`finish`](Self::finish), and
+/// nothing more is written.
 pub struct Log<W: Write> {
     csv: csv::Writer<W>,
     columns: Vec<Column<RecordRow>>,

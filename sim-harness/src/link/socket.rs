@@ -1,6 +1,7 @@
 //! CAN interfaces of Linux (`AF_CAN`), as a controller of the library.
 //!
-//! In: the name of an interface, set up and up. Out: frames. The socket takes classic frames and, where the interface can, FD frames.
+//! In: the name of an interface, set up and up. Out: frames. The socket takes classic frames and, where the interface
+//! can, FD frames.
 
 use embedded_can::Frame as _;
 use rundown::link::can::{CanFrame, Format};

@@ -1,7 +1,8 @@
-//! `<run>.coast_ahead.csv`: what coasting from each tick on leads to, [`rundown::coast_ahead`]. Written where the track has stops or speed limits.
+//! `<run>.coast_ahead.csv`: what coasting from each tick on leads to, [`rundown::coast_ahead`]. Written where the track
+//! has stops or speed limits.
 //!
-//! A board makes no prediction in the ticks in which it has the most to do (each sixth, and each twelfth from the third on); else it says those of
-//! the rows with `published` 1.
+//! A board makes no prediction in the ticks in which it has the most to do (each sixth, and each twelfth from the third
+//! on); else it says those of the rows with `published` 1.
 
 use rundown::coast_ahead::{Arrival, CoastAhead, CoastConfig, Outcome, Steady};
 use rundown_files::column::Column;

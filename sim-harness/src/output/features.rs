@@ -1,7 +1,7 @@
 //! `features.csv` and `switching_points.csv`: what section 3.3 asks of each run.
 //!
-//! Every feature has its count, mean and standard deviation, with the unit in the name; what was not seen has count 0 and empty fields.
-//! Per mass means per rotating mass γ m. Names of brake steps hold the configured speeds.
+//! Every feature has its count, mean and standard deviation, with the unit in the name; what was not seen has count 0
+//! and empty fields. Per mass means per rotating mass γ m. Names of brake steps hold the configured speeds.
 
 use crate::output::parameters;
 use rundown::features::{EffortLine, Energy, FeatureConfig, Features, Phase, Statistic, SwitchingPoint};

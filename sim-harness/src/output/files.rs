@@ -18,7 +18,8 @@ pub fn text(path: &Path, text: &str) -> Result<(), WriteError> {
     std::fs::write(path, text).map_err(|source| failed(path, source))
 }
 
-/// A file of its own, outside of a folder of results: written beside its place and renamed. What is no file, as a pipe, is written into.
+/// A file of its own, outside of a folder of results: written beside its place and renamed. What is no file, as a pipe,
+/// is written into.
 pub fn whole(path: &Path, content: &str) -> Result<(), WriteError> {
     if path.exists() && !path.is_file() {
         return text(path, content);

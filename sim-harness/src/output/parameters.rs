@@ -1,4 +1,5 @@
-//! `parameters.csv`: what is known of the vehicle after each run, what this run's train was, and how often each cause occurred.
+//! `parameters.csv`: what is known of the vehicle after each run, what this run's train was, and how often each cause
+//! occurred.
 
 use rundown::model::state::{SPEED, resistance_sd};
 use rundown::model::units::KmPerHour;
@@ -21,7 +22,8 @@ pub(crate) const fn direction_word(direction: Direction) -> &'static str {
     }
 }
 
-/// The columns of the file: run, the vehicle after it, the run's own train (`run_*`: wind and load of the day included), rows and counters.
+/// The columns of the file: run, the vehicle after it, the run's own train (`run_*`: wind and load of the day
+/// included), rows and counters.
 pub fn columns() -> Vec<Column<ReplayedRun>> {
     let mut columns = vec![run_name()];
     let vehicle = coefficients("", "the vehicle after the run");
@@ -52,7 +54,8 @@ pub(super) fn learned_kmh(run: &ReplayedRun) -> Option<[f64; 2]> {
     speeds_kmh.reduce(|all, one| [all[0].min(one[0]), all[1].max(one[1])])
 }
 
-/// Whether the vehicle's resistance would be published, how the run's coasts were foreseen, and what it taught about r at some speeds.
+/// Whether the vehicle's resistance would be published, how the run's coasts were foreseen, and what it taught about r
+/// at some speeds.
 pub(super) fn foresight() -> Vec<Column<ReplayedRun>> {
     let published = "whether the board would publish the vehicle's resistance between runs: `learned`, or why not";
     let scatter = "errors of foreseen coasts over what is expected of them, rms over the last tens of runs, at least 1";

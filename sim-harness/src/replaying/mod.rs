@@ -1,4 +1,5 @@
-//! `replay`: recorded runs, a train and a track in; what the board would have learned out. The command and the Python module do this.
+//! `replay`: recorded runs, a train and a track in; what the board would have learned out. The command and the Python
+//! module do this.
 //!
 //! ```text
 //! Request -> open -> Opened -> replay -> Replayed -> tables, replay.json, report.html
@@ -171,7 +172,8 @@ pub struct Summary {
 }
 
 impl Request {
-    /// Runs with a train and a track, everything else as `rundown replay` has it by default; where rows cannot be read, the log is refused.
+    /// Runs with a train and a track, everything else as `rundown replay` has it by default; where rows cannot be read,
+    /// the log is refused.
     pub fn new(runs: Vec<PathBuf>, train: PathBuf, track: PathBuf) -> Self {
         Self {
             runs: Runs::Paths(runs),
@@ -349,8 +351,8 @@ impl Opened {
         Ok(used)
     }
 
-    /// Efforts in steps are doubted by a whole one: what rounding takes of one stays while a speed is held, and half a step as white noise would be sure too soon.
-    /// Nothing says whether they are cut off: a note.
+    /// Efforts in steps are doubted by a whole one: what rounding takes of one stays while a speed is held, and half a
+    /// step as white noise would be sure too soon. Nothing says whether they are cut off: a note.
     fn doubt_efforts(&mut self, found: &Check) -> Result<Option<String>, ReplayError> {
         let steps = found.recorders.iter().filter_map(|recorder| recorder.effort_step_n_per_kg);
         let noise = &mut self.config.effort_reading.noise_n_per_kg;
@@ -371,8 +373,8 @@ impl Opened {
         }))
     }
 
-    /// Says where the described resistance looks as if in other units. Where the described gradients look wrong, the estimator doubts them by as much as they are off:
-    /// what is learned in spite of them has an interval that says so.
+    /// Says where the described resistance looks as if in other units. Where the described gradients look wrong, the
+    /// estimator doubts them by as much as they are off: what is learned in spite of them has an interval that says so.
     fn doubt_descriptions(&mut self, recordings: &[Recording], summary: &mut Summary) -> Result<(), ReplayError> {
         let mut coasts = Coasts::default();
         coasts.add(recordings, &self.core_train);
@@ -484,7 +486,8 @@ impl Replayed {
 
     /// For an export.
     pub fn results(&self) -> Results {
-        // The text, not its value: a number that is read again may differ in the last bit, and is to be that of the file.
+        // The text, not its value: a number that is read again may differ in the last bit, and is to be that of the
+        // file.
         let json = format!("{:#}\n", self.json());
         Results::Replayed { json, train: Box::new(self.train.clone()), provenance: self.provenance.clone() }
     }
@@ -492,7 +495,8 @@ impl Replayed {
     /// Names of the pictures that [`Replayed::picture`] knows; all but the first two are of a run.
     pub const PICTURES: [&str; 6] = ["resistance", "history", "motion", "terms", "regimes", "innovations"];
 
-    /// A picture of the report as SVG, of the run at `index` or of the unit that made it; none where there is no such picture or run.
+    /// A picture of the report as SVG, of the run at `index` or of the unit that made it; none where there is no such
+    /// picture or run.
     pub fn picture(&self, name: &str, index: usize) -> Option<String> {
         let report = self.report();
         let run = report.runs.get(index)?;

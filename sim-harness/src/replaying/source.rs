@@ -70,8 +70,8 @@ impl Source {
         }
     }
 
-    /// The next runs, at most so many; none after the last. `bad_rows` and `direction` are of logs: tables have no rows that cannot be
-    /// read, and say the direction themselves.
+    /// The next runs, at most so many; none after the last. `bad_rows` and `direction` are of logs: tables have no rows
+    /// that cannot be read, and say the direction themselves.
     pub(super) fn next_chunk(
         &mut self,
         most: usize,
@@ -93,8 +93,8 @@ impl Source {
     }
 }
 
-/// Runs of one name, as different units have them, get their unit's name before it, and a number when that is not enough: no output overwrites
-/// another.
+/// Runs of one name, as different units have them, get their unit's name before it, and a number when that is not
+/// enough: no output overwrites another.
 pub(super) fn tell_apart(recordings: &mut [Recording]) {
     let mut counts = std::collections::HashMap::new();
     for recording in recordings.iter() {

@@ -1,6 +1,8 @@
-//! A replay without a row for each tick: run after run is read, replayed, written and forgotten, so that memory does not grow with them.
+//! A replay without a row for each tick: run after run is read, replayed, written and forgotten, so that memory does
+//! not grow with them.
 //!
-//! Logs are read unit by unit, so the rows of a unit follow each other. A recorder is diagnosed by its runs among [`CHUNK`] at a time.
+//! Logs are read unit by unit, so the rows of a unit follow each other. A recorder is diagnosed by its runs among
+//! [`CHUNK`] at a time.
 
 use super::{Opened, ReplayError, Summary, learned};
 use crate::advice::Advice;
@@ -43,8 +45,8 @@ struct Outputs {
 }
 
 impl Opened {
-    /// Replays the logs and writes the tables of a row a run and `replay.json` into the folder `out`; `done` is called once for each run,
-    /// `seen` gets the runs as they come.
+    /// Replays the logs and writes the tables of a row a run and `replay.json` into the folder `out`; `done` is called
+    /// once for each run, `seen` gets the runs as they come.
     ///
     /// # Errors
     /// [`StreamError`]: nothing was written then.
@@ -66,7 +68,8 @@ impl Opened {
                 let recordings = self.diagnosed(chunk, &mut summary).map_err(StreamError::from)?;
                 recordings.iter().for_each(|recording| off.add(&recording.rows));
                 if summary.runs == 0 {
-                    // The descriptions are judged by the first runs: what these teach must rest on the same doubt as all.
+                    // The descriptions are judged by the first runs: what these teach must rest on the same doubt as
+                    // all.
                     self.doubt_descriptions(&recordings, &mut summary)?;
                 }
                 let own = self.own_estimators(&recordings).map_err(ReplayError::from)?;

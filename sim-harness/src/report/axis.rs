@@ -1,7 +1,7 @@
 //! Where the samples of a run lie on the x axis of its figures, and where lines are broken.
 //!
-//! Figures of the motion go over the location, as the paper's; over the time when the train hardly moved. Figures of the readings go
-//! over the time, because a standing train has many of them at one place.
+//! Figures of the motion go over the location, as the paper's; over the time when the train hardly moved. Figures of
+//! the readings go over the time, because a standing train has many of them at one place.
 
 use super::RunView;
 use rundown::{Real, tick::estimate::Estimate};

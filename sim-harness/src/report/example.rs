@@ -1,4 +1,5 @@
-//! A plausible run for the tests of the report, made by hand and replayed: traction, cruise, a final coast with learning, brake, standstill.
+//! A plausible run for the tests of the report, made by hand and replayed: traction, cruise, a final coast with
+//! learning, brake, standstill.
 
 use super::{Report, RunView, Vehicle};
 use rundown::estimator::config::{Config, Mode};

@@ -1,15 +1,17 @@
-//! `report.html`: what the estimator said of some runs, for a railway engineer who reads from top to bottom; and a page for each run.
+//! `report.html`: what the estimator said of some runs, for a railway engineer who reads from top to bottom; and a page
+//! for each run.
 //!
 //! ```text
 //! Report -> page (words, tables) ------------> report.html, report/run0001.html ...
 //!        -> figures -> axis, chart -> SVG ->
 //! ```
 //!
-//! In: a `Report`, which borrows what the replay has. Out: HTML files that ask for nothing outside their folder. The first has what
-//! concerns all runs, so that a thousand of them open at once; a run's page is read when the reader goes there.
-//! The figures are functions of their own (`figures`) for other reports.
+//! In: a `Report`, which borrows what the replay has. Out: HTML files that ask for nothing outside their folder. The
+//! first has what concerns all runs, so that a thousand of them open at once; a run's page is read when the reader goes
+//! there. The figures are functions of their own (`figures`) for other reports.
 //!
-//! A missing value is a gap in a figure and a dash in a table, with its reason beside it; a number that is not finite is never shown.
+//! A missing value is a gap in a figure and a dash in a table, with its reason beside it; a number that is not finite
+//! is never shown.
 
 mod axis;
 pub(crate) mod figures;
@@ -38,7 +40,8 @@ pub(crate) struct Report<'a> {
     pub title: String,
     pub train: &'a Train,
     pub runs: Vec<RunView<'a>>,
-    /// How many runs come before these, and the names of the runs before and after them: pages of very many runs are written in parts.
+    /// How many runs come before these, and the names of the runs before and after them: pages of very many runs are
+    /// written in parts.
     pub first: usize,
     pub before: Option<String>,
     pub after: Option<String>,
@@ -236,8 +239,9 @@ impl Learned {
     }
 }
 
-/// Speed at which r(v) is shown, km/h: 100, or the fastest that taught where trains never get there, in whole tens. Beyond what taught it r is the description's as much as the
-/// runs', and its interval knows only descriptions that are about right.
+/// Speed at which r(v) is shown, km/h: 100, or the fastest that taught where trains never get there, in whole tens.
+/// Beyond what taught it r is the description's as much as the runs', and its interval knows only descriptions that are
+/// about right.
 pub(crate) fn shown_kmh(fastest_mps: Option<Real>) -> Real {
     const USUAL_KMH: Real = 100.0;
     let fastest_kmh = fastest_mps.map_or(USUAL_KMH, |fastest| 3.6 * fastest);

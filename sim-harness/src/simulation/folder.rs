@@ -53,8 +53,8 @@ fn io_at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
     move |source| FolderError::Io { path, source }
 }
 
-/// Drives all runs side by side and writes the data set. What is written depends on scenario and seed alone, not on the number of threads.
-/// With `force` the data set takes the place of an earlier one.
+/// Drives all runs side by side and writes the data set. What is written depends on scenario and seed alone, not on the
+/// number of threads. With `force` the data set takes the place of an earlier one.
 pub fn write(
     simulation: &Simulation,
     folder: &Path,
@@ -101,7 +101,8 @@ fn write_set(simulation: &Simulation, folder: &Path, done: impl Fn() + Sync) -> 
     Ok(facts)
 }
 
-/// Refuses a folder with files unless forced, and logs that no manifest of a simulation lists, beside which shorter data sets would lie.
+/// Refuses a folder with files unless forced, and logs that no manifest of a simulation lists, beside which shorter
+/// data sets would lie.
 fn may_write(folder: &Path, force: bool) -> Result<(), FolderError> {
     let path = folder.to_owned();
     let is_empty = |path: &Path| std::fs::read_dir(path).map_or(true, |mut entries| entries.next().is_none());

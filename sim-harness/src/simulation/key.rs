@@ -1,7 +1,8 @@
 //! `truth.json`: what was true, for evaluation.
 //!
-//! Sums up what no log says: the effects with the files of the runs they acted in, the true train, and for each run its wind, load, temperature,
-//! Davis parameters in still air, and the marks of its phases. Locations are those of the line, N/kg are per true rotating mass of the run.
+//! Sums up what no log says: the effects with the files of the runs they acted in, the true train, and for each run its
+//! wind, load, temperature, Davis parameters in still air, and the marks of its phases. Locations are those of the
+//! line, N/kg are per true rotating mass of the run.
 
 use super::scenario_file::Simulation;
 use jiff::Timestamp;

@@ -49,8 +49,9 @@ pub struct Simulation {
     pub file: Option<PathBuf>,
 }
 
-/// The tables of a scenario file, each field with its type, what it is where it is left out, and for a number its range. Every field is explained in
-/// [`EXAMPLE`]. What is the truth's own is read into the truth's types; a table of its own here has fields that the truth has elsewhere.
+/// The tables of a scenario file, each field with its type, what it is where it is left out, and for a number its
+/// range. Every field is explained in [`EXAMPLE`]. What is the truth's own is read into the truth's types; a table of
+/// its own here has fields that the truth has elsewhere.
 macro_rules! tables {
     ($($name:ident in $table:literal { $($field:ident: $type:ty = $default:expr $(, $least:literal to $most:literal)?;)* })*) => {$(
         #[derive(Deserialize)]

@@ -8,9 +8,10 @@
 //! I = Σ φᵀ R⁻¹ φ over the samples of a stretch, s0 and v0 of each stretch eliminated (Schur complement)
 //! ```
 //!
-//! A stretch is consecutive intervals in which the effort is known: zero while coasting, or measured. A speed in whole km/h counts as one with
-//! normal noise of quantum/√12. That the gradient changes with an error of the location is left out: 4 m move it by nothing.
-//! The gain of a measured effort is a nuisance of each run with the prior of the configuration.
+//! A stretch is consecutive intervals in which the effort is known: zero while coasting, or measured. A speed in whole
+//! km/h counts as one with normal noise of quantum/√12. That the gradient changes with an error of the location is left
+//! out: 4 m move it by nothing. The gain of a measured effort is a nuisance of each run with the prior of the
+//! configuration.
 
 use nalgebra::{Matrix2, Matrix3, Matrix3x1, SMatrix, SVector};
 use rundown_truth::sensors::{Sample, Sensors, SpeedReading, TruthSample};

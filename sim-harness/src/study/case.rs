@@ -32,7 +32,8 @@ pub struct CaseTruth {
     pub facts: RunTruth,
 }
 
-/// The truth of a run as a whole, as far as the study shows it: in `truth.json` of a data set on disk it has the same names.
+/// The truth of a run as a whole, as far as the study shows it: in `truth.json` of a data set on disk it has the same
+/// names.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct RunTruth {
     /// Running resistance of this run as still air would have it: load and wind included.
@@ -121,8 +122,9 @@ impl Case {
     }
 }
 
-/// The paper's 67 runs, simulated: one unit with 8 % less resistance than its manufacturer says, wind of 2 m/s and load of 3 % standard deviation
-/// from run to run, and a feeding section at the departure that gives less power than the motors can take.
+/// The paper's 67 runs, simulated: one unit with 8 % less resistance than its manufacturer says, wind of 2 m/s and load
+/// of 3 % standard deviation from run to run, and a feeding section at the departure that gives less power than the
+/// motors can take.
 pub fn case_study() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("paper_study.toml"), CASE_STUDY)
 }
@@ -137,7 +139,8 @@ pub fn calm() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("calm.toml"), "name = \"calm\"\n")
 }
 
-/// A unit of a simulated fleet: as many runs as the simulation has, the first unit as it says, each other with a resistance of its own.
+/// A unit of a simulated fleet: as many runs as the simulation has, the first unit as it says, each other with a
+/// resistance of its own.
 #[derive(Clone, Debug)]
 pub struct FleetUnit {
     unit: usize,

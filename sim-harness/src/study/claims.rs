@@ -1,11 +1,13 @@
 //! What section 4 claims in numbers, and whether these runs say the same.
 //!
-//! Each claim has the criterion by which it counts as reproduced, set before looking: a shape where the paper describes one, else a margin about
-//! the paper's number that 67 runs justify. The verdict is that on the paper's mode; the gated mode and the truth stand beside it.
+//! Each claim has the criterion by which it counts as reproduced, set before looking: a shape where the paper describes
+//! one, else a margin about the paper's number that 67 runs justify. The verdict is that on the paper's mode; the gated
+//! mode and the truth stand beside it.
 //!
 //! What is a direction only counts from a size on that a reader of the paper could see: [`super::visible`].
 //!
-//! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth: [`ClaimKind`].
+//! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth:
+//! [`ClaimKind`].
 
 mod driving;
 pub mod markdown;
@@ -83,7 +85,8 @@ fn is_at_home(gathered: &Gathered, train: &Train) -> bool {
     is_line != Some(false) && is_train == Some(true)
 }
 
-/// What is judged of runs on another line or with another train: what the method does, not what the paper's line, train and drivers put into its numbers.
+/// What is judged of runs on another line or with another train: what the method does, not what the paper's line, train
+/// and drivers put into its numbers.
 fn judged_elsewhere(claim: Claim) -> Claim {
     match claim.is_of_the_train {
         true => Claim { verdict: Verdict::Elsewhere, ..claim },
@@ -211,8 +214,8 @@ impl Claim {
         Self { kind: ClaimKind::Input, ..self }.of_the_train()
     }
 
-    /// The scenario was made so, and the extractor must find it: what the paper's mode found and what was true differ by no more than the margin.
-    /// Comes after the criterion; without a truth that alone decides.
+    /// The scenario was made so, and the extractor must find it: what the paper's mode found and what was true differ
+    /// by no more than the margin. Comes after the criterion; without a truth that alone decides.
     fn recovered(self, found: Option<f64>, truth: Option<f64>, margin: f64, words: impl Fn(f64) -> String) -> Self {
         let claim = Self { kind: ClaimKind::Recovered, ..self }.of_the_train();
         let Some((found, truth)) = found.zip(truth) else {

@@ -1,4 +1,5 @@
-//! The description that goes with a simulation: what the manufacturer and the infrastructure manager say, which is not what is true.
+//! The description that goes with a simulation: what the manufacturer and the infrastructure manager say, which is not
+//! what is true.
 
 use super::Refused;
 use crate::simulation::scenario_file::Simulation;

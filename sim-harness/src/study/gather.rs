@@ -5,8 +5,9 @@
 //!                         -> gated mode: each unit from run to run
 //! ```
 //!
-//! The paper's filter begins each run with the manufacturer's values, as the paper does; the gated mode carries each unit's vehicle.
-//! What is kept does not grow with the number of runs: [`DRAWN`] runs for figures at most, evenly spread, and one vehicle for each unit.
+//! The paper's filter begins each run with the manufacturer's values, as the paper does; the gated mode carries each
+//! unit's vehicle. What is kept does not grow with the number of runs: [`DRAWN`] runs for figures at most, evenly
+//! spread, and one vehicle for each unit.
 
 use super::case::{Case, CaseTruth};
 use super::tallies::{LIMIT_KMH, Tallies};
@@ -88,7 +89,8 @@ pub struct Example {
 }
 
 impl Example {
-    /// `looped`: the paper's loop on what the recorder wrote, where that is something else than the first run was made of.
+    /// `looped`: the paper's loop on what the recorder wrote, where that is something else than the first run was made
+    /// of.
     fn of([features, gated]: [ReplayedRun; 2], looped: Option<ReplayedRun>, truth: Option<CaseTruth>) -> Self {
         let (paper, put_right) = match looped {
             Some(looped) => (looped, Some(features)),
@@ -172,9 +174,9 @@ pub enum GatherError {
     Sink(#[from] std::io::Error),
 }
 
-/// Replays all runs of a source. `sink` gets a row for each run, chunk by chunk in order; `done` is called with the runs of each chunk.
-/// `wanted` is the name of the run of Figs. 3, 5 and 6; without one, that which is nearest to the paper's in what section 4 says of it: its regimes in the
-/// paper's mode, its largest speed, its largest brake rate.
+/// Replays all runs of a source. `sink` gets a row for each run, chunk by chunk in order; `done` is called with the
+/// runs of each chunk. `wanted` is the name of the run of Figs. 3, 5 and 6; without one, that which is nearest to the
+/// paper's in what section 4 says of it: its regimes in the paper's mode, its largest speed, its largest brake rate.
 ///
 /// # Errors
 /// [`GatherError`] when runs cannot be read or rows cannot be written. A single bad log is no error: it is in `failed`.
@@ -290,7 +292,8 @@ impl LookedAt {
     }
 }
 
-/// The columns of `runs.csv` and `runs.parquet`: the same for every run, so that a table of recorded and simulated runs is one.
+/// The columns of `runs.csv` and `runs.parquet`: the same for every run, so that a table of recorded and simulated runs
+/// is one.
 pub fn columns() -> Vec<Column<LookedAt>> {
     let mut columns = vec![
         Column::text("run", "name of the run", |one: &LookedAt| one.case.recording.name.clone()),
@@ -396,8 +399,8 @@ impl Gathered {
     }
 }
 
-/// How far a run is from that of Figs. 3, 5 and 6: root of the sum of squares of the shares, and 1 more for each thing that section 4.2 says of it and
-/// that is not so.
+/// How far a run is from that of Figs. 3, 5 and 6: root of the sum of squares of the shares, and 1 more for each thing
+/// that section 4.2 says of it and that is not so.
 fn off_papers_run(paper: &ViewOutcome, top_kmh: f64, max_brake_mps2: f64) -> f64 {
     let Some(shares) = paper.shares else {
         return f64::INFINITY;

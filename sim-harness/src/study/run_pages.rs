@@ -1,5 +1,6 @@
-//! A page for each run of a study that its page lists, as the gated mode saw it, with the truth where it is known. Written chunk by chunk: what is
-//! drawn of a run is forgotten with its chunk, but for the last run of a chunk: its page links to the first run of the next one.
+//! A page for each run of a study that its page lists, as the gated mode saw it, with the truth where it is known.
+//! Written chunk by chunk: what is drawn of a run is forgotten with its chunk, but for the last run of a chunk: its
+//! page links to the first run of the next one.
 
 use super::figures::run::truth_view;
 use super::gather::{LISTED, LookedAt};

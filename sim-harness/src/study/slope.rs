@@ -1,10 +1,11 @@
 //! Self-test of learning: does the estimate follow the true resistance, how closely, and does it know how closely?
 //!
-//! In: simulated vehicles whose true r0, r1, r2 are 0.7 to 1.3 of the described ones. Out: for each mode and after 1, 10 and all runs the slope of
-//! estimated on true deviation and the spread about it, the error of r(v), the error that is possible ([`super::bound`]), and the share of truths
-//! in the reported 95 % interval.
+//! In: simulated vehicles whose true r0, r1, r2 are 0.7 to 1.3 of the described ones. Out: for each mode and after 1,
+//! 10 and all runs the slope of estimated on true deviation and the spread about it, the error of r(v), the error that
+//! is possible ([`super::bound`]), and the share of truths in the reported 95 % interval.
 //!
-//! A slope of 1 follows the truth, a slope of 0 does not see it. Efficiency is the variance that is possible over the one that was reached.
+//! A slope of 1 follows the truth, a slope of 0 does not see it. Efficiency is the variance that is possible over the
+//! one that was reached.
 
 use super::bound::{Known, Worth, information};
 use super::{Refused, case::Case, description::Believed};
@@ -46,8 +47,9 @@ pub struct SlopePlan {
 }
 
 impl SlopePlan {
-    /// True over described r0, r1, r2 of a vehicle: as a whole evenly from the smallest to the largest, and each coefficient beyond that by
-    /// as much as the memory believes vehicles to differ ([`SHAPE_SD`]). Without the latter the bound, which knows the prior, would be too high.
+    /// True over described r0, r1, r2 of a vehicle: as a whole evenly from the smallest to the largest, and each
+    /// coefficient beyond that by as much as the memory believes vehicles to differ ([`SHAPE_SD`]). Without the latter
+    /// the bound, which knows the prior, would be too high.
     pub fn scales(&self, vehicle: usize) -> [f64; 3] {
         let [least, most] = SCALES;
         let part = match self.vehicles {
@@ -176,7 +178,8 @@ fn prior(estimator: &Estimator) -> Matrix3<f64> {
 }
 
 impl SlopeLook {
-    /// True and estimated deviation from the description at a speed, and the reported standard deviation, as shares of the description.
+    /// True and estimated deviation from the description at a speed, and the reported standard deviation, as shares of
+    /// the description.
     pub fn deviations(&self, described: &Davis, speed_kmh: f64) -> Option<[f64; 3]> {
         let v = KmPerHour(speed_kmh).to_mps();
         let stated = described.resistance_n_per_kg(v);

@@ -22,7 +22,8 @@ pub enum RunSource {
     Recorded(Box<Recorded>),
 }
 
-/// Recorded runs, diagnosed chunk by chunk: a recorder is judged by its runs of a chunk, so that memory does not grow and a wheel may wear.
+/// Recorded runs, diagnosed chunk by chunk: a recorder is judged by its runs of a chunk, so that memory does not grow
+/// and a wheel may wear.
 #[derive(Debug)]
 pub struct Recorded {
     of: Files,
@@ -77,9 +78,9 @@ impl RunSource {
 
     /// Recorded runs, diagnosed but for what is `known` of their recorders; none of it: taken as recorded.
     ///
-    /// These are Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of logs.
-    /// Where the truth of logs lies beside them, as `rundown simulate` writes it, the runs have it.
-    /// What a person may want to know is handed to `note`.
+    /// These are Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of
+    /// logs. Where the truth of logs lies beside them, as `rundown simulate` writes it, the runs have it. What a person
+    /// may want to know is handed to `note`.
     pub fn recorded(
         arguments: &[PathBuf],
         line: Option<CentreLine>,
@@ -95,8 +96,9 @@ impl RunSource {
         Ok(Self::Recorded(Box::new(recorded)))
     }
 
-    /// Whether the described gradients and resistance explain how the trains of the first chunk coast; if not, the notes say so. Of simulated runs it is not asked.
-    /// `said_permille`: how far they may be off by their own description, standard deviation.
+    /// Whether the described gradients and resistance explain how the trains of the first chunk coast; if not, the
+    /// notes say so. Of simulated runs it is not asked. `said_permille`: how far they may be off by their own
+    /// description, standard deviation.
     ///
     /// # Errors
     /// The runs cannot be read.
@@ -160,7 +162,8 @@ impl RunSource {
         }
     }
 
-    /// The next runs, at most [`CHUNK`]; none after the last. Logs that cannot be read come before the others of their chunk.
+    /// The next runs, at most [`CHUNK`]; none after the last. Logs that cannot be read come before the others of their
+    /// chunk.
     pub fn next_chunk(&mut self) -> Result<Option<Vec<Result<Case, Failed>>>, Refused> {
         let chunk = match self {
             Self::Simulated(simulated) => simulated.next_chunk(),

@@ -8,8 +8,9 @@
 //! | fewer samples give worse regimes and features | [`thinned`] |
 //! | the computation is short enough for more samples | [`pace`] |
 //!
-//! Table 1 prints standard deviations; the remark speaks of "two orders of magnitude in one of the initial covariances". Read as a covariance
-//! that is a deviation ten times as large, read as the printed deviation a hundred times: both are tried.
+//! Table 1 prints standard deviations; the remark speaks of "two orders of magnitude in one of the initial
+//! covariances". Read as a covariance that is a deviation ten times as large, read as the printed deviation a hundred
+//! times: both are tried.
 
 use super::gather::{Drawn, Estimators};
 use super::readings::pass::{Filter, Pass, R0_NOISE, way};
@@ -35,7 +36,8 @@ const WHICH: [(&str, [bool; 3]); 4] = [
     ("r0, r1, r2", [true; 3]),
 ];
 
-/// Standard deviations of the acceleration noise that are tried, m/s²; Table 1 has none. Up to the third they are small.
+/// Standard deviations of the acceleration noise that are tried, m/s²; Table 1 has none. Up to the third they are
+/// small.
 pub const NOISES_MPS2: [f64; 5] = [1e-4, 0.001, 0.01, 0.1, 1.0];
 pub const SMALL_MPS2: f64 = 0.01;
 /// One sample in so many is kept.
@@ -108,7 +110,8 @@ impl Missed {
     }
 }
 
-/// How long it takes here at most: a step in whole ms, a run in whole s. Coarse, so that the same seed gives the same report.
+/// How long it takes here at most: a step in whole ms, a run in whole s. Coarse, so that the same seed gives the same
+/// report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace {
     pub step_ms: u64,

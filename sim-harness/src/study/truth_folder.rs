@@ -1,7 +1,8 @@
 //! The truth that `rundown simulate` leaves beside its logs, for the study to show: no estimator sees it.
 //!
-//! In: the folder of the logs. Out: [`TruthFolder`], and from it a [`CaseTruth`] for each log. A folder `truth` lies beside that of the logs, or there
-//! is none: recorded runs have no truth. One that is there and cannot be read, or is not that of a log's times, is an error, never a gap.
+//! In: the folder of the logs. Out: [`TruthFolder`], and from it a [`CaseTruth`] for each log. A folder `truth` lies
+//! beside that of the logs, or there is none: recorded runs have no truth. One that is there and cannot be read, or is
+//! not that of a log's times, is an error, never a gap.
 
 use super::case::{CaseTruth, RunTruth};
 use rundown_files::sample::Sample;

@@ -1,7 +1,8 @@
-//! Why "no influence was observed" (section 4.2): a tunnel in the truth, in the coefficients of the paper's mode, and in `rundown gap`.
+//! Why "no influence was observed" (section 4.2): a tunnel in the truth, in the coefficients of the paper's mode, and
+//! in `rundown gap`.
 //!
-//! In: the scenario with the tunnel, and the same without it. Out: by how much r0 of the paper's loop differs along the line, backward and
-//! forward, and what the gap workflow finds on the runs with the tunnel.
+//! In: the scenario with the tunnel, and the same without it. Out: by how much r0 of the paper's loop differs along the
+//! line, backward and forward, and what the gap workflow finds on the runs with the tunnel.
 
 use super::case::{Case, FleetUnit};
 use super::figures::Picture;

@@ -1,7 +1,7 @@
 //! One run through one pair of eyes: what the estimator in one mode says of it, or what was true.
 //!
-//! The same quantities whoever looks, so that a table can set them side by side: [`ViewOutcome`] is the run in a few numbers, [`Points`] is what
-//! the figures draw.
+//! The same quantities whoever looks, so that a table can set them side by side: [`ViewOutcome`] is the run in a few
+//! numbers, [`Points`] is what the figures draw.
 
 use super::{case::CaseTruth, moments::Moments, visible};
 use crate::accuracy_bench::score::regime;
@@ -19,8 +19,8 @@ pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
 pub const ATB_NAMES: [&str; 5] = ["above_130", "130_to_80", "80_to_60", "60_to_40", "below_40"];
 /// Speeds of the red crosses of Fig. 9, km/h.
 pub const CROSS_KMH: RangeInclusive<f64> = 50.0..=90.0;
-/// A largest power is the largest of means over this time, s. Over 10 s a reading in whole km/h is off by 4 % of the power, and the largest of several
-/// such is 10 % too large; over three times as long the readings between cancel out.
+/// A largest power is the largest of means over this time, s. Over 10 s a reading in whole km/h is off by 4 % of the
+/// power, and the largest of several such is 10 % too large; over three times as long the readings between cancel out.
 pub const LARGEST_OVER_S: f64 = 30.0;
 /// A clock that is a little fast makes no shorter time, s.
 const SAME_TIME_S: f64 = 2.0;
@@ -28,7 +28,8 @@ const SAME_TIME_S: f64 = 2.0;
 pub const POWER_KMH: RangeInclusive<f64> = 50.0..=130.0;
 /// Where the two clouds of Fig. 9 part, km/h.
 pub const CLOUDS_KMH: f64 = 115.0;
-/// A slower loss of speed is no braking, m/s² (section 3.2): a hold at 40 km/h between two brakes is not counted as one.
+/// A slower loss of speed is no braking, m/s² (section 3.2): a hold at 40 km/h between two brakes is not counted as
+/// one.
 const LEAST_BRAKE_MPS2: f64 = 0.06;
 /// Speeds at which the decelerations of coasting trains are compared, km/h.
 pub const COASTING_KMH: RangeInclusive<f64> = 100.0..=120.0;
@@ -41,7 +42,8 @@ const OVER_KMH: f64 = 50.0;
 pub struct ViewOutcome {
     /// Median of the speeds held at the fastest level.
     pub cruise_kmh: Option<f64>,
-    /// Plain median of the filtered speeds of all cruising, as section 3.3 takes it; as it was: the speed that was to be kept.
+    /// Plain median of the filtered speeds of all cruising, as section 3.3 takes it; as it was: the speed that was to
+    /// be kept.
     pub plain_cruise_kmh: Option<f64>,
     /// Mean brake rate of each ATB-EG step, the statistic of section 3.3, m/s².
     pub brake_steps_mps2: [Option<f64>; 5],
@@ -53,7 +55,8 @@ pub struct ViewOutcome {
     pub shares: Option<[f64; 4]>,
     /// Mean tractive power, 50 to 130 km/h, kW.
     pub power_kw: Option<f64>,
-    /// Largest tractive power of the first acceleration, 50 to 90 km/h, kW: as found, of means over [`LARGEST_OVER_S`]; as it was, at any time.
+    /// Largest tractive power of the first acceleration, 50 to 90 km/h, kW: as found, of means over [`LARGEST_OVER_S`];
+    /// as it was, at any time.
     pub max_power_kw: Option<f64>,
     /// Mean deceleration while coasting at [`COASTING_KMH`], m/s².
     pub coast_mps2: Option<f64>,
@@ -294,8 +297,8 @@ fn shares(times_s: [f64; 4]) -> Option<[f64; 4]> {
     (all_s > 0.0).then(|| times_s.map(|time_s| time_s / all_s))
 }
 
-/// The largest mean power over [`LARGEST_OVER_S`] of points that follow each other within these speeds, as one point; where none are so long, that
-/// of the longest.
+/// The largest mean power over [`LARGEST_OVER_S`] of points that follow each other within these speeds, as one point;
+/// where none are so long, that of the longest.
 pub fn largest(points: &[PowerPoint], within_kmh: &RangeInclusive<f64>) -> Option<PowerPoint> {
     let of = |begin: usize| mean_from(&points[begin..], within_kmh);
     let key = |point: &PowerPoint| (point.dt_s.min(LARGEST_OVER_S), point.power_kw);

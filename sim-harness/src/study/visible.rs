@@ -1,8 +1,9 @@
 //! How large a change must be that a reader of the paper could have seen it.
 //!
-//! A claim of direction ("decreases", "negative skewness", "overestimates") is true of any change of the right sign, however small. The authors
-//! saw it in a figure or in printed digits, so a change counts from the resolution of these on. Of r1 and r2 nothing is printed, and Table 1 lets
-//! them move by a half and a quarter of the share by which r0 does: what is said of all three is visible where r0 is.
+//! A claim of direction ("decreases", "negative skewness", "overestimates") is true of any change of the right sign,
+//! however small. The authors saw it in a figure or in printed digits, so a change counts from the resolution of these
+//! on. Of r1 and r2 nothing is printed, and Table 1 lets them move by a half and a quarter of the share by which r0
+//! does: what is said of all three is visible where r0 is.
 
 use super::verdict::Verdict;
 

@@ -1,4 +1,5 @@
-//! Tuning of the paper's filter by the two criteria of section 4.2: the likelihood of the readings, and coefficients that are not negative.
+//! Tuning of the paper's filter by the two criteria of section 4.2: the likelihood of the readings, and coefficients
+//! that are not negative.
 //!
 //! ```text
 //! runs -> score (likelihood, negative coefficients) <- parameters (Table 1, Q)
@@ -6,8 +7,8 @@
 //!             +-> search (Nelder-Mead) -> optimum -> surface around it, configuration, page
 //! ```
 //!
-//! A filter that explains the readings well is not one that finds the resistance: the paper's loop stays blind to it, however it is tuned.
-//! The page shows that beside the optimum.
+//! A filter that explains the readings well is not one that finds the resistance: the paper's loop stays blind to it,
+//! however it is tuned. The page shows that beside the optimum.
 
 pub(crate) mod fields;
 pub(crate) mod page;

@@ -1,4 +1,5 @@
-//! The runs of a tuning: how likely each is with Table 1 and with the optimum, and a page of each as the tuned filter saw it.
+//! The runs of a tuning: how likely each is with Table 1 and with the optimum, and a page of each as the tuned filter
+//! saw it.
 
 use super::parameters::Place;
 use super::score::{Bench, FilterScore};

@@ -17,7 +17,8 @@ use rundown_files::recording::Recording;
 use rundown_files::replay::{Tick, replay};
 use serde::Serialize;
 
-/// Cost of a coefficient as far below zero as the manufacturer's is above, at every sample, in units of likelihood a sample.
+/// Cost of a coefficient as far below zero as the manufacturer's is above, at every sample, in units of likelihood a
+/// sample.
 const NEGATIVE_COST: f64 = 1e4;
 /// Cost of a share of samples at which the filter had to be repaired.
 const REPAIRED_COST: f64 = 1e3;

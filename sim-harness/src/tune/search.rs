@@ -1,4 +1,5 @@
-//! Nelder and Mead's simplex over the parameters, from Table 1 and from a spread of the points that double precision can carry.
+//! Nelder and Mead's simplex over the parameters, from Table 1 and from a spread of the points that double precision
+//! can carry.
 
 use super::parameters::{COUNT, PARAMETERS, Place, place};
 use super::score::Bench;
@@ -17,7 +18,8 @@ pub struct Minimum {
     pub place: Place,
     pub cost: f64,
     pub evaluations: u64,
-    /// Searches that ended because the evaluations did, before their simplex had settled: what was found is no optimum then.
+    /// Searches that ended because the evaluations did, before their simplex had settled: what was found is no optimum
+    /// then.
     pub unsettled: usize,
     /// By how much the second half of the trials made the cost less: how far the optimum may still be.
     pub late_gain: f64,

@@ -16,7 +16,8 @@ pub struct Said {
 /// The run that the reference implementation was given.
 pub const RUN: &str = include_str!("../../../data/reference/run01.csv");
 
-/// The run once more, everywhere so many centimetres further: a log that is given twice counts once, and one that has some of its rows is said.
+/// The run once more, everywhere so many centimetres further: a log that is given twice counts once, and one that has
+/// some of its rows is said.
 pub fn another(by_cm: u32) -> String {
     let (header, rows) = RUN.trim_end().split_once('\n').unwrap();
     let moved = rows.lines().map(|row| {

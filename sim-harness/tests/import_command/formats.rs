@@ -479,7 +479,8 @@ fn sheets_with_other_columns_are_named() {
     assert!(strict.code == Some(1) && strict.err.contains(OTHER_SHEETS), "{}", strict.err);
 }
 
-/// What a file loses is said on the screen, stands in `import.json` with its first place, and is refused with `--strict`.
+/// What a file loses is said on the screen, stands in `import.json` with its first place, and is refused with
+/// `--strict`.
 #[track_caller]
 fn loses(folder: &Folder, name: &str, what: &str, times: u64, place: &str) {
     let said = folder.done(&["import", name, "--out", name.split('.').next().unwrap()]);
@@ -633,7 +634,8 @@ fn lines_are_counted_alike_whatever_ends_them() {
     }
 }
 
-/// Means over some seconds are too small where a train is fastest, and too large where it is slow, as if its wheel were another one.
+/// Means over some seconds are too small where a train is fastest, and too large where it is slow, as if its wheel were
+/// another one.
 #[test]
 fn speeds_of_positions_follow_a_train_that_is_hardly_ever_at_one_speed() {
     let stops_m: Vec<f64> = (0..12).map(|stop| 350.0 * f64::from(stop)).collect();

@@ -144,7 +144,8 @@ fn speed_and_location_every_ten_seconds_decide_a_unit_and_where_none_does_the_re
     }
 }
 
-/// A location in every fifth row, rows that come five at a time, and a location that is held for 30 s: none has twenty even rows that go on.
+/// A location in every fifth row, rows that come five at a time, and a location that is held for 30 s: none has twenty
+/// even rows that go on.
 #[test]
 fn sparse_held_and_burst_columns_decide_units_as_even_ones_do() {
     let rows = drive(&[0.0, 20e3, 45e3, 70e3], 30.0);

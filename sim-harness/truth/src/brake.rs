@@ -4,7 +4,8 @@
 //! D(v) = sum over the steps of (v_high² - v_low²) / (2 a)
 //! ```
 //!
-//! To stop at a distance d the driver scales all decelerations by D(v)/d; so a late or slow start of the brake is made up for before the stop.
+//! To stop at a distance d the driver scales all decelerations by D(v)/d; so a late or slow start of the brake is made
+//! up for before the stop.
 
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Normal};

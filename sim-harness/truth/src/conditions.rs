@@ -43,11 +43,13 @@ pub struct Scenario {
     pub electric_brake_only: bool,
     /// Probability that a driver cruises by cycles of power and coast.
     pub cycle_share: f64,
-    /// What half of the coasts, drawn, keep on of the brake, N/kg: a driver who slows a little more than the train does by itself.
+    /// What half of the coasts, drawn, keep on of the brake, N/kg: a driver who slows a little more than the train does
+    /// by itself.
     pub coast_brake_n_per_kg: f64,
     /// Probability that a driver tries the brake after the departure.
     pub brake_test_share: f64,
-    /// Whether the run goes on for 30 to 60 s at the last platform. Without, it ends up to one sampling time after the stop.
+    /// Whether the run goes on for 30 to 60 s at the last platform. Without, it ends up to one sampling time after the
+    /// stop.
     pub final_dwell: bool,
     /// A red signal.
     pub unscheduled_stop: Option<UnscheduledStop>,

@@ -6,9 +6,10 @@
 //! Stand -> Power -> Hold (or Power <-> Coast) -> Coast -> Brake -> Hold or Coast at 40 km/h -> Brake -> Stand
 //! ```
 //!
-//! Effort never jumps: it is raised at the driver's own rate, let go faster, and the brake builds up over 2 to 3 s. A regime begins when
-//! the effort has followed: power being let go before a coast is still traction or cruise, and before a brake as well.
-//! The driver is skilled: the load of the train is known, so braking ends where it should whatever the gradient.
+//! Effort never jumps: it is raised at the driver's own rate, let go faster, and the brake builds up over 2 to 3 s. A
+//! regime begins when the effort has followed: power being let go before a coast is still traction or cruise, and
+//! before a brake as well. The driver is skilled: the load of the train is known, so braking ends where it should
+//! whatever the gradient.
 
 use crate::habits::{Cruising, Habits, Plateau};
 use crate::motion::Motion;
@@ -32,7 +33,8 @@ const STEEP_N_PER_KG: f64 = 0.11;
 const POWER_ON_CLIMB: f64 = 0.9;
 /// Time constant of the wander of the speed held, s.
 const WANDER_S: f64 = 20.0;
-/// The final coast ends in a brake for a stop that is at most this far behind the sign, m; further if all signs between lower the limit.
+/// The final coast ends in a brake for a stop that is at most this far behind the sign, m; further if all signs between
+/// lower the limit.
 const APPROACH_M: f64 = 1_500.0;
 /// The final coast begins where the speed kept is above this share of the cruise speed.
 const LEAST_OPEN_SHARE: f64 = 0.5;
@@ -252,13 +254,15 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Looks ahead in steps of a second: does a coast from here end in the brake for the platform, in time and not too slow?
+    /// Looks ahead in steps of a second: does a coast from here end in the brake for the platform, in time and not too
+    /// slow?
     fn coast_reaches_brake(&self, mut at: Motion) -> bool {
         let Some(stop) = self.next_stop().filter(|stop| stop.planned) else {
             return false;
         };
         let coast_s = self.habits.coast_on_s(stop.at_m - self.left_m);
-        // Too far even without any loss of speed and with 1 km for the brake: spares the look ahead on most of the line.
+        // Too far even without any loss of speed and with 1 km for the brake: spares the look ahead on most of the
+        // line.
         let reach_m = 1.3 * self.habits.cruise_mps * coast_s + 3_000.0;
         if coast_s == 0.0 || self.approach_from_m - at.location_m > reach_m {
             return false;
@@ -487,7 +491,8 @@ impl<'a> Driver<'a> {
     }
 }
 
-/// The first sign towards a stop from which on the limit only falls, not too far from it; the stop itself if there is none.
+/// The first sign towards a stop from which on the limit only falls, not too far from it; the stop itself if there is
+/// none.
 fn approach_from_m(world: &World, stop: &Stop) -> f64 {
     let limits = world.line.limits_kmh();
     let before = &limits[..limits.partition_point(|l| l.0 < stop.at_m)];

@@ -1,7 +1,7 @@
 //! What kind of driver this is today: every number of the driving style, drawn once for a run.
 //!
-//! The ranges follow section 4 of the paper: gentle departures, cruise speeds skewed towards 140 km/h, final coasts of 2.5 to 10 min
-//! with a coefficient of variation of 30 %, brakes that build up over 2 to 3 s.
+//! The ranges follow section 4 of the paper: gentle departures, cruise speeds skewed towards 140 km/h, final coasts of
+//! 2.5 to 10 min with a coefficient of variation of 30 %, brakes that build up over 2 to 3 s.
 
 use crate::brake::BrakeHabit;
 use rand::{Rng, RngExt};
@@ -11,7 +11,8 @@ use serde::Deserialize;
 /// Final coast of the case study: mean, standard deviation, least, most, s.
 const COAST_S: [f64; 4] = [370.0, 110.0, 150.0, 600.0];
 
-/// The case study's intercity has its habits on a line of at least this length, m; on shorter ones the coast is shorter in proportion.
+/// The case study's intercity has its habits on a line of at least this length, m; on shorter ones the coast is shorter
+/// in proportion.
 const COAST_HOP_M: f64 = 30_000.0;
 /// Where trains stop beside the mark: standard deviation and most, m.
 const STOP_SD_M: f64 = 0.6;
@@ -27,10 +28,12 @@ pub enum DriverKind {
     /// Stops every 4 to 6 km unless the line has its own, 80 to 100 km/h, no coast or a short one.
     #[serde(rename = "short_hops")]
     ShortHop,
-    /// Metro or tram that saves energy: up to three quarters of the limit or a little more, then a coast until the brake.
+    /// Metro or tram that saves energy: up to three quarters of the limit or a little more, then a coast until the
+    /// brake.
     #[serde(rename = "hop_and_coast")]
     HopAndCoast,
-    /// Automatic operation: an intercity by the energy-optimal sequence of regimes, all power, held speed, coast, one brake rate; every day alike.
+    /// Automatic operation: an intercity by the energy-optimal sequence of regimes, all power, held speed, coast, one
+    /// brake rate; every day alike.
     #[serde(rename = "ato")]
     Automatic,
 }
@@ -105,7 +108,8 @@ impl Habits {
         if hop_m < self.coast_hop_m { self.coast_s * hop_m / self.coast_hop_m } else { self.coast_s }
     }
 
-    /// Draws a driver for a line with this highest limit. `cycle_share` is the probability of cruising by cycles; short hops are too short for them.
+    /// Draws a driver for a line with this highest limit. `cycle_share` is the probability of cruising by cycles; short
+    /// hops are too short for them.
     pub fn draw(kind: DriverKind, cycle_share: f64, top_mps: f64, rng: &mut impl Rng) -> Self {
         let unit = Normal::new(0.0, 1.0).expect("constant");
         let departure_s = rng.random_range(0.0..10.0);
@@ -192,7 +196,8 @@ impl Habits {
         }
     }
 
-    /// This driver on a day on which another would have driven like `day`: the style is the driver's own, `DAY_SHARE` of it the day's.
+    /// This driver on a day on which another would have driven like `day`: the style is the driver's own, `DAY_SHARE`
+    /// of it the day's.
     pub fn on_day(self, day: &Self) -> Self {
         let mixed = |own: f64, day: f64| own + DAY_SHARE * (day - own);
         Self {

@@ -6,9 +6,10 @@
 //!                                 driver + motion (every 0.05 s) -> trace -> sensors (every 10 s) -> samples, truth, facts
 //! ```
 //!
-//! Nothing here uses the `rundown` crate: own equations, own integrator, plain `f64`, so an error in the estimator's motion model
-//! cannot hide in the truth. Units are in the names; effort and resistance are per rotating mass, F/(γ m), in N/kg.
-//! Traction is positive, brake negative; uphill positive; resistance positive against travel; headwind positive.
+//! Nothing here uses the `rundown` crate: own equations, own integrator, plain `f64`, so an error in the estimator's
+//! motion model cannot hide in the truth. Units are in the names; effort and resistance are per rotating mass, F/(γ m),
+//! in N/kg. Traction is positive, brake negative; uphill positive; resistance positive against travel; headwind
+//! positive.
 //!
 //! ```
 //! use rundown_truth::scenario::{Scenario, simulate};

@@ -1,6 +1,7 @@
 //! The line as it really is: heights and speed limits.
 //!
-//! In: tables of (from_m, value), sorted, piecewise constant until the next entry. Out: mean gradient under a train, limits.
+//! In: tables of (from_m, value), sorted, piecewise constant until the next entry. Out: mean gradient under a train,
+//! limits.
 //!
 //! ```text
 //! mean gradient = (h(front) - h(tail)) / train length        mass spread evenly over the train
@@ -74,7 +75,8 @@ const CORRIDOR_CURVES_M: [(f64, f64, f64); 9] = [
 /// What lies further than this beyond an end of a line does not matter, m.
 const BEYOND_M: f64 = 1e5;
 
-/// Length of the cells in which gradients are looked up, m, and how much of the cell before belongs to each for the rounding of a quotient.
+/// Length of the cells in which gradients are looked up, m, and how much of the cell before belongs to each for the
+/// rounding of a quotient.
 const CELL_M: f64 = 50.0;
 const OVERLAP_M: f64 = 1.0;
 
@@ -96,7 +98,8 @@ pub struct Line {
     gradients_permille: Vec<(f64, f64)>,
     limits_kmh: Vec<(f64, f64)>,
     heights_m: Vec<f64>,
-    // Gradients that have begun where a cell begins: the integrator asks for eight heights a step, and a search for each took half of its time.
+    // Gradients that have begun where a cell begins: the integrator asks for eight heights a step, and a search for
+    // each took half of its time.
     begun_by_cell: Vec<usize>,
     curves: Vec<Curve>,
     calls_m: Vec<f64>,
@@ -213,14 +216,16 @@ impl Line {
         Self::new(length_m, vec![(0.0, 0.0)], vec![(0.0, limit_kmh)])
     }
 
-    /// Shaped like the case study: 32 103 m, 140 km/h, 40 km/h at both ends, gradients within 2 permille and six short ramps of 5.
+    /// Shaped like the case study: 32 103 m, 140 km/h, 40 km/h at both ends, gradients within 2 permille and six short
+    /// ramps of 5.
     pub fn flat_corridor() -> Self {
         let mut line = Self::new(CORRIDOR_LENGTH_M, CORRIDOR_PERMILLE.to_vec(), CORRIDOR_LIMITS_KMH.to_vec());
         line.set_curves(corridor_curves());
         line
     }
 
-    /// Length and limits of the case study with gradients up to 10 permille, drawn from the seed. Level at both platforms.
+    /// Length and limits of the case study with gradients up to 10 permille, drawn from the seed. Level at both
+    /// platforms.
     ///
     /// The draw tends back towards the starting height, so that no line climbs all the way.
     pub fn hilly(seed: u64) -> Self {

@@ -1,7 +1,7 @@
 //! From a scenario and a seed to a run: the only place that knows the order.
 //!
-//! The seed feeds separate streams for the world (load, wind, stops), the driver, the driver's wander, and the sensors. So another recorder
-//! sees the same run, and another driver meets the same wind.
+//! The seed feeds separate streams for the world (load, wind, stops), the driver, the driver's wander, and the sensors.
+//! So another recorder sees the same run, and another driver meets the same wind.
 
 pub use crate::conditions::{Scenario, UnscheduledStop};
 use crate::driver::{Driver, Stop};
@@ -66,7 +66,8 @@ pub struct Run {
 /// Drives one run and records it.
 ///
 /// # Panics
-/// If the scenario cannot be driven: a step that does not divide 1 s or the sampling time, or a train that does not arrive within 4 h.
+/// If the scenario cannot be driven: a step that does not divide 1 s or the sampling time, or a train that does not
+/// arrive within 4 h.
 pub fn simulate(scenario: &Scenario, seed: u64) -> Run {
     simulate_planned(scenario, &RunPlan::alone(scenario, seed)).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -117,7 +118,8 @@ fn recorded(
     Run { samples, truth, facts }
 }
 
-/// Many runs of the same train; run `i` has the seed [`run_seed`](crate::seeds::run_seed)`(seed, i)`. `davis_scale` takes the place of the scenario's.
+/// Many runs of the same train; run `i` has the seed [`run_seed`](crate::seeds::run_seed)`(seed, i)`. `davis_scale`
+/// takes the place of the scenario's.
 ///
 /// # Panics
 /// As [`simulate`].
@@ -138,8 +140,8 @@ pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TruthSample>, Facts) {
     (trace, facts)
 }
 
-/// Drives one run of a plan: every integration step, the facts, and the world it was driven in. Locations of trace and facts are those of the line,
-/// they fall in a run down; those of the world are along the distance travelled.
+/// Drives one run of a plan: every integration step, the facts, and the world it was driven in. Locations of trace and
+/// facts are those of the line, they fall in a run down; those of the world are along the distance travelled.
 ///
 /// # Errors
 /// [`DriveError`] if the train does not arrive.
@@ -247,7 +249,8 @@ fn row(
     }
 }
 
-/// The stops of a run along its way: those of the line, or every 4 to 6 km for short hops on a line without; the red signal; the platform at the end.
+/// The stops of a run along its way: those of the line, or every 4 to 6 km for short hops on a line without; the red
+/// signal; the platform at the end.
 fn stops(scenario: &Scenario, world: &World, seed: u64, rng: &mut ChaCha8Rng) -> Vec<Stop> {
     let end_m = world.line.length_m();
     let mut stops = Vec::new();

@@ -2,7 +2,8 @@
 //!
 //! In: the trace of a run. Out: samples, and the truth at the same times, row by row.
 //!
-//! A reading at time t shows the train at t - latency. Noise comes before the rounding. A standing train reads 0 km/h without noise.
+//! A reading at time t shows the train at t - latency. Noise comes before the rounding. A standing train reads 0 km/h
+//! without noise.
 
 use crate::regime::Regime;
 use rand::{Rng, RngExt};
@@ -74,7 +75,8 @@ pub struct Sensors {
     pub speed_lag_s: [f64; 2],
     /// The step of a location that is cut off, m; 0 for none.
     pub location_step_m: f64,
-    /// The location is the distance that the wheel of the speed has run, with its gain, from the true place of departure.
+    /// The location is the distance that the wheel of the speed has run, with its gain, from the true place of
+    /// departure.
     pub location_by_wheel: bool,
     /// The location stands still now and then.
     pub location_stuck: Option<Bursts>,
@@ -148,15 +150,15 @@ pub struct Sample {
     pub time_s: f64,
     pub location_m: Option<f64>,
     pub speed_kmh: Option<f64>,
-    /// Mean effort since the sample before as the train's computer reports it, times the gain, plus noise, N/kg of described rotating mass.
-    /// 0 in the first sample.
+    /// Mean effort since the sample before as the train's computer reports it, times the gain, plus noise, N/kg of
+    /// described rotating mass. 0 in the first sample.
     pub effort_n_per_kg: f64,
     /// Ambient temperature to 0.1 °C.
     pub temperature_c: f64,
 }
 
-/// What was true at the end of an integration step, which may be the time of a sample. A standing train has the regime standstill, also in the step
-/// that stopped it.
+/// What was true at the end of an integration step, which may be the time of a sample. A standing train has the regime
+/// standstill, also in the step that stopped it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[expect(missing_docs, reason = "the units are in the names")]
 pub struct TruthSample {
@@ -183,8 +185,9 @@ pub struct TruthSample {
 }
 
 impl Sensors {
-    /// Reads the trace, whose first row is time 0 and whose rows are `step_s` apart. Location and speed draw from `rng`, the effort from
-    /// `effort_rng`, what differs from run to run and where the location stands still from `run_rng`. The times of samples and truth are the recorder's.
+    /// Reads the trace, whose first row is time 0 and whose rows are `step_s` apart. Location and speed draw from
+    /// `rng`, the effort from `effort_rng`, what differs from run to run and where the location stands still from
+    /// `run_rng`. The times of samples and truth are the recorder's.
     ///
     /// # Panics
     /// If the sampling is not a multiple of the step.

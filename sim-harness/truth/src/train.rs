@@ -79,7 +79,8 @@ impl Default for TrainTruth {
 }
 
 impl TrainTruth {
-    /// The same train with `factor` times the mass. Rotating masses and air drag in newton stay; rolling resistance follows the mass.
+    /// The same train with `factor` times the mass. Rotating masses and air drag in newton stay; rolling resistance
+    /// follows the mass.
     pub fn loaded(self, factor: f64) -> Self {
         let mass_kg = self.mass_kg * factor;
         let gamma = 1.0 + (self.gamma - 1.0) / factor;
@@ -88,8 +89,8 @@ impl TrainTruth {
         Self { mass_kg, gamma, davis: self.davis.scaled([rolling, rolling, air]), ..self }
     }
 
-    /// The same train with `factor` times the mass at the same rotating mass factor: inertia, gravity and rolling resistance in newton grow
-    /// with it, air drag in newton stays.
+    /// The same train with `factor` times the mass at the same rotating mass factor: inertia, gravity and rolling
+    /// resistance in newton grow with it, air drag in newton stays.
     pub fn heavier(self, factor: f64) -> Self {
         Self { mass_kg: self.mass_kg * factor, davis: self.davis.scaled([1.0, 1.0, 1.0 / factor]), ..self }
     }

@@ -6,8 +6,9 @@
 //! dv/dt = effort - r(v, wind) - extras - g/γ * mean gradient         per true rotating mass
 //! ```
 //!
-//! Efforts act in newton: what traction gives, the air takes and a dragging brake holds does not depend on the mass; inertia, gravity and rolling
-//! resistance do. All locations here are along the distance travelled: in direction `down` the line is reversed.
+//! Efforts act in newton: what traction gives, the air takes and a dragging brake holds does not depend on the mass;
+//! inertia, gravity and rolling resistance do. All locations here are along the distance travelled: in direction `down`
+//! the line is reversed.
 
 use crate::conditions::Scenario;
 use crate::effects::{Altered, Capability, Effect, Moment, Setting};
@@ -77,7 +78,8 @@ pub struct World {
 }
 
 impl World {
-    /// The world of a run. `load` is the mass over the described one, `headwind_mps` the wind of the day, both before any effect.
+    /// The world of a run. `load` is the mass over the described one, `headwind_mps` the wind of the day, both before
+    /// any effect.
     pub fn new(scenario: &Scenario, plan: &RunPlan, load: f64, headwind_mps: f64) -> Self {
         let acting = |(effect, acts): (&Effect, &bool)| acts.then(|| effect.clone());
         let effects: Vec<Effect> = scenario.effects.iter().zip(&plan.acting).filter_map(acting).collect();
@@ -157,8 +159,8 @@ impl World {
         self.resistance_n_per_kg(history, motion) + self.gravity_n_per_kg(motion)
     }
 
-    /// Largest tractive effort for a lever at these shares of effort and power, N/kg: constant, then constant power; the smaller of what is demanded and
-    /// what the effects leave.
+    /// Largest tractive effort for a lever at these shares of effort and power, N/kg: constant, then constant power;
+    /// the smaller of what is demanded and what the effects leave.
     pub fn max_effort_n_per_kg(&self, motion: Motion, effort_share: f64, power_share: f64) -> f64 {
         let mut left = Capability::WHOLE;
         for effect in &self.effects {
@@ -192,8 +194,8 @@ impl World {
         }
     }
 
-    /// What the train's computer reports for it, N/kg of *described* rotating mass: the traction that is applied, and the brake that is demanded
-    /// (it knows pressures, not friction), or of the brake what the motors hold.
+    /// What the train's computer reports for it, N/kg of *described* rotating mass: the traction that is applied, and
+    /// the brake that is demanded (it knows pressures, not friction), or of the brake what the motors hold.
     pub fn reported_n_per_kg(&self, [demanded, applied]: [f64; 2], motion: Motion) -> f64 {
         let least = if self.electric_brake_only { -self.electric_brake_n_per_kg(motion) } else { f64::NEG_INFINITY };
         demanded.min(applied).max(least) / self.described_over_true_mass

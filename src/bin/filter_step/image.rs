@@ -1,8 +1,9 @@
-//! Steps of the paper's filter and of that of the learning modes, and nothing else. Says over the serial line how long the longest took;
-//! `cargo xtask budget` starts it.
+//! Steps of the paper's filter and of that of the learning modes, and nothing else. Says over the serial line how long
+//! the longest took; `cargo xtask budget` starts it.
 //!
-//! Out: counts of the system timer for a step of the paper's filter, then for the filter of a tick, 0 where one failed; then how many results with doubles are not
-//! those of `rundown::onboard::doubles`; then how many copies and fills are not those of single bytes. 4 bytes each, little endian.
+//! Out: counts of the system timer for a step of the paper's filter, then for the filter of a tick, 0 where one failed;
+//! then how many results with doubles are not those of `rundown::onboard::doubles`; then how many copies and fills are
+//! not those of single bytes. 4 bytes each, little endian.
 
 use core::cmp::Ordering;
 use core::hint::black_box;
@@ -130,7 +131,8 @@ fn longest() -> Option<[u32; 2]> {
     Some(longest)
 }
 
-/// Of pairs of bits, how many the board adds, subtracts, multiplies, divides, compares or converts otherwise than the integers do.
+/// Of pairs of bits, how many the board adds, subtracts, multiplies, divides, compares or converts otherwise than the
+/// integers do.
 fn wrong_doubles() -> u32 {
     let mut wrong = 0;
     for [a, b] in doubles::pairs(DOUBLES) {
@@ -160,7 +162,8 @@ fn wrong_doubles() -> u32 {
     wrong
 }
 
-/// Of copies to another list, copies within one and fills, at all places within eight bytes and up to 39 bytes long, how many are wrong.
+/// Of copies to another list, copies within one and fills, at all places within eight bytes and up to 39 bytes long,
+/// how many are wrong.
 fn wrong_copies() -> u32 {
     const SIZE: usize = 48;
     let before: [u8; SIZE] = core::array::from_fn(|i| 7 * i as u8);

@@ -1,4 +1,5 @@
-//! The CAN line of the firmware: the link task's side, with the feature `can`. Without it a line that takes everything and brings nothing.
+//! The CAN line of the firmware: the link task's side, with the feature `can`. Without it a line that takes everything
+//! and brings nothing.
 
 #[cfg(not(feature = "can"))]
 pub use absent::{Counts, Line};

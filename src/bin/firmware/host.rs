@@ -1,4 +1,5 @@
-//! The application over stdin and stdout: what the board does with its serial line, without a board. Its clock does not tick; ask for lockstep.
+//! The application over stdin and stdout: what the board does with its serial line, without a board. Its clock does not
+//! tick; ask for lockstep.
 //!
 //! ```text
 //! firmware KEY [RECORDS]      KEY: provisioning record; RECORDS: file that plays the flash, made if it is missing

@@ -9,9 +9,10 @@
 //! | 1 | `link` | `line`, `timer` | bytes of the ring into the application |
 //! | 0 | `idle` | | sleeps |
 //!
-//! `tick` and `link` have the same priority, so the application needs no lock; `tick` has the lower interrupt number and goes first. Both are woken through the
-//! interrupt controller: a wake-up that comes while the task runs makes it run again, none is lost. What the application still has to do after a call is done by `link`,
-//! a piece each time it runs, before it takes the next byte; `tick` may run between two pieces, and waits where they are not through.
+//! `tick` and `link` have the same priority, so the application needs no lock; `tick` has the lower interrupt number
+//! and goes first. Both are woken through the interrupt controller: a wake-up that comes while the task runs makes it
+//! run again, none is lost. What the application still has to do after a call is done by `link`, a piece each time it
+//! runs, before it takes the next byte; `tick` may run between two pieces, and waits where they are not through.
 
 /// Period of the application's tick, s.
 pub const PERIOD_S: u32 = 10;
@@ -94,7 +95,8 @@ mod app {
 
     #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: RunState = RunState::ZEROED, outbox: Outbox<OUTBOX> = Outbox::new(), room: Room = Room::EMPTY])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the answer.
+        // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the
+        // answer.
         let Some(Started { port, watchdog, flash, clock, cause }) = Metal::start(cx.core) else {
             cortex_m::peripheral::SCB::sys_reset()
         };
@@ -173,7 +175,8 @@ mod app {
             Metal::provoke(FailurePoint::Tick);
         }
         let periods = PERIODS.load(Ordering::Relaxed);
-        // The difference, because the counter wraps. Where something is still to be done `link` does it, and wakes this task again.
+        // The difference, because the counter wraps. Where something is still to be done `link` does it, and wakes this
+        // task again.
         if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 && !cx.shared.application.is_busy() {
             *cx.local.next_tick = cx.local.next_tick.wrapping_add(PERIOD_S * TIMER_HZ);
             let (start, mut say) = (*cx.shared.start, say(cx.shared.port, cx.shared.outbox, cx.shared.can));

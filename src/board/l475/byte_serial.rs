@@ -32,7 +32,8 @@ impl Read<u8> for BytePort {
         let status = self.0.isr().read();
         // The byte that is there when another overran it is good: read it first, the flag comes next time.
         if status.rxne().bit() {
-            // 32-bit access, as the reference manual says; the low byte is the data. Reading takes the byte and its framing and noise flags.
+            // 32-bit access, as the reference manual says; the low byte is the data. Reading takes the byte and its
+            // framing and noise flags.
             let byte = (self.0.rdr().read().bits() & 0xFF) as u8;
             if status.fe().bit() {
                 self.0.icr().write(|w| w.fecf().clear_bit_by_one());

@@ -1,6 +1,7 @@
 //! Registers, pins and interrupts of CAN1; the sequence is in `rundown::onboard::can::bxcan`.
 //!
-//! At 87.5 % two nodes may differ by 1 % in all (0.48 % each): until the crystal trims the oscillator (`crystal`), and on a board without one, frames may be lost.
+//! At 87.5 % two nodes may differ by 1 % in all (0.48 % each): until the crystal trims the oscillator (`crystal`), and
+//! on a board without one, frames may be lost.
 
 use super::super::CAN_BIT_S;
 use super::device::{CAN1, Interrupt, Peripherals, unmask_as_line};

@@ -15,8 +15,8 @@ pub struct Tree<'a> {
 }
 
 impl Tree<'_> {
-    /// The flash's control register is locked after reset, on every chip. The emulator has no flash controller, its registers read zero, and its memory has
-    /// no wait states to set.
+    /// The flash's control register is locked after reset, on every chip. The emulator has no flash controller, its
+    /// registers read zero, and its memory has no wait states to set.
     fn flash_has_a_controller(&self) -> bool {
         self.flash.cr().read().bits() != 0
     }
@@ -27,7 +27,8 @@ impl ClockTree for Tree<'_> {
         self.rcc.cr().modify(|_, w| w.pllon().clear_bit());
         // MSI 4 MHz / 1 * 40 / 2 = 80 MHz.
         self.rcc.pllcfgr().write(|w| {
-            // SAFETY: source MSI, M = 1, N = 40, R = 2: all within the reference manual's ranges (VCO 160 MHz of 64 to 344).
+            // SAFETY: source MSI, M = 1, N = 40, R = 2: all within the reference manual's ranges (VCO 160 MHz of 64 to
+            // 344).
             unsafe { w.pllsrc().bits(1).pllm().bits(0).plln().bits(40).pllr().bits(0) };
             w.pllren().set_bit()
         });

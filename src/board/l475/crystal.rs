@@ -1,5 +1,6 @@
-//! The 32 kHz crystal (LSE), which trims the internal oscillator (RM0351 6.2.3): alone it is good to some per cent, too little for a serial line
-//! and for CAN. It runs up to two seconds after power came; a board without it keeps the oscillator as it is.
+//! The 32 kHz crystal (LSE), which trims the internal oscillator (RM0351 6.2.3): alone it is good to some per cent, too
+//! little for a serial line and for CAN. It runs up to two seconds after power came; a board without it keeps the
+//! oscillator as it is.
 
 use super::device::{PWR, RCC};
 use rundown::onboard::clock::{Crystal, start_crystal};

@@ -1,4 +1,5 @@
-//! Registers of the STM32L475 from its access crate; interrupts, as far as they are used, from RM0351 table 58: the crate lacks those of the CAN controller.
+//! Registers of the STM32L475 from its access crate; interrupts, as far as they are used, from RM0351 table 58: the
+//! crate lacks those of the CAN controller.
 
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
@@ -10,10 +11,12 @@ pub use self::Interrupt as interrupt;
 /// Priority bits of its interrupt controller.
 pub const NVIC_PRIO_BITS: u8 = 4;
 
-/// Switches interrupts on with the serial line's priority, 3 of RTIC: what they count together none interrupts in another.
+/// Switches interrupts on with the serial line's priority, 3 of RTIC: what they count together none interrupts in
+/// another.
 ///
 /// # Safety
-/// Their handlers share nothing with tasks of other priorities but atomics, queues and what RTIC locks for that priority.
+/// Their handlers share nothing with tasks of other priorities but atomics, queues and what RTIC locks for that
+/// priority.
 pub unsafe fn unmask_as_line<const N: usize>(nvic: &mut NVIC, interrupts: [Interrupt; N]) {
     const PRIORITY: u8 = ((1 << NVIC_PRIO_BITS) - 3) << (8 - NVIC_PRIO_BITS);
     for interrupt in interrupts {

@@ -26,7 +26,8 @@ pub struct Controller {
     _dma: DMA1,
 }
 
-/// Starts the line and the interrupts of its channels; USART1 comes back where there is no DMA controller. Pins and USART1's clock are there, interrupts are off.
+/// Starts the line and the interrupts of its channels; USART1 comes back where there is no DMA controller. Pins and
+/// USART1's clock are there, interrupts are off.
 pub fn start(rcc: &RCC, usart: USART1, dma: DMA1, nvic: &mut NVIC, bus_hz: u32) -> Result<DmaPort, USART1> {
     rcc.ahb1enr().modify(|_, w| w.dma1en().set_bit());
     // The reference manual wants a moment between the enable and the first access; a read makes it.
@@ -58,7 +59,8 @@ impl SerialController for Controller {
     fn set_register(&mut self, register: SerialRegister, bits: u32) {
         // What was collected is in memory before a channel is enabled.
         cortex_m::asm::dmb();
-        // SAFETY: as above; the sequence gives a channel no other memory than the buffers here, and no more than their length.
+        // SAFETY: as above; the sequence gives a channel no other memory than the buffers here, and no more than their
+        // length.
         unsafe { Self::at(register).write_volatile(bits) }
     }
 

@@ -40,7 +40,8 @@ impl FlashController for Controller {
     }
 
     fn set_register(&mut self, register: FlashRegister, bits: u32) {
-        // SAFETY: caches, keys, flags, and pages for records only: the sequence takes its page numbers from `first_page` and `CAPACITY`.
+        // SAFETY: caches, keys, flags, and pages for records only: the sequence takes its page numbers from
+        // `first_page` and `CAPACITY`.
         unsafe {
             match register {
                 FlashRegister::Access => drop(self.0.acr().write(|w| w.bits(bits))),

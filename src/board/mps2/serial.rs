@@ -24,7 +24,8 @@ pub struct SerialPort;
 
 impl SerialPort {
     pub fn start() -> Self {
-        // SAFETY: registers of the UART, which nothing else touches. The divider is the smallest that is allowed; the emulator has no bit time.
+        // SAFETY: registers of the UART, which nothing else touches. The divider is the smallest that is allowed; the
+        // emulator has no bit time.
         unsafe {
             DIVIDER.write_volatile(16);
             CONTROL.write_volatile(ENABLED);
@@ -39,7 +40,8 @@ impl ErrorType for SerialPort {
 
 impl Read<u8> for SerialPort {
     fn read(&mut self) -> nb::Result<u8, ErrorKind> {
-        // SAFETY: registers of the UART; the interrupt is acknowledged before the byte is taken, so the next byte raises it again.
+        // SAFETY: registers of the UART; the interrupt is acknowledged before the byte is taken, so the next byte
+        // raises it again.
         unsafe {
             INTERRUPTS.write_volatile(0b11);
             let state = STATE.read_volatile();

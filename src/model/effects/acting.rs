@@ -1,13 +1,15 @@
 //! The effects at work in a run: their extra resistance wherever the estimator asks for a resistance.
 //!
-//! In: the effects, and what the run knows beside its motion ([`Journey`]). Out: extra resistance at a point or over an interval, and what effort a resultant asks for.
+//! In: the effects, and what the run knows beside its motion ([`Journey`]). Out: extra resistance at a point or over an
+//! interval, and what effort a resultant asks for.
 //!
 //! ```text
 //! X = Σ extra (location, speed, effort, time, ...)           at the mean of the belief, the same for all sigma points
 //! ```
 //!
-//! So the effects move the mean and add no slope to the covariance: that they damp a speed error (2 k v for a tunnel) or change with an uncertain location is left out.
-//! `host-tests/tests/effects.rs` measures what it costs: 0.015 % of r(v) for a tunnel that adds a third to r2 all along the line.
+//! So the effects move the mean and add no slope to the covariance: that they damp a speed error (2 k v for a tunnel)
+//! or change with an uncertain location is left out. `host-tests/tests/effects.rs` measures what it costs: 0.015 % of
+//! r(v) for a tunnel that adds a third to r2 all along the line.
 
 use super::{Effects, Moment};
 use crate::Real;

@@ -1,6 +1,8 @@
-//! The kinds of effects, generated from [`rundown_wire::effects_catalogue`]: for each a struct with its checked parameters, and the enum of all.
+//! The kinds of effects, generated from [`rundown_wire::effects_catalogue`]: for each a struct with its checked
+//! parameters, and the enum of all.
 //!
-//! A parameter is written once, in the catalogue. From it come field, name in files, accepted range, and place in the frame.
+//! A parameter is written once, in the catalogue. From it come field, name in files, accepted range, and place in the
+//! frame.
 
 use super::Unknown;
 use super::error::FrameError;

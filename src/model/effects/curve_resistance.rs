@@ -6,15 +6,16 @@
 //! Roeckl: 0.650 / (R - 55 m) from R = 300 m on, 0.500 / (R - 30 m) below       N per N of weight
 //! ```
 //!
-//! The formula jumps by 43 % at 300 m, which says how rough it is: hence the coefficient.
-//! Constants as in the textbooks of railway engineering, where they stand in N/kN: 650 and 500 (Germany, Austria, Switzerland, Czechia, Hungary, Romania).
-//! Cant, speed and lubrication are left out.
+//! The formula jumps by 43 % at 300 m, which says how rough it is: hence the coefficient. Constants as in the textbooks
+//! of railway engineering, where they stand in N/kN: 650 and 500 (Germany, Austria, Switzerland, Czechia, Hungary,
+//! Romania). Cant, speed and lubrication are left out.
 
 use super::{CurveResistance, Law, Situation};
 use crate::Real;
 
 impl CurveResistance {
-    /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ; `mean_roeckl` the mean of [`roeckl`](crate::model::curves::roeckl) under the train,
+    /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ; `mean_roeckl` the mean of
+    /// [`roeckl`](crate::model::curves::roeckl) under the train,
     /// [`Track::mean_roeckl`](crate::model::track::Track::mean_roeckl).
     ///
     /// ```

@@ -4,7 +4,8 @@
 //! extra = drag from the first brake application of the run on, before it 0
 //! ```
 //!
-//! In which runs it dragged is the analyst's knowledge (`runs` beside the effect in a model file); on board it is a state of the vehicle, in force until it is taken out.
+//! In which runs it dragged is the analyst's knowledge (`runs` beside the effect in a model file); on board it is a
+//! state of the vehicle, in force until it is taken out.
 
 use super::{DraggingBrake, Law, Situation};
 use crate::Real;

@@ -51,7 +51,8 @@ impl Effect {
         if let Self::Unknown(unknown) = self { Some(unknown) } else { None }
     }
 
-    /// Extra resistance against travel that the effect adds to the believed model, N/kg of rotating mass; 0 for effects that act elsewhere.
+    /// Extra resistance against travel that the effect adds to the believed model, N/kg of rotating mass; 0 for effects
+    /// that act elsewhere.
     ///
     /// `line` is the believed one, `davis` the coefficients that the model has at this moment (learned or described).
     ///
@@ -75,13 +76,14 @@ impl Effect {
         for_kind!(self, law => law.extra_n_per_kg(&at))
     }
 
-    /// The part of an applied effort that [`Effect::resistance_n_per_kg`] takes away again: the law is linear in the effort, this is its slope.
-    /// 0 but for [`MassError`](super::MassError).
+    /// The part of an applied effort that [`Effect::resistance_n_per_kg`] takes away again: the law is linear in the
+    /// effort, this is its slope. 0 but for [`MassError`](super::MassError).
     pub fn effort_share(&self) -> Real {
         for_kind!(self, law => law.slope_over_effort())
     }
 
-    /// The train's limits with this effect, at a location of its front and a speed; unchanged by effects that act elsewhere.
+    /// The train's limits with this effect, at a location of its front and a speed; unchanged by effects that act
+    /// elsewhere.
     ///
     /// ```
     /// use rundown::model::effects::{Effect, Limits, PowerLimitSection};

@@ -1,7 +1,9 @@
-//! Effects on the wire and in the store: a number, a section, and at most four values in the order of the table of `WIRE.md`.
+//! Effects on the wire and in the store: a number, a section, and at most four values in the order of the table of
+//! `WIRE.md`.
 //!
-//! The table of an [`Unknown`] does not fit into four values. It comes point by point, each in a frame of its own with values (coordinate, number of the point, where, N/kg); point 0 begins
-//! a new table. What the board says of it is a summary: (coordinate, number of points, smallest, largest N/kg).
+//! The table of an [`Unknown`] does not fit into four values. It comes point by point, each in a frame of its own with
+//! values (coordinate, number of the point, where, N/kg); point 0 begins a new table. What the board says of it is a
+//! summary: (coordinate, number of points, smallest, largest N/kg).
 
 use super::error::FrameError;
 use super::parameters::Parameters;

@@ -4,7 +4,8 @@
 //! extra = σ g / γ x delta / 1000 x share of the train inside          σ = +1 up, -1 down
 //! ```
 //!
-//! `delta` is true minus described, uphill in the `up` direction positive: what it adds in one direction it takes away in the other, which separates it from a resistance.
+//! `delta` is true minus described, uphill in the `up` direction positive: what it adds in one direction it takes away
+//! in the other, which separates it from a resistance.
 
 use super::{GradientError, Law, Situation};
 use crate::Real;

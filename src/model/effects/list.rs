@@ -13,7 +13,8 @@ use rundown_wire::{self as wire, EffectKind};
 /// Most effects of a model.
 pub const MAX_EFFECTS: usize = 8;
 
-/// The effects of a model, checked; at most [`MAX_EFFECTS`], of them at most one [`Unknown`](super::Unknown) (the board keeps one table). Empty by default.
+/// The effects of a model, checked; at most [`MAX_EFFECTS`], of them at most one [`Unknown`](super::Unknown) (the board
+/// keeps one table). Empty by default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Effects {
     list: Vec<Effect, MAX_EFFECTS>,
@@ -56,7 +57,8 @@ impl Effects {
         self.list.push(effect).map_err(|_| EffectError::TooMany { most: MAX_EFFECTS })
     }
 
-    /// Takes an effect from a frame: appends it, or one point of the table of an unknown effect. The last one once more changes nothing: who got no answer asks again.
+    /// Takes an effect from a frame: appends it, or one point of the table of an unknown effect. The last one once more
+    /// changes nothing: who got no answer asks again.
     ///
     /// # Errors
     /// [`FrameError`]; the list is as before.
@@ -140,8 +142,8 @@ impl Effects {
         self.iter().map(|effect| effect.resistance_n_per_kg(line, davis, moment)).sum()
     }
 
-    /// Applied effort, per believed γ m, that a resultant (acceleration and all resistances, those of the effects at no effort included) asks for.
-    /// Another figure than the resultant only where the mass is wrong.
+    /// Applied effort, per believed γ m, that a resultant (acceleration and all resistances, those of the effects at no
+    /// effort included) asks for. Another figure than the resultant only where the mass is wrong.
     pub fn effort_n_per_kg(&self, resultant_n_per_kg: Real) -> Real {
         let share: Real = self.iter().map(Effect::effort_share).sum();
         // Bounded by the range of a mass error; several of them may not turn the sign of an effort.
@@ -162,7 +164,8 @@ impl Effects {
         (limits.traction_n_per_kg(speed_mps), limits.brake_n_per_kg)
     }
 
-    /// Location and speed as they are, from the readings; see [`Effect::correct`]. The speed is put right before a late location is carried on by it.
+    /// Location and speed as they are, from the readings; see [`Effect::correct`]. The speed is put right before a late
+    /// location is carried on by it.
     ///
     /// ```
     /// use rundown::model::effects::{Effect, Effects, LocationLag, SpeedScale};
@@ -190,7 +193,8 @@ impl Effects {
         self.iter().fold(reading_m, |location_m, effect| effect.correct(direction_sign, location_m, speed_mps).0)
     }
 
-    /// Standard deviation of the wind from run to run, where an effect states it, m/s: it takes the place of the memory's setting.
+    /// Standard deviation of the wind from run to run, where an effect states it, m/s: it takes the place of the
+    /// memory's setting.
     pub fn wind_sd_mps(&self) -> Option<Real> {
         self.iter().find_map(Effect::wind_sd_mps)
     }

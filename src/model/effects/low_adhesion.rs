@@ -4,7 +4,8 @@
 //! maximum effort = factor x maximum effort at standstill         below below_kmh
 //! ```
 //!
-//! On which days is the analyst's knowledge (`runs`); on board it is in force until it is taken out. Braking with slipping wheels is left out.
+//! On which days is the analyst's knowledge (`runs`); on board it is in force until it is taken out. Braking with
+//! slipping wheels is left out.
 
 use super::{Law, Limits, LowAdhesion};
 use crate::Real;

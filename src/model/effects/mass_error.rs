@@ -5,14 +5,16 @@
 //! extra = (u - r2 v²) e / (1 + e)
 //! ```
 //!
-//! u and r2 v² are forces over the believed γ m: the same forces move another mass. r0, r1 v and gravity grow with the mass and keep their value per kg.
-//! γ is taken to stay the same. Without a known effort only the air drag shows it, which is confounded with r2.
+//! u and r2 v² are forces over the believed γ m: the same forces move another mass. r0, r1 v and gravity grow with the
+//! mass and keep their value per kg. γ is taken to stay the same. Without a known effort only the air drag shows it,
+//! which is confounded with r2.
 
 use super::{Law, MassError, Situation};
 use crate::Real;
 
 impl MassError {
-    /// Extra resistance in N/kg (of the believed model's accounts) with the train's `r2`, at a speed and an effort per believed γ m.
+    /// Extra resistance in N/kg (of the believed model's accounts) with the train's `r2`, at a speed and an effort per
+    /// believed γ m.
     ///
     /// ```
     /// use rundown::model::effects::MassError;

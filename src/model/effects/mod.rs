@@ -1,4 +1,5 @@
-//! Named physical effects that a believed model of train and track may lack, each with its law. The gap workflow finds them, the board runs them.
+//! Named physical effects that a believed model of train and track may lack, each with its law. The gap workflow finds
+//! them, the board runs them.
 //!
 //! In: where the train is, how fast, since when ([`Moment`]). Out, by what the effect acts on:
 //!
@@ -13,11 +14,13 @@
 //! a = u - r(v) - g(s) - Σ extra             Eq. (1) with the effects
 //! ```
 //!
-//! Each function gives 0, or what it got, for effects that act elsewhere, so a sum over any list of effects is right. Extra resistances add up; limits and corrections are applied in
-//! the order of the list. What an effect needs and nobody knows (temperature, date) leaves it at 0.
+//! Each function gives 0, or what it got, for effects that act elsewhere, so a sum over any list of effects is right.
+//! Extra resistances add up; limits and corrections are applied in the order of the list. What an effect needs and
+//! nobody knows (temperature, date) leaves it at 0.
 //!
-//! The kinds stand in [one catalogue](rundown_wire::effects_catalogue). Parameters, ranges, frames and names are generated from it; what is left is a law, one file for each kind.
-//! With the feature `alloc` an effect is read and written by name, as `[[effect]] name = "tunnel_drag"` in a train or track file.
+//! The kinds stand in [one catalogue](rundown_wire::effects_catalogue). Parameters, ranges, frames and names are
+//! generated from it; what is left is a law, one file for each kind. With the feature `alloc` an effect is read and
+//! written by name, as `[[effect]] name = "tunnel_drag"` in a train or track file.
 
 #[macro_use]
 mod catalogue;

@@ -9,7 +9,8 @@ pub struct Moment {
     pub location_m: Real,
     /// Speed, m/s, not negative.
     pub speed_mps: Real,
-    /// Applied effort as the log or the bus gives it, force over the *believed* γ m, N/kg, traction positive; 0 where it is not known.
+    /// Applied effort as the log or the bus gives it, force over the *believed* γ m, N/kg, traction positive; 0 where
+    /// it is not known.
     pub effort_n_per_kg: Real,
     /// Time since the run's departure, s.
     pub since_departure_s: Real,

@@ -4,7 +4,8 @@
 //! wind of a run ~ N(0, sd²)            acts as steady_wind does, within its run
 //! ```
 //!
-//! What it will be in a run to come nobody knows, so its known extra resistance is 0. What it says is how far a run may differ from its vehicle: `sd_mps` takes the place of
+//! What it will be in a run to come nobody knows, so its known extra resistance is 0. What it says is how far a run may
+//! differ from its vehicle: `sd_mps` takes the place of
 //! [`MemoryConfig::wind_sd_mps`](crate::tick::memory::MemoryConfig::wind_sd_mps) in the two-level memory.
 
 use super::{Law, RunWind};

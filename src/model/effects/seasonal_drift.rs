@@ -4,8 +4,9 @@
 //! extra = dr0_over_period x (day - reference_day) / period_days        the fraction within 0 to 1
 //! ```
 //!
-//! The period begins on a day of the calendar of [`Moment::day`](super::Moment::day): its origin, and a year is its length, where that is not stated.
-//! Outside the period it stays as at its end: a line is not drawn beyond what was seen. Without a date nothing is added.
+//! The period begins on a day of the calendar of [`Moment::day`](super::Moment::day): its origin, and a year is its
+//! length, where that is not stated. Outside the period it stays as at its end: a line is not drawn beyond what was
+//! seen. Without a date nothing is added.
 
 use super::{Law, SeasonalDrift, Situation};
 use crate::Real;

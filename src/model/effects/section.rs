@@ -10,7 +10,8 @@ use rundown_wire::EffectKind;
 /// No line is longer, m.
 const FAR_M: Real = 1e7;
 
-/// The share (0 to 1) of a train that stands between `from_m` and `to_m`. Its front is at `front_m`, its tail behind in the direction of travel.
+/// The share (0 to 1) of a train that stands between `from_m` and `to_m`. Its front is at `front_m`, its tail behind in
+/// the direction of travel.
 ///
 /// ```
 /// use rundown::model::direction::Direction;

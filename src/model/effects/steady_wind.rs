@@ -4,8 +4,8 @@
 //! extra = r2 (w |w| - v²)          w = v + σ wind, speed relative to the air; σ = +1 up, -1 down
 //! ```
 //!
-//! A wind that overtakes the train pushes it: hence w |w| and not w². Acts on the quadratic term alone; gusts and crosswind (yaw) are left out.
-//! In one direction only it is confounded with the Davis coefficients.
+//! A wind that overtakes the train pushes it: hence w |w| and not w². Acts on the quadratic term alone; gusts and
+//! crosswind (yaw) are left out. In one direction only it is confounded with the Davis coefficients.
 
 use super::{Law, Situation, SteadyWind};
 use crate::Real;

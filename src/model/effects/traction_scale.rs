@@ -1,4 +1,5 @@
-//! Traction scale: the train's maximum effort and power differ from the description everywhere (a motor cut out, another software).
+//! Traction scale: the train's maximum effort and power differ from the description everywhere (a motor cut out,
+//! another software).
 //!
 //! ```text
 //! maximum effort, maximum power = factor x described

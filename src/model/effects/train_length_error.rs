@@ -4,13 +4,15 @@
 //! extra = g / γ (mean gradient under the true length - mean gradient under the believed length)
 //! ```
 //!
-//! Shows at the edges of gradients only. The location is that of the front. Other effects keep the believed length: their sections are blurred by a train length anyway.
+//! Shows at the edges of gradients only. The location is that of the front. Other effects keep the believed length:
+//! their sections are blurred by a train length anyway.
 
 use super::{Law, Situation, TrainLengthError};
 use crate::Real;
 
 impl TrainLengthError {
-    /// Extra resistance in N/kg; gradients in m/m, uphill in the direction of travel positive, `gravity_n_per_kg` is g / γ.
+    /// Extra resistance in N/kg; gradients in m/m, uphill in the direction of travel positive, `gravity_n_per_kg` is g
+    /// / γ.
     ///
     /// ```
     /// use rundown::model::effects::TrainLengthError;

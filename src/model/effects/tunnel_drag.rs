@@ -1,4 +1,5 @@
-//! Tunnel: the air that the train pushes before it can escape only along the train, so the aerodynamic term is larger inside.
+//! Tunnel: the air that the train pushes before it can escape only along the train, so the aerodynamic term is larger
+//! inside.
 //!
 //! ```text
 //! extra = k v² x share of the train inside                 k in N/(kg (m/s)²)

@@ -4,8 +4,9 @@
 //! extra = table(coordinate)            linear between the points, constant outside
 //! ```
 //!
-//! It acts against travel in either direction. Where the coordinate is not known (no temperature, no date) nothing is added. Points are in single precision:
-//! the board keeps the table in RAM and flash, and 0.01 m at 100 km and 1e-9 N/kg are enough.
+//! It acts against travel in either direction. Where the coordinate is not known (no temperature, no date) nothing is
+//! added. Points are in single precision: the board keeps the table in RAM and flash, and 0.01 m at 100 km and 1e-9
+//! N/kg are enough.
 
 use super::parameters::Parameters;
 use super::{EffectError, FrameError, Law, Moment, Situation};

@@ -2,11 +2,12 @@
 //!
 //! In: a key and a block of 16 bytes. Out: the block encrypted, in place.
 //!
-//! Bit i of every byte stands in plane i, a bit for each byte, so a step is a few operations on words: no table and no branch asks a secret, and the time is the same
-//! for all keys. Row r of column c is bit 4 c + r of a plane; word i holds plane i below and plane i + 4 above.
+//! Bit i of every byte stands in plane i, a bit for each byte, so a step is a few operations on words: no table and no
+//! branch asks a secret, and the time is the same for all keys. Row r of column c is bit 4 c + r of a plane; word i
+//! holds plane i below and plane i + 4 above.
 //!
-//! The S-box's inverse is taken in GF(2⁴)\[y\] / (y² + y + x³) with GF(2⁴) = GF(2)\[x\] / (x⁴ + x + 1), after Satoh et al., "A compact Rijndael hardware
-//! architecture", 2001.
+//! The S-box's inverse is taken in GF(2⁴)\[y\] / (y² + y + x³) with GF(2⁴) = GF(2)\[x\] / (x⁴ + x + 1), after Satoh et
+//! al., "A compact Rijndael hardware architecture", 2001.
 
 type Planes = [u32; 4];
 

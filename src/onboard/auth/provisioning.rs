@@ -1,4 +1,5 @@
-//! The key and where it comes from: a record of 64 bytes in a flash page of its own, written when the board is provisioned, never part of an image.
+//! The key and where it comes from: a record of 64 bytes in a flash page of its own, written when the board is
+//! provisioned, never part of an image.
 //!
 //! ```text
 //! offset 0      4        6      8       12    28        36          60

@@ -38,7 +38,8 @@ impl Signer {
         Ok(())
     }
 
-    /// Writes message and trailer to the buffer and returns them. Every call uses up a counter, so a message that got lost is sealed again.
+    /// Writes message and trailer to the buffer and returns them. Every call uses up a counter, so a message that got
+    /// lost is sealed again.
     ///
     /// # Errors
     /// [`SealError`]; no counter is used up.

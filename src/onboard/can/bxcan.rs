@@ -1,17 +1,21 @@
-//! The bxCAN controller of an STM32L4: the sequences of RM0351 chapter 46, free of registers so that the host tests them.
+//! The bxCAN controller of an STM32L4: the sequences of RM0351 chapter 46, free of registers so that the host tests
+//! them.
 //!
-//! In: registers ([`CanRegisters`]), a bit timing, the identifier that is for the board. Out: frames in a queue, frames of a queue on the bus, what went wrong counted.
+//! In: registers ([`CanRegisters`]), a bit timing, the identifier that is for the board. Out: frames in a queue, frames
+//! of a queue on the bus, what went wrong counted.
 //!
 //! Start:
 //!
-//! 1. Out of sleep, into initialisation. The wait is bounded: a controller without a clock, and the emulator, never answer.
-//! 2. Bit timing; bus-off ends by itself after 128 times 11 recessive bits (ABOM); mailboxes leave in the order of their requests (TXFP); a full FIFO keeps
-//!    what it has (RFLM).
+//! 1. Out of sleep, into initialisation. The wait is bounded: a controller without a clock, and the emulator, never
+//!    answer.
+//! 2. Bit timing; bus-off ends by itself after 128 times 11 recessive bits (ABOM); mailboxes leave in the order of
+//!    their requests (TXFP); a full FIFO keeps what it has (RFLM).
 //! 3. One filter: data frames with the one identifier, into FIFO 0. A busy bus costs nothing.
 //! 4. Interrupts for frames that came, an overrun, a mailbox that became free, bus-off.
 //! 5. Onto the bus, without waiting: it takes 11 recessive bits, which a dead bus never gives.
 //!
-//! A frame that nobody acknowledges is sent again until somebody does; meanwhile the queue in front of it fills up, and the link behind it waits.
+//! A frame that nobody acknowledges is sent again until somebody does; meanwhile the queue in front of it fills up, and
+//! the link behind it waits.
 
 use super::Mailbox;
 use super::timing::BitTiming;
@@ -189,7 +193,8 @@ impl<R: CanRegisters> Bxcan<R> {
         &mut self.registers
     }
 
-    /// What the controller's interrupts do, whichever it was. Returns whether the link task has something to do: frames came, or there is room for others.
+    /// What the controller's interrupts do, whichever it was. Returns whether the link task has something to do: frames
+    /// came, or there is room for others.
     pub fn serve(
         &mut self,
         incoming: &mut Producer<'_, Mailbox>,

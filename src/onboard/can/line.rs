@@ -1,7 +1,7 @@
 //! The board's messages over CAN: those that wait, one after the other into a [`CanLink`], and what comes back.
 //!
-//! In: the frames of the serial line, which both lines carry alike. Out: messages of the other side.
-//! Messages wait in an [`Outbox`]: when the bus does not take them the oldest goes, so that the newest estimate is the one that is sent.
+//! In: the frames of the serial line, which both lines carry alike. Out: messages of the other side. Messages wait in
+//! an [`Outbox`]: when the bus does not take them the oldest goes, so that the newest estimate is the one that is sent.
 
 use crate::link::can::CanFrame;
 use crate::link::can_link::CanLink;
@@ -39,7 +39,8 @@ impl<C, const N: usize> CanLine<C, N> {
 }
 
 impl<C: Can<Frame = CanFrame>, const N: usize> CanLine<C, N> {
-    /// Sends what is due and gives the next message that came. To be called again while it gives one, and while [`is_due`](Self::is_due).
+    /// Sends what is due and gives the next message that came. To be called again while it gives one, and while
+    /// [`is_due`](Self::is_due).
     pub fn exchange(&mut self, now_us: u64) -> Option<Message> {
         if self.is_due() {
             self.send_next(now_us);

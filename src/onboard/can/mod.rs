@@ -1,4 +1,5 @@
-//! CAN on the board: frames between a bxCAN controller and the link task, through two bounded queues, so that nobody waits for the other.
+//! CAN on the board: frames between a bxCAN controller and the link task, through two bounded queues, so that nobody
+//! waits for the other.
 //!
 //! ```text
 //! bus <-> mailboxes <-- interrupt: Bxcan::serve --> queues <-- link task: Ends --> CanLink --> messages

@@ -5,7 +5,8 @@
 //! quantum = prescaler / clock
 //! ```
 //!
-//! The rate is met exactly or refused: what two nodes differ by adds to what their oscillators differ by, and that is all the tolerance there is.
+//! The rate is met exactly or refused: what two nodes differ by adds to what their oscillators differ by, and that is
+//! all the tolerance there is.
 
 use rundown_wire::errors;
 
@@ -45,7 +46,8 @@ pub struct BitTiming {
 }
 
 impl BitTiming {
-    /// The timing of `bit_s` bit/s from a clock of `clock_hz` Hz whose sample point is nearest to 87.5 %; of several the one with the finest quanta.
+    /// The timing of `bit_s` bit/s from a clock of `clock_hz` Hz whose sample point is nearest to 87.5 %; of several
+    /// the one with the finest quanta.
     ///
     /// ```
     /// use rundown::onboard::can::timing::BitTiming;

@@ -1,7 +1,8 @@
 //! Boot epoch: a number that rises with every boot, so that what was signed for an earlier one is refused.
 //!
-//! It stands in the header of every record. An epoch is given out only when **two** records with it were stored and read back: if one of them rots, the other still
-//! keeps it from being given out again. The next one is above the highest epoch of *any* whole record. Where records were stored but none with an epoch is left, there is no new epoch
+//! It stands in the header of every record. An epoch is given out only when **two** records with it were stored and
+//! read back: if one of them rots, the other still keeps it from being given out again. The next one is above the
+//! highest epoch of *any* whole record. Where records were stored but none with an epoch is left, there is no new epoch
 //! (fail closed): a board in that state has to be provisioned again, with its store erased and a new key.
 
 use super::record::Identity;
@@ -9,7 +10,8 @@ use super::{EpochError, Store};
 use embedded_storage::nor_flash::NorFlash;
 
 impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
-    /// Stores the payload under the next epoch, twice, and returns the epoch. Once a boot, before anything else is stored.
+    /// Stores the payload under the next epoch, twice, and returns the epoch. Once a boot, before anything else is
+    /// stored.
     ///
     /// # Errors
     /// [`EpochError`]: there is no epoch for this boot; storing payloads goes on.

@@ -15,7 +15,8 @@ errors! {
     pub enum AppendError {
         TooLong { most: usize, found: usize } => "payload: expected at most {most} bytes, found {found}",
         Driver(kind: NorFlashErrorKind) => "store: flash driver reported {kind:?}",
-        /// A page was erased without error and still does not read as erased: the flash swallows erases, or is worn out.
+        /// A page was erased without error and still does not read as erased: the flash swallows erases, or is worn
+        /// out.
         NotErased { page: u32 } => "store: page {page} was erased but does not read as erased",
         /// A record was written without error and reads otherwise: the flash swallows writes, or is worn out.
         NotWritten { page: u32, slot: u32 } => "store: slot {slot} of page {page} does not read as written",

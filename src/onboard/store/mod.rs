@@ -1,6 +1,7 @@
 //! What survives a power cut: a ring of records in NOR flash.
 //!
-//! In: a payload at each stop and at each boot. Out, after the next boot: the newest whole payload of this train and layout, or why there is none.
+//! In: a payload at each stop and at each boot. Out, after the next boot: the newest whole payload of this train and
+//! layout, or why there is none.
 //!
 //! ```text
 //! page 0            page 1            page 2            page 3
@@ -10,16 +11,21 @@
 //!
 //! What makes it safe:
 //!
-//! - **Only a page that was erased since the mount is written to**, and no word twice. A cut may leave words (or a whole page, when an erase is cut) that read as
-//!   erased and are not; they are never trusted, because the first write after a boot begins a new page. That is the "skip a slot after a boot" rule and more: it also covers
-//!   a word that an earlier boot tore and nobody can see. With two slots a page it costs the same wear.
+//! - **Only a page that was erased since the mount is written to**, and no word twice. A cut may leave words (or a
+//!   whole page, when an erase is cut) that read as erased and are not; they are never trusted, because the first write
+//!   after a boot begins a new page. That is the "skip a slot after a boot" rule and more: it also covers a word that
+//!   an earlier boot tore and nobody can see. With two slots a page it costs the same wear.
 //! - The pages of the two newest records are never erased, so the newest may rot and the one before it is still there.
-//! - A read that fails is a damaged slot. On STM32L4 a torn word may raise the ECC NMI: the driver has to survive it and return an error from `read`.
-//! - Every erase and every record is read back. A flash that swallows them (an emulator's, or a worn one) gives a named error after the second attempt.
+//! - A read that fails is a damaged slot. On STM32L4 a torn word may raise the ECC NMI: the driver has to survive it
+//!   and return an error from `read`.
+//! - Every erase and every record is read back. A flash that swallows them (an emulator's, or a worn one) gives a named
+//!   error after the second attempt.
 //!
-//! A sequence number (serial arithmetic) says which record is the newest. After a mount it skips one, so that a record torn before the boot can never tie with a new one.
+//! A sequence number (serial arithmetic) says which record is the newest. After a mount it skips one, so that a record
+//! torn before the boot can never tie with a new one.
 //!
-//! The header also carries the **boot epoch** ([`Store::advance_epoch`]), so that it outlives a change of train or layout.
+//! The header also carries the **boot epoch** ([`Store::advance_epoch`]), so that it outlives a change of train or
+//! layout.
 //!
 //! ```
 //! # use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
@@ -144,7 +150,8 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         (F::ERASE_SIZE / SLOT) as u32
     };
 
-    /// Looks through the whole flash; nothing is written. A slot that does not fit the flash's page and word size does not build.
+    /// Looks through the whole flash; nothing is written. A slot that does not fit the flash's page and word size does
+    /// not build.
     ///
     /// # Errors
     /// [`TooFewPages`]: fewer than [`LEAST_PAGES`].
@@ -194,7 +201,8 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         Ok(Some(Restored { payload, sequence, fallen_back: self.fallen_back || newest.is_none() }))
     }
 
-    /// Stores a payload and reads it back. Returns its number. Takes a page erase when a new page begins, on every other attempt at worst.
+    /// Stores a payload and reads it back. Returns its number. Takes a page erase when a new page begins, on every
+    /// other attempt at worst.
     ///
     /// # Errors
     /// [`AppendError`] of the second attempt, which goes to another page. What was stored before is kept.

@@ -1,7 +1,7 @@
 //! What the board keeps over a power cut, and how it is brought back.
 //!
-//! Restored only if train, layout and plausible range agree; else the caller begins with defaults and has the cause. The boot epoch is not here but in the header of every
-//! record: it has to outlive a change of layout.
+//! Restored only if train, layout and plausible range agree; else the caller begins with defaults and has the cause.
+//! The boot epoch is not here but in the header of every record: it has to outlive a change of layout.
 
 use super::{AppendError, EpochError, Identity, Refused, Store};
 use crate::Real;
@@ -19,7 +19,8 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{EffectKind, errors};
 
-/// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order (last fields that older records lack excepted: [`Appended`]), or [`SCALES`](crate::tick::memory::SCALES).
+/// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order (last fields that older records
+/// lack excepted: [`Appended`]), or [`SCALES`](crate::tick::memory::SCALES).
 pub const LAYOUT: u16 = 2;
 
 in_place! {
@@ -121,7 +122,8 @@ errors! {
 }
 
 impl Persisted {
-    /// Largest number of bytes it is stored in: 8 a number, 5 a count. The unknown effect is one of the [`MAX_EFFECTS`].
+    /// Largest number of bytes it is stored in: 8 a number, 5 a count. The unknown effect is one of the
+    /// [`MAX_EFFECTS`].
     pub const MAX_SIZE: usize = 8 * 3
         + 4 * 8 * 10
         + 5
@@ -206,7 +208,8 @@ impl Persisted {
         complete.then_some(Some(restored.fallen_back)).ok_or(NotRestored::NotDecoded)
     }
 
-    /// The second half, in the place of others: the vehicle, if all is believed, and the effects, of which a refused record may leave some.
+    /// The second half, in the place of others: the vehicle, if all is believed, and the effects, of which a refused
+    /// record may leave some.
     #[inline(never)]
     pub(crate) fn vehicle_and_effects(
         &self,
@@ -286,7 +289,8 @@ mod tests {
         assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
     }
 
-    /// Trust came first, then the effort column, the speed readings, the share of short hops, what goes with the column's gain.
+    /// Trust came first, then the effort column, the speed readings, the share of short hops, what goes with the
+    /// column's gain.
     #[test]
     fn a_record_of_older_firmware_ends_before_what_came_later() {
         let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };

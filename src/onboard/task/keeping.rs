@@ -20,7 +20,8 @@ use heapless::{Deque, Vec};
 use rundown_wire::{Memory, REFUSALS};
 
 impl<'a, F: NorFlash> Task<'a, F> {
-    /// The task of a board that has just started. `heartbeat_only`: it has started too often in a short time, and only says how it is.
+    /// The task of a board that has just started. `heartbeat_only`: it has started too often in a short time, and only
+    /// says how it is.
     pub fn new(
         provisioning: Result<Provisioning, ProvisioningError>,
         flash: F,

@@ -1,17 +1,19 @@
-//! The tick task: what the board does with messages and with the clock. The board, the emulator and the host run the same.
+//! The tick task: what the board does with messages and with the clock. The board, the emulator and the host run the
+//! same.
 //!
 //! ```text
 //! message -> authentication -> request -+-> measurement -> newest -> tick -> Estimator::step -> frames
 //!                                       +-> train, track, settings, commands -> answer
 //! ```
 //!
-//! In: whole messages from the link, and the ticks of a clock. Out: whole messages to the link, records to the flash. No clock, no heap, no waiting: what finds no room in the link is
-//! counted and dropped.
+//! In: whole messages from the link, and the ticks of a clock. Out: whole messages to the link, records to the flash.
+//! No clock, no heap, no waiting: what finds no room in the link is counted and dropped.
 //!
-//! Each request gets one answer: a measurement the frames of its tick (at once in lockstep, at the next tick else), everything else an [`Answer`].
-//! A refused request has changed nothing but its counter.
+//! Each request gets one answer: a measurement the frames of its tick (at once in lockstep, at the next tick else),
+//! everything else an [`Answer`]. A refused request has changed nothing but its counter.
 //!
-//! No call does everything: a tick and the end of a run are done in pieces, and between them the board does what else there is to do.
+//! No call does everything: a tick and the end of a run are done in pieces, and between them the board does what else
+//! there is to do.
 //!
 //! - `requests`: what may be asked, and when
 //! - `pieces`: what a tick and the end of a run do one after another
@@ -303,7 +305,8 @@ impl<F: NorFlash> Task<'_, F> {
         match self.pace {
             Pace::Lockstep => self.step(measurement, port),
             Pace::Clock => {
-                // A time that does not follow the last one waits only where none does that follows: the estimator judges it at the tick.
+                // A time that does not follow the last one waits only where none does that follows: the estimator
+                // judges it at the tick.
                 let waits = self.newest.filter(|newest| self.follows(newest.time_s));
                 let displaces =
                     |newest: Measurement| measurement.time_s > newest.time_s && self.follows(measurement.time_s);
@@ -394,7 +397,8 @@ impl<F: NorFlash> Task<'_, F> {
         let _noted = self.events.push_back(event).is_ok();
     }
 
-    /// What has happened since this was asked last, oldest first; to be asked after each call, or later events are dropped.
+    /// What has happened since this was asked last, oldest first; to be asked after each call, or later events are
+    /// dropped.
     pub fn next_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }

@@ -6,8 +6,9 @@
 //!               +---------------------------------------------------- a long stop ------+
 //! ```
 //!
-//! In: what the last piece left behind. Out: frames, in the order in which they would come from one call. The next message or tick is taken up behind the last piece.
-//! Power that goes between two pieces costs what it costs just before the record is written.
+//! In: what the last piece left behind. Out: frames, in the order in which they would come from one call. The next
+//! message or tick is taken up behind the last piece. Power that goes between two pieces costs what it costs just
+//! before the record is written.
 
 use super::{Port, Task};
 use crate::model::direction::Direction;
@@ -33,7 +34,8 @@ pub(super) enum Due {
 /// What the end of a run is followed by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Then {
-    /// The estimate of the tick that ended it, and the next run: nothing that is to be learned waits for somebody to say so.
+    /// The estimate of the tick that ended it, and the next run: nothing that is to be learned waits for somebody to
+    /// say so.
     Estimate,
     /// The answer to this request.
     Answer(u16),

@@ -71,8 +71,8 @@ impl<F: NorFlash> Task<'_, F> {
         self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2
     }
 
-    /// Where the track has targets. Not in the tick of the minute and not in that of a snapshot, which are the longest ones; what was said last is said again in the tick after
-    /// the minute's, for a display that missed it.
+    /// Where the track has targets. Not in the tick of the minute and not in that of a snapshot, which are the longest
+    /// ones; what was said last is said again in the tick after the minute's, for a display that missed it.
     #[inline(never)]
     fn send_coast_ahead(&mut self, estimate: &Estimate, port: &mut impl Port) {
         let long = self.tick.is_multiple_of(MINUTE_TICKS) || self.takes_snapshot();

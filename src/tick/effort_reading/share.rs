@@ -12,13 +12,15 @@
 //! s(Δ') = s + (1 - Δ/Δ') (m - s)
 //! ```
 //!
-//! Of kind and age no more is known than their sum: before a column has taught, m = 1/4 ± 1/4 and τ = 0 ± `late_sd_s`, and given `s`
+//! Of kind and age no more is known than their sum: before a column has taught, m = 1/4 ± 1/4 and τ = 0 ± `late_sd_s`,
+//! and given `s`
 //!
 //! ```text
 //! m = 1/4 + K (s - 1/4) ± 1/4 sqrt(1 - K)          K = (1/4)² / ((1/4)² + (late_sd_s / Δ)²)
 //! ```
 //!
-//! A mean whose rows were lost is taken right as well: over a tick that is longer than the mean it is as a momentary value that is late by half of it.
+//! A mean whose rows were lost is taken right as well: over a tick that is longer than the mean it is as a momentary
+//! value that is late by half of it.
 
 use super::{EffortReadingConfig, square};
 use crate::plain::plain;
@@ -80,7 +82,8 @@ impl Share {
         Self { mean, variance, tick_s }
     }
 
-    /// What a change over a tick of `tick_s` is multiplied by beside `s`, and beside what of the kind does not go with it, s.
+    /// What a change over a tick of `tick_s` is multiplied by beside `s`, and beside what of the kind does not go with
+    /// it, s.
     pub fn weights_s(&self, config: &EffortReadingConfig, tick_s: f32) -> [f32; 2] {
         if self.is_of(tick_s) {
             return [tick_s, 0.0];

@@ -1,13 +1,15 @@
 //! What a vehicle's resistance and the gain of its effort column have in common.
 //!
-//! An effort that reads too little looks like less resistance in each run. So the vehicle's coefficients are carried as they would be under a gain, with how they move with it:
+//! An effort that reads too little looks like less resistance in each run. So the vehicle's coefficients are carried as
+//! they would be under a gain, with how they move with it:
 //!
 //! ```text
 //! r | g = mean + slope (g - ĝ)        covariance of r = covariance of r | g + slope slopeᵀ var(g)
 //! ```
 //!
-//! Left out, each run would take the gain for known as well as the last one left it, and the resistance for known beside it: what all runs are off by alike would be
-//! averaged away on paper, and the resistance stay where the first runs put it.
+//! Left out, each run would take the gain for known as well as the last one left it, and the resistance for known
+//! beside it: what all runs are off by alike would be averaged away on paper, and the resistance stay where the first
+//! runs put it.
 
 use super::{Vehicle, inverse, shares};
 use crate::Real;
@@ -16,7 +18,8 @@ use crate::plain::plain;
 use nalgebra::{Matrix3, Vector3, Vector4};
 use serde::{Deserialize, Serialize};
 
-/// How the vehicle's coefficients move with the gain of its column, shares for a unit of the gain. As it is stored, for a board that was restarted goes on with the same bits.
+/// How the vehicle's coefficients move with the gain of its column, shares for a unit of the gain. As it is stored, for
+/// a board that was restarted goes on with the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ByGain {
     slope: [f32; 3],
@@ -42,7 +45,8 @@ impl ByGain {
     }
 }
 
-/// What a run said of the resistance under one gain: information matrix and vector, and how the vector falls with that gain. In shares.
+/// What a run said of the resistance under one gain: information matrix and vector, and how the vector falls with that
+/// gain. In shares.
 #[derive(Clone, Copy)]
 pub(super) struct Said {
     pub information: Matrix3<Real>,

@@ -82,7 +82,8 @@ impl Vehicle {
         }
     }
 
-    /// The vehicle that a record describes, bit for bit, if it can be believed of a train with these manufacturer's coefficients.
+    /// The vehicle that a record describes, bit for bit, if it can be believed of a train with these manufacturer's
+    /// coefficients.
     ///
     /// # Errors
     /// [`Implausible`] names the first number that cannot be.
@@ -112,8 +113,8 @@ impl Vehicle {
         Ok(vehicle)
     }
 
-    /// Takes up what is known of how it foresaw coasts, of its effort column, of its speed readings and of where it was taught. Numbers that are none are left: what was learned
-    /// is worth more.
+    /// Takes up what is known of how it foresaw coasts, of its effort column, of its speed readings and of where it was
+    /// taught. Numbers that are none are left: what was learned is worth more.
     pub fn recall(&mut self, trust: Trust, column: (Column, ByGain), offset: SpeedOffset, hops_share: f32) {
         if trust.is_sound() {
             self.trust = trust;

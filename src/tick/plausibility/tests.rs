@@ -231,8 +231,8 @@ fn an_effort_of_ten_times_a_trains_is_dropped() {
     }
 }
 
-/// Margin: 1 km/h of the reading's step and six times 0.05 km/h of noise, 0.361 m/s. Upwards at 20 m/s: twice 2.036 MW / 20 m/s / 385.84 t
-/// and 0.3 N/kg, 0.828 m/s². Downwards: 2 m/s².
+/// Margin: 1 km/h of the reading's step and six times 0.05 km/h of noise, 0.361 m/s. Upwards at 20 m/s: twice 2.036 MW
+/// / 20 m/s / 385.84 t and 0.3 N/kg, 0.828 m/s². Downwards: 2 m/s².
 #[test]
 fn a_speed_changes_by_what_a_train_can_and_no_more() {
     let jumps = |after_s: Real, speed_mps: Real| {
@@ -403,7 +403,8 @@ fn a_step_on_or_a_stand_ends_reversing_and_a_short_one_does_not() {
     }
 }
 
-/// How many steps of a second it takes until a speed that always reads 20 m/s is dropped, the locations going on by so much.
+/// How many steps of a second it takes until a speed that always reads 20 m/s is dropped, the locations going on by so
+/// much.
 fn stuck_after(step_m: Real) -> Option<usize> {
     let mut readings = Readings::running();
     (1..200).find(|second| {

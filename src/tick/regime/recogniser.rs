@@ -1,10 +1,10 @@
 //! The default recogniser: a small causal hidden-Markov model.
 //!
-//! In: the change of speed since an anchor some 10 s back, and what resistance and gradient would make of it. Out: the probability of each regime
-//! now, and of each regime at the last tick in the light of this one.
+//! In: the change of speed since an anchor some 10 s back, and what resistance and gradient would make of it. Out: the
+//! probability of each regime now, and of each regime at the last tick in the light of this one.
 //!
-//! The paper's rule looks at one sample and at the effort alone; below about 81 km/h r(v) is smaller than its band, so holding 40 km/h
-//! reads as coasting. Here each regime foresees an acceleration,
+//! The paper's rule looks at one sample and at the effort alone; below about 81 km/h r(v) is smaller than its band, so
+//! holding 40 km/h reads as coasting. Here each regime foresees an acceleration,
 //!
 //! | regime | acceleration foreseen, m/s² |
 //! |---|---|
@@ -13,9 +13,10 @@
 //! | traction | a share of the train's largest effort - (r + g) |
 //! | brake | -`brake_mps2` |
 //!
-//! and evidence is gathered over samples: regimes last. An interval in which the regime changes shows a mixture of the two, anywhere between them. The densities are Student's t
-//! with 5 degrees of freedom: outliers do not upset them and they need no exponential (which costs 3000 instructions a piece in soft float).
-//! Standstill is not guessed: it is a speed reading of zero.
+//! and evidence is gathered over samples: regimes last. An interval in which the regime changes shows a mixture of the
+//! two, anywhere between them. The densities are Student's t with 5 degrees of freedom: outliers do not upset them and
+//! they need no exponential (which costs 3000 instructions a piece in soft float). Standstill is not guessed: it is a
+//! speed reading of zero.
 
 use super::Regime;
 use crate::Real;
@@ -46,9 +47,9 @@ settings! {
 
 /// Time of [`TRANSITION`], s.
 const TRANSITION_S: Real = 10.0;
-/// Probability of the regime of the next ten seconds, given the regime now (rows and columns as [`Regime::ALL`]).
-/// Set by hand so that accelerations and brakes last one to two minutes and cruising and coasting two to three, shorter than in the case study
-/// (section 4.3); not fitted to any set of runs.
+/// Probability of the regime of the next ten seconds, given the regime now (rows and columns as [`Regime::ALL`]). Set
+/// by hand so that accelerations and brakes last one to two minutes and cruising and coasting two to three, shorter
+/// than in the case study (section 4.3); not fitted to any set of runs.
 const TRANSITION: [[Real; COUNT]; COUNT] = [
     [0.80, 0.19, 0.00, 0.005, 0.005],
     [0.005, 0.885, 0.05, 0.05, 0.01],
@@ -197,7 +198,8 @@ fn foreseen(config: &RecogniserConfig, evidence: &Evidence) -> [Foreseen; COUNT]
 }
 
 impl Foreseen {
-    /// What is foreseen of an interval that begins in one regime and ends in another: the change may lie anywhere in it.
+    /// What is foreseen of an interval that begins in one regime and ends in another: the change may lie anywhere in
+    /// it.
     fn between(from: &Self, to: &Self, same: bool) -> Self {
         if same {
             return *to;

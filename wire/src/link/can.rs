@@ -2,9 +2,11 @@
 //!
 //! In: an identifier and up to 8 (classic) or 64 bytes (FD). Out: [`CanFrame`], which is an [`embedded_can::Frame`].
 //!
-//! `embedded-can` has identifiers, the frame trait and the controller traits, but nothing of FD. So [`CanFrame`] holds up to 64 bytes and says its [`Format`]; for classic frames it keeps the trait to the letter.
-//! For FD, `Frame::new` makes an FD frame when there are more than 8 bytes and refuses lengths that FD does not have, and `dlc` is the number of bytes, as for classic frames, not the code on the wire.
-//! A controller that knows classic frames only is driven through [`CanFrame::to_frame`].
+//! `embedded-can` has identifiers, the frame trait and the controller traits, but nothing of FD. So [`CanFrame`] holds
+//! up to 64 bytes and says its [`Format`]; for classic frames it keeps the trait to the letter. For FD, `Frame::new`
+//! makes an FD frame when there are more than 8 bytes and refuses lengths that FD does not have, and `dlc` is the
+//! number of bytes, as for classic frames, not the code on the wire. A controller that knows classic frames only is
+//! driven through [`CanFrame::to_frame`].
 
 use core::fmt;
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
@@ -79,7 +81,8 @@ impl CanFrame {
     /// A data frame.
     ///
     /// # Errors
-    /// [`FrameLengthError`] when the format has no frame of this length. FD data is padded by the caller, who knows with what.
+    /// [`FrameLengthError`] when the format has no frame of this length. FD data is padded by the caller, who knows
+    /// with what.
     ///
     /// ```
     /// use rundown_wire::link::can::{CanFrame, Format};
@@ -112,7 +115,8 @@ impl CanFrame {
         }
     }
 
-    /// The same frame in another type, for instance that of a controller's driver; nothing when that type has no such frame.
+    /// The same frame in another type, for instance that of a controller's driver; nothing when that type has no such
+    /// frame.
     pub fn to_frame<F: Frame>(&self) -> Option<F> {
         match &self.content {
             Content::Data(_, data) => F::new(self.id, data),

@@ -2,8 +2,9 @@
 //!
 //! In: messages, a controller. Out: messages.
 //!
-//! The controller is anything with the non-blocking trait of `embedded-can` and [`CanFrame`]: a driver on the board, [`Slcan`](super::slcan::Slcan) behind a serial line, a socket on a Linux host.
-//! Frames with other identifiers are left alone, so the bus may be shared.
+//! The controller is anything with the non-blocking trait of `embedded-can` and [`CanFrame`]: a driver on the board,
+//! [`Slcan`](super::slcan::Slcan) behind a serial line, a socket on a Linux host. Frames with other identifiers are
+//! left alone, so the bus may be shared.
 
 use super::can::{CanFrame, standard};
 use super::checksum::{self, ChecksumError};
@@ -18,7 +19,8 @@ pub const TO_BOARD: Id = standard(0x6D0);
 /// Frames from the board.
 pub const FROM_BOARD: Id = standard(0x6D1);
 
-/// Frames that one call of [`CanLink::receive`] takes, and sends, at most, so that a babbling bus cannot hold up the caller.
+/// Frames that one call of [`CanLink::receive`] takes, and sends, at most, so that a babbling bus cannot hold up the
+/// caller.
 const FRAMES_PER_CALL: usize = 128;
 
 /// A [`Link`] over a CAN controller.
@@ -157,7 +159,8 @@ impl<C: Can<Frame = CanFrame>> CanLink<C> {
                 return Ok(());
             };
             match self.controller.transmit(frame) {
-                // A frame that a controller gives back had to make way for one of higher priority. All of ours have the same, so there is none.
+                // A frame that a controller gives back had to make way for one of higher priority. All of ours have the
+                // same, so there is none.
                 Ok(_) => {
                     *slot = None;
                     if !is_answer {

@@ -6,10 +6,12 @@
 //! message | crc32c(message)        reflected polynomial 0x82F63B78, start and final xor 0xFFFFFFFF
 //! ```
 //!
-//! CRC-32C finds every error of up to five bits in messages up to 655 bytes, and every burst of up to 32 bits (Koopman, 32-Bit Cyclic Redundancy Codes for Internet Applications, DSN 2002).
+//! CRC-32C finds every error of up to five bits in messages up to 655 bytes, and every burst of up to 32 bits (Koopman,
+//! 32-Bit Cyclic Redundancy Codes for Internet Applications, DSN 2002).
 //!
-//! Over CAN, too, although each frame has a CRC of its own. ISO-TP has none over the message, and its sequence number comes round after 16 frames; between controller and program the frame's CRC
-//! is gone, and SLCAN turns a flipped bit of one hex digit into another hex digit. Four bytes close all three holes.
+//! Over CAN, too, although each frame has a CRC of its own. ISO-TP has none over the message, and its sequence number
+//! comes round after 16 frames; between controller and program the frame's CRC is gone, and SLCAN turns a flipped bit
+//! of one hex digit into another hex digit. Four bytes close all three holes.
 
 use super::{MAX_CHECKED, MAX_MESSAGE};
 use heapless::Vec;
@@ -34,7 +36,8 @@ const HALF_BYTES: [u32; 16] = {
     table
 };
 
-/// The CRC-32C of bytes that come one after another. By halves of a byte: a table for whole ones takes 1 kB of the board's flash.
+/// The CRC-32C of bytes that come one after another. By halves of a byte: a table for whole ones takes 1 kB of the
+/// board's flash.
 #[derive(Clone, Copy, Debug)]
 pub struct Crc32c(u32);
 

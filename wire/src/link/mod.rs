@@ -17,13 +17,17 @@
 //! | what does the message link over CAN do? | [`can_link`] |
 //! | what if the controller sits behind a serial line? | [`slcan`]: Lawicel ASCII |
 //!
-//! What arrives is either the message that was sent or nothing: whatever else comes is dropped and counted by cause ([`Counters`]). A link neither repeats nor orders messages,
-//! and does not know who sent them; sequence, age and origin are matters of the message's content.
+//! What arrives is either the message that was sent or nothing: whatever else comes is dropped and counted by cause
+//! ([`Counters`]). A link neither repeats nor orders messages, and does not know who sent them; sequence, age and
+//! origin are matters of the message's content.
 //!
-//! Nothing here waits, allocates or reads a clock. Time comes in as `now_us`, microseconds of any clock that only goes forward; with 64 bits it never wraps. The state machines
-//! ([`serial::Decoder`], [`slcan::LineDecoder`], [`isotp::Sender`], [`isotp::Receiver`]) know of no port; [`serial::SerialLink`] and [`can_link::CanLink`] tie them to one.
+//! Nothing here waits, allocates or reads a clock. Time comes in as `now_us`, microseconds of any clock that only goes
+//! forward; with 64 bits it never wraps. The state machines ([`serial::Decoder`], [`slcan::LineDecoder`],
+//! [`isotp::Sender`], [`isotp::Receiver`]) know of no port; [`serial::SerialLink`] and [`can_link::CanLink`] tie them
+//! to one.
 //!
-//! An empty message does not exist: ISO-TP has no frame for it, and its CRC-32C is four zero bytes, so that a single flipped bit in front of a run of zeros would make one.
+//! An empty message does not exist: ISO-TP has no frame for it, and its CRC-32C is four zero bytes, so that a single
+//! flipped bit in front of a run of zeros would make one.
 //!
 //! `docs/link.md` shows the bytes.
 
@@ -50,11 +54,12 @@ pub trait Link {
     /// How the port below fails.
     type PortError;
 
-    /// Takes one message to be sent. Over CAN the rest of a long message leaves during later calls of [`receive`](Self::receive).
+    /// Takes one message to be sent. Over CAN the rest of a long message leaves during later calls of
+    /// [`receive`](Self::receive).
     ///
     /// # Errors
-    /// [`LinkError::Busy`] while the message before is not out yet, [`LinkError::Length`] for a length that is none, and those of the port.
-    /// In every case nothing of the message was taken for sent.
+    /// [`LinkError::Busy`] while the message before is not out yet, [`LinkError::Length`] for a length that is none,
+    /// and those of the port. In every case nothing of the message was taken for sent.
     fn send(&mut self, message: &[u8], now_us: u64) -> Result<(), LinkError<Self::PortError>>;
 
     /// The next message that arrived whole, if there is one. Does what is due on the link, so call it often.
@@ -171,7 +176,8 @@ pub struct Counters {
     pub too_long: u32,
     /// Dropped: shorter than one byte and its checksum.
     pub too_short: u32,
-    /// Dropped, CAN: a frame of the message was lost, came twice or out of order, or another message began before its end.
+    /// Dropped, CAN: a frame of the message was lost, came twice or out of order, or another message began before its
+    /// end.
     pub sequence: u32,
     /// Dropped, CAN, received or sent: the other side fell silent within the message.
     pub timeout: u32,

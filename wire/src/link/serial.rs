@@ -6,11 +6,15 @@
 //! COBS(message | crc32c) | 00
 //! ```
 //!
-//! COBS (Cheshire and Baker, 1997) replaces every zero by the distance to the next one, so that a zero byte is nothing but the end of a message. Whatever was lost or added, the decoder is in step
-//! again at the next zero: garbage costs at most the one message that it ran into. Zeros in a row are fine, so a sender may begin with one to end what noise began.
+//! COBS (Cheshire and Baker, 1997) replaces every zero by the distance to the next one, so that a zero byte is nothing
+//! but the end of a message. Whatever was lost or added, the decoder is in step again at the next zero: garbage costs
+//! at most the one message that it ran into. Zeros in a row are fine, so a sender may begin with one to end what noise
+//! began.
 //!
-//! A flip in the message's own bytes is found by the checksum for certain (up to five bits). A flip in one of the COBS distances moves bytes, and one that makes or unmakes a zero cuts or joins messages; these meet
-//! the checksum as arbitrary bytes and pass with a chance of 2^-32. `tests/link_serial.rs` in `host-tests` tries every single and double flip of some messages.
+//! A flip in the message's own bytes is found by the checksum for certain (up to five bits). A flip in one of the COBS
+//! distances moves bytes, and one that makes or unmakes a zero cuts or joins messages; these meet the checksum as
+//! arbitrary bytes and pass with a chance of 2^-32. `tests/link_serial.rs` in `host-tests` tries every single and
+//! double flip of some messages.
 
 use super::checksum::{self, ChecksumError, LengthError};
 use super::{Counters, Link, LinkError, MAX_CHECKED, MAX_MESSAGE, Message, count, write_whole};
@@ -130,7 +134,8 @@ impl<const N: usize> Decoder<N> {
         Self { cobs: DecoderState::Idle, checked: Vec::new(), overflow: false }
     }
 
-    /// Takes the next byte. A zero ends a message, which is then given or refused; nothing between two zeros is no message and no error.
+    /// Takes the next byte. A zero ends a message, which is then given or refused; nothing between two zeros is no
+    /// message and no error.
     ///
     /// # Errors
     /// [`DecodeError`] at the zero that ends bytes that are no message. The decoder goes on with what follows.
@@ -173,8 +178,9 @@ impl<const N: usize> Decoder<N> {
 
 /// A [`Link`] over a serial port.
 ///
-/// On the board the port is the pair of rings between the UART's interrupt and the tasks. Its `write` is given a whole message and must not wait: it takes what it has room for, nothing at all if it likes.
-/// The message is then lost ([`LinkError::Full`]), and the next one begins with a zero that ends what went out of it.
+/// On the board the port is the pair of rings between the UART's interrupt and the tasks. Its `write` is given a whole
+/// message and must not wait: it takes what it has room for, nothing at all if it likes. The message is then lost
+/// ([`LinkError::Full`]), and the next one begins with a zero that ends what went out of it.
 #[derive(Debug)]
 pub struct SerialLink<P> {
     port: P,

@@ -9,8 +9,9 @@
 //! RIIIIIIIIL   remote, 29 bits           BIIIIIIIIL.. FD with bit rate switch
 //! ```
 //!
-//! I: identifier, L: data length code (one digit; FD up to F for 64 bytes), then two digits a byte, all hexadecimal. Four more digits, a time stamp, are read over. Every other line of letters is a command;
-//! a single BEL says that a command was refused. Lines have no checksum: a message's own CRC-32C is what protects it.
+//! I: identifier, L: data length code (one digit; FD up to F for 64 bytes), then two digits a byte, all hexadecimal.
+//! Four more digits, a time stamp, are read over. Every other line of letters is a command; a single BEL says that a
+//! command was refused. Lines have no checksum: a message's own CRC-32C is what protects it.
 
 use super::can::{CanFrame, FD_BYTES, FD_LENGTHS, Format, fd_code};
 use super::{WriteError, count, write_whole};
@@ -214,8 +215,9 @@ impl LineDecoder {
 
 /// A CAN controller at the other end of a serial line, or the side that plays one.
 ///
-/// [`Slcan::device`] answers commands as an adapter does: bit rate and channel commands (`S s Y O L C`) with a carriage return, since there is no bus behind it to set up, all others with BEL. Frames are not confirmed.
-/// [`Slcan::open`] is the host's side: it opens the channel of an adapter.
+/// [`Slcan::device`] answers commands as an adapter does: bit rate and channel commands (`S s Y O L C`) with a carriage
+/// return, since there is no bus behind it to set up, all others with BEL. Frames are not confirmed. [`Slcan::open`] is
+/// the host's side: it opens the channel of an adapter.
 #[derive(Debug)]
 pub struct Slcan<P> {
     port: P,
@@ -254,7 +256,8 @@ impl<P> Slcan<P> {
 }
 
 impl<P: Write> Slcan<P> {
-    /// The host's side. Closes the channel, sets the bit rate (`S0` 10 kbit/s to `S8` 1 Mbit/s) if one is given and opens it.
+    /// The host's side. Closes the channel, sets the bit rate (`S0` 10 kbit/s to `S8` 1 Mbit/s) if one is given and
+    /// opens it.
     ///
     /// # Errors
     /// Those of the port.

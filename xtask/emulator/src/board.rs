@@ -6,11 +6,13 @@ use std::time::SystemTime;
 /// A board that the firmware is built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Board {
-    /// ST B-L475E-IOT01A, the reference board. In the emulator it refuses everything that is secured: it cannot write its flash, so it has no boot epoch.
+    /// ST B-L475E-IOT01A, the reference board. In the emulator it refuses everything that is secured: it cannot write
+    /// its flash, so it has no boot epoch.
     L475,
     /// The same with RAM in the place of the flash pages for records, for the emulator.
     L475Emulated,
-    /// The same with CAN beside the serial line. The emulator has no CAN controller: there only the serial line speaks, and secured messages are refused.
+    /// The same with CAN beside the serial line. The emulator has no CAN controller: there only the serial line speaks,
+    /// and secured messages are refused.
     L475Can,
     /// Arm MPS2 AN386: test-only, its watchdog bites and its flash survives the loss of power.
     Mps2,

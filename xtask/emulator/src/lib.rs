@@ -10,8 +10,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Time in the emulator counts instructions (16 ns each, 62.5 million a second), not the host's clock: runs repeat. While the processor sleeps, time goes with the host's
-//! clock, or jumps to the next interrupt ([`Sleep`]).
+//! Time in the emulator counts instructions (16 ns each, 62.5 million a second), not the host's clock: runs repeat.
+//! While the processor sleeps, time goes with the host's clock, or jumps to the next interrupt ([`Sleep`]).
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 

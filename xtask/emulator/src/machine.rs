@@ -85,7 +85,8 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts it and connects its serial line. The firmware says when it is ready: what is sent earlier is lost, as on a real line.
+    /// Starts it and connects its serial line. The firmware says when it is ready: what is sent earlier is lost, as on
+    /// a real line.
     pub fn start(settings: &Settings) -> Result<Self, EmulatorError> {
         version()?;
         let (line, line_at) = listen()?;
@@ -165,7 +166,8 @@ fn command(settings: &Settings, line_at: SocketAddr, control_at: SocketAddr) -> 
     command
 }
 
-/// As Intel HEX: this format QEMU lays into a flash; a raw file it refuses on a machine without RAM of variable size, and single words it drops.
+/// As Intel HEX: this format QEMU lays into a flash; a raw file it refuses on a machine without RAM of variable size,
+/// and single words it drops.
 fn hex(address: u32, bytes: &[u8]) -> io::Result<String> {
     let mut records = Vec::new();
     for (at, value) in (address..).step_by(16).zip(bytes.chunks(16)) {

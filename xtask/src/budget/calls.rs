@@ -5,7 +5,8 @@ use emulator::Image;
 use rustc_demangle::demangle;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Functions whose call of a panic cannot be reached: the log's own check that it is not entered twice (only the firmware's log lines come there, the library has none).
+/// Functions whose call of a panic cannot be reached: the log's own check that it is not entered twice (only the
+/// firmware's log lines come there, the library has none).
 const NEVER: [&str; 2] = ["_defmt_acquire", "_defmt_release"];
 
 /// A function of the image.
@@ -131,7 +132,8 @@ impl Graph {
         Some(found.iter().map(|at| self.0[at].size).sum())
     }
 
-    /// The deepest stack below a function, itself included. Every path through the calls counts, whether it can be taken or not.
+    /// The deepest stack below a function, itself included. Every path through the calls counts, whether it can be
+    /// taken or not.
     pub fn deepest(&self, name: &str) -> Option<Deepest> {
         let (&start, _) = self.0.iter().find(|(_, function)| function.name == name)?;
         let mut known = BTreeMap::new();
@@ -197,7 +199,8 @@ impl Function {
         }
     }
 
-    /// Addresses of functions among its constants: what is called three times in a row, the compiler calls through a register, which is shorter.
+    /// Addresses of functions among its constants: what is called three times in a row, the compiler calls through a
+    /// register, which is shorter.
     fn may_call(&mut self, constants: &[u8], symbols: &BTreeMap<u64, (String, u64)>) {
         let words = constants.chunks_exact(4).filter_map(|word| Some(u32::from_le_bytes(word.try_into().ok()?)));
         // The lowest bit of an address says that it is of Thumb code.

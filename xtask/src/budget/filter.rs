@@ -1,4 +1,5 @@
-//! What one step of the paper's filter costs, and the filter of a tick: instructions in the emulator, stack and code from the image. And whether the board's doubles and copies are right.
+//! What one step of the paper's filter costs, and the filter of a tick: instructions in the emulator, stack and code
+//! from the image. And whether the board's doubles and copies are right.
 
 use super::calls::Graph;
 use crate::firmware;

@@ -1,6 +1,7 @@
 //! The most stack that the firmware can take: the deepest path of the start, or of the tasks one within another.
 //!
-//! RTIC's tasks of one priority never interrupt each other, so of each priority the deepest counts once, and with it the frame that the processor saves for an interrupt.
+//! RTIC's tasks of one priority never interrupt each other, so of each priority the deepest counts once, and with it
+//! the frame that the processor saves for an interrupt.
 
 use super::calls::{Deepest, Graph};
 

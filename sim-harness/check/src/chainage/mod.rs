@@ -1,15 +1,17 @@
 //! Runs whose locations count from another place than those of the others.
 //!
-//! In: runs whose readings are put right, and the described stops. Out: for each run by how much its chainage is off, and what says so.
+//! In: runs whose readings are put right, and the described stops. Out: for each run by how much its chainage is off,
+//! and what says so.
 //!
 //! ```text
 //! runs of a direction -> groups that stop at the same places (stops) -> the group that is on the chainage of the track
 //!                     -> each other group: the shift that brings its stops onto those, and its speeds (speeds)
 //! ```
 //!
-//! Stops alone may agree by chance on a line with regular ones, and speeds alone on a line without restrictions: both must agree, the speeds in both halves of
-//! the run. Nothing is said of runs with fewer than two stops, nor where a shift is more than half of the
-//! run, nor of one that begins and ends where the others do, nor where no three runs in ten stop at the same places and none where the track has stops.
+//! Stops alone may agree by chance on a line with regular ones, and speeds alone on a line without restrictions: both
+//! must agree, the speeds in both halves of the run. Nothing is said of runs with fewer than two stops, nor where a
+//! shift is more than half of the run, nor of one that begins and ends where the others do, nor where no three runs in
+//! ten stop at the same places and none where the track has stops.
 
 mod speeds;
 mod stops;
@@ -24,7 +26,8 @@ use stops::{Group, Match, groups, shift, turned};
 const OUTNUMBERS: usize = 2;
 /// ... and have so many runs, unless the described stops decide.
 const LEAST_REFERENCE: usize = 3;
-/// Nor is it a reference with a smaller share of the runs: where each stops elsewhere, some stops of two lie together by chance for one of many shifts.
+/// Nor is it a reference with a smaller share of the runs: where each stops elsewhere, some stops of two lie together
+/// by chance for one of many shifts.
 const REFERENCE_SHARE: f64 = 0.34;
 /// Share of the stops that lie where the track describes them, of those who are on its chainage and those who are not.
 const AT_DESCRIBED: [f64; 2] = [0.8, 0.5];
@@ -44,7 +47,8 @@ pub struct Off {
     pub evidence: String,
 }
 
-/// Compares runs with one another and with the described stops, as the track has them. `is_usable`: by run. Out: for each run what is off.
+/// Compares runs with one another and with the described stops, as the track has them. `is_usable`: by run. Out: for
+/// each run what is off.
 pub fn find(recordings: &[Recording], is_usable: &[bool], stops_m: &[f64]) -> Vec<Option<Off>> {
     let mut found = vec![None; recordings.len()];
     for direction in [Direction::Up, Direction::Down] {

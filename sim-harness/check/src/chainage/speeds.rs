@@ -7,7 +7,8 @@ use std::ops::Range;
 const INFORMATIVE_MPS: f32 = 3.0;
 /// Of these places each half must have so many, 50 m each.
 const LEAST_PLACES: usize = 3;
-/// And the difference of the speeds must be less than this share of what it is without the shift: in each half, where drivers coast as they like, and in both.
+/// And the difference of the speeds must be less than this share of what it is without the shift: in each half, where
+/// drivers coast as they like, and in both.
 const HALF_SHARE: f32 = 0.9;
 const AGREE_SHARE: f32 = 0.6;
 

@@ -13,7 +13,8 @@ const SHIFTS_M: [f64; 2] = [200.0, 10_000.0];
 /// Of the stops of both so many must agree when moved, and fewer than half as many when not.
 const MOVED_SHARE: f64 = 0.66;
 const LEAST_MOVED: usize = 2;
-/// Both ends of a line are its ends from either side: so many stops must agree when counted from the other end, and such a share.
+/// Both ends of a line are its ends from either side: so many stops must agree when counted from the other end, and
+/// such a share.
 const LEAST_TURNED: usize = 4;
 const TURNED_SHARE: f64 = 0.8;
 /// Stops are nowhere known better, m; and those of trains that come from the other side differ by as much.
@@ -148,7 +149,8 @@ fn is_near(places_m: &[f64], at_m: f64, near_m: f64) -> bool {
     places_m.iter().any(|place_m| (place_m - at_m).abs() <= near_m)
 }
 
-/// The first and the last stop of one group are those of the other: moved, it would be as long, and yet from other places.
+/// The first and the last stop of one group are those of the other: moved, it would be as long, and yet from other
+/// places.
 fn has_ends_of(there_m: &[f64], here_m: &[f64], near_m: f64) -> bool {
     let is_same = |end: fn(&[f64]) -> Option<&f64>| {
         end(there_m).zip(end(here_m)).is_some_and(|(there, here)| (there - here).abs() <= near_m)

@@ -4,8 +4,8 @@
 //! dv/dt = q u - k g(s) - b0 - b1 v - b2 v²          k: 1 described rightly, -1 with the sign turned, 0 of another line
 //! ```
 //!
-//! Speeds that are held by a fine hand fall and rise with the slopes, run after run at the same places, as coasts on other slopes would. Beside the efforts they
-//! are no riddle. How surely k is known is what places say of it.
+//! Speeds that are held by a fine hand fall and rise with the slopes, run after run at the same places, as coasts on
+//! other slopes would. Beside the efforts they are no riddle. How surely k is known is what places say of it.
 
 use crate::effort::{self, least_squares};
 use nalgebra::SVector;

@@ -19,7 +19,8 @@ pub struct Doubt {
     pub sd_n_per_kg: f64,
     /// Scatter of the same stretches with the gradients as described, N/kg.
     pub described_sd_n_per_kg: f64,
-    /// Log-likelihood of the better version less that of the described one; none where the slopes are by place, whose shape is not fitted.
+    /// Log-likelihood of the better version less that of the described one; none where the slopes are by place, whose
+    /// shape is not fitted.
     pub log_likelihood: Option<f64>,
     /// By how many standard errors over the places of the line.
     pub z: f64,
@@ -36,8 +37,9 @@ impl Doubt {
         *sd_permille = sd_permille.max(self.off_permille.min(MOST_SD_PERMILLE));
     }
 
-    /// The described slopes have the wrong sign or scale: with another one they leave no more scatter than coasts have, and as described they leave more. No
-    /// other version decides: short hops on a right line at times look like a level line, which a tenth all but is, or another place.
+    /// The described slopes have the wrong sign or scale: with another one they leave no more scatter than coasts have,
+    /// and as described they leave more. No other version decides: short hops on a right line at times look like a
+    /// level line, which a tenth all but is, or another place.
     pub fn is_decisive(&self) -> bool {
         let scaled = match self.better {
             Version::SignTurned | Version::PerCent | Version::TwiceOfIt | Version::HalfOfIt => true,

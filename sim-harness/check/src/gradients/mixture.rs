@@ -5,8 +5,9 @@
 //! δ0 ~ N(0, (0.003 N/kg)²), δ1 ~ N(0, 0.3²)                       the true resistance is not the described one
 //! ```
 //!
-//! A driver who holds a speed gives uphill what the slope takes: the train gains nothing on any gradient, and looks like one that coasts on a level line.
-//! The second part is the same for all versions of the gradients, so held speeds speak for none. Fitted by expectation and maximisation.
+//! A driver who holds a speed gives uphill what the slope takes: the train gains nothing on any gradient, and looks
+//! like one that coasts on a level line. The second part is the same for all versions of the gradients, so held speeds
+//! speak for none. Fitted by expectation and maximisation.
 
 use super::stretch::{OVERLAP, Stretch};
 use std::f64::consts::TAU;

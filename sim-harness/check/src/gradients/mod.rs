@@ -1,16 +1,17 @@
 //! Do the described gradients explain how trains coast, or would another reading of them?
 //!
-//! In: runs whose readings are put right, train and track as described. Out: a [`Doubt`] where another version of the gradients explains the coasts
-//! clearly better, in both halves of the runs and over the places of the line.
+//! In: runs whose readings are put right, train and track as described. Out: a [`Doubt`] where another version of the
+//! gradients explains the coasts clearly better, in both halves of the runs and over the places of the line.
 //!
 //! ```text
 //! e = (v1² - v0²)/(2 D) + r(v) + g/γ (h1 - h0)/D        effort over a stretch of 20 s, N/kg; zero while coasting
 //! ```
 //!
-//! Which stretches are coasted is not asked of the estimator, whose answer depends on the gradients, but of each version: with the right gradients many
-//! stretches have no effort at all, with wrong ones the same stretches scatter. So each version's efforts are a narrow normal distribution around zero
-//! beside held speeds and a broad uniform one (`mixture`), and versions are compared by their likelihoods, place by place (`places`). Where none of them
-//! explains the coasts, what comes again at a place in other runs is the slope that is not described.
+//! Which stretches are coasted is not asked of the estimator, whose answer depends on the gradients, but of each
+//! version: with the right gradients many stretches have no effort at all, with wrong ones the same stretches scatter.
+//! So each version's efforts are a narrow normal distribution around zero beside held speeds and a broad uniform one
+//! (`mixture`), and versions are compared by their likelihoods, place by place (`places`). Where none of them explains
+//! the coasts, what comes again at a place in other runs is the slope that is not described.
 
 mod by_efforts;
 mod doubt;
@@ -36,9 +37,11 @@ use stretch::Stretch;
 
 /// Runs that are looked at; further ones say the same.
 const MOST_RUNS: usize = 60;
-/// A version must be better by this log-likelihood in each half of the runs: stretches at one place share errors of the gradients, so much more than chance asks.
+/// A version must be better by this log-likelihood in each half of the runs: stretches at one place share errors of the
+/// gradients, so much more than chance asks.
 const LEAST_GAIN: f64 = 12.0;
-/// And by so many standard errors over the places, for what drivers do at a few places is no slope: where a version explains the coasts ...
+/// And by so many standard errors over the places, for what drivers do at a few places is no slope: where a version
+/// explains the coasts ...
 const LEAST_Z: f64 = 1.7;
 /// ... and where none does, as of another line; speeds that are held roughly look like that, too.
 const LEAST_Z_UNEXPLAINED: f64 = 2.5;
@@ -48,9 +51,11 @@ const LEAST_SEEN: f64 = 1.5;
 const LEAST_SHARPER: f64 = 0.8;
 /// So many coasted stretches must say it.
 const LEAST_STRETCHES: f64 = 20.0;
-/// Standard deviation of the gradients of a line of which nothing is known, permille: as where a track file describes none.
+/// Standard deviation of the gradients of a line of which nothing is known, permille: as where a track file describes
+/// none.
 const UNKNOWN_PERMILLE: f64 = 5.0;
-/// Scatter that comes again at its place, of a line that is described level: by so many standard errors over the places, and so much of it, N/kg.
+/// Scatter that comes again at its place, of a line that is described level: by so many standard errors over the
+/// places, and so much of it, N/kg.
 const LOCKED_ON_LEVEL: (f64, f64) = (3.1, 0.003);
 /// So many where that is more than half of all scatter.
 const LOCKED_MOSTLY: (f64, f64) = (2.4, 0.5);
@@ -90,8 +95,9 @@ impl Coasts {
         }
     }
 
-    /// What is wrong with the described gradients; none where nothing is, or nothing can be said. `said_permille`: how far they may be off by their own
-    /// description, standard deviation; what scatters no more than that is not said again.
+    /// What is wrong with the described gradients; none where nothing is, or nothing can be said. `said_permille`: how
+    /// far they may be off by their own description, standard deviation; what scatters no more than that is not said
+    /// again.
     pub fn doubt(&self, train: &Train, track: &Track, said_permille: f64) -> Option<Doubt> {
         let described_n_per_kg = self.climbs(Version::Described, train, track);
         // A level line has one version only.
@@ -102,7 +108,8 @@ impl Coasts {
         doubt.filter(|_| is_level || !by_efforts::vouch(&self.driven, train, track))
     }
 
-    /// What is wrong with the described gradients, or with the units of the described resistance: one of the two, which explains the coasts better.
+    /// What is wrong with the described gradients, or with the units of the described resistance: one of the two, which
+    /// explains the coasts better.
     pub fn doubts(&self, train: &Train, track: &Track, said_permille: f64) -> (Option<Doubt>, Option<OtherUnits>) {
         let gradients = self.doubt(train, track, said_permille);
         let by_gradients = gradients.and_then(|doubt| doubt.log_likelihood).unwrap_or(0.0);
@@ -232,7 +239,8 @@ fn versions() -> impl Iterator<Item = Version> {
     fixed.into_iter().chain(shifts)
 }
 
-/// Root mean square of the difference between two versions over the coasted stretches. Of another line nothing is known but that it is no flatter than most.
+/// Root mean square of the difference between two versions over the coasted stretches. Of another line nothing is known
+/// but that it is no flatter than most.
 fn off_permille(shares: &[f64], described: &[f64], better: &[f64], version: Version, train: &Train) -> f64 {
     let squares = shares.iter().zip(described).zip(better).map(|((share, a), b)| share * (a - b).powi(2));
     let off_n_per_kg = (squares.sum::<f64>() / shares.iter().sum::<f64>().max(1.0)).sqrt();

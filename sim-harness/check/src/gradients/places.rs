@@ -1,11 +1,13 @@
-//! Places along the line: whether many of them say the same, and how much of the scatter of coasts belongs to its place.
+//! Places along the line: whether many of them say the same, and how much of the scatter of coasts belongs to its
+//! place.
 //!
 //! ```text
 //! z = Σ x / √(Σ x²)                        x of each place: stretches at one place share what drivers do there and what is wrong with the slope there
 //! σ² = mean of e_i e_j over pairs          of coasted stretches at one place in different runs, uphill as the chainage grows
 //! ```
 //!
-//! Wind, load and readings differ from run to run and leave no product; a slope that is not described does, and no shape of it is asked for.
+//! Wind, load and readings differ from run to run and leave no product; a slope that is not described does, and no
+//! shape of it is asked for.
 
 use super::mixture::MixtureFit;
 use super::stretch::Stretch;
@@ -23,7 +25,8 @@ fn standard_errors(places: impl Iterator<Item = f64> + Clone) -> f64 {
     if squares > 0.0 { places.sum::<f64>() / squares.sqrt() } else { 0.0 }
 }
 
-/// By how many standard errors a version of the gradients explains the stretches better than another one (Vuong's test, clustered by place).
+/// By how many standard errors a version of the gradients explains the stretches better than another one (Vuong's test,
+/// clustered by place).
 pub fn better_by(stretches: &[Stretch], better: &MixtureFit, other: &MixtureFit) -> f64 {
     let mut places: BTreeMap<i64, f64> = BTreeMap::new();
     for (stretch, (a, b)) in stretches.iter().zip(better.log_likelihoods.iter().zip(&other.log_likelihoods)) {
@@ -72,7 +75,8 @@ impl Locked {
     }
 }
 
-/// Mean product of residuals of different runs at one place, times its weight, and that weight: as many as there are stretches. None from less than a pair.
+/// Mean product of residuals of different runs at one place, times its weight, and that weight: as many as there are
+/// stretches. None from less than a pair.
 fn product(runs: &BTreeMap<usize, [f64; 2]>) -> Option<[f64; 2]> {
     let sum = |index: usize| runs.values().map(|of_run| of_run[index]).sum::<f64>();
     let own = |index: usize| runs.values().map(|of_run| of_run[index].powi(2)).sum::<f64>();
@@ -80,7 +84,8 @@ fn product(runs: &BTreeMap<usize, [f64; 2]>) -> Option<[f64; 2]> {
     (pairs >= 1.0).then(|| [product * sum(1) / pairs, sum(1)])
 }
 
-/// What of the residuals follows no resistance, however far the described one is off: runs that coast at the same places at the same speeds share that, too.
+/// What of the residuals follows no resistance, however far the described one is off: runs that coast at the same
+/// places at the same speeds share that, too.
 fn without_resistance(stretches: &[Stretch], shares: &[f64], residuals: &[f64]) -> Vec<f64> {
     let row = |stretch: &Stretch| {
         let r = 100.0 * stretch.resistance_n_per_kg;

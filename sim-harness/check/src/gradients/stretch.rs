@@ -5,7 +5,8 @@ use rundown::model::resistance::Davis;
 use rundown::model::train::Train;
 use rundown_files::sample::Sample;
 
-/// Long enough that speeds in whole km/h leave an error of half a permille, and short enough for the coasts of a suburban train, s.
+/// Long enough that speeds in whole km/h leave an error of half a permille, and short enough for the coasts of a
+/// suburban train, s.
 const LENGTH_S: f64 = 20.0;
 /// A stretch begins so long after the one before, s: a coast holds whole ones wherever it begins.
 const BEGIN_EACH_S: f64 = 10.0;

@@ -1,10 +1,11 @@
 //! Do coasts follow the described resistance, or what it would be in other units?
 //!
-//! In: runs whose readings are put right, train and track as described. Out: the conversion of the Davis coefficients that explains the coasts clearly better, in
-//! both halves of the runs and over the places of the line.
+//! In: runs whose readings are put right, train and track as described. Out: the conversion of the Davis coefficients
+//! that explains the coasts clearly better, in both halves of the runs and over the places of the line.
 //!
-//! Asked as of the gradients: with the right resistance many stretches have no effort at all. What is learned cannot say it where a description is so far off
-//! that no coast teaches, or where there are hardly any. A description that is a multiple of the truth is in no other units: it comes out as a multiple.
+//! Asked as of the gradients: with the right resistance many stretches have no effort at all. What is learned cannot
+//! say it where a description is so far off that no coast teaches, or where there are hardly any. A description that is
+//! a multiple of the truth is in no other units: it comes out as a multiple.
 
 use super::doubt::explains;
 use super::mixture::{MOST_SD_N_PER_KG, MixtureFit};
@@ -31,7 +32,8 @@ pub const CONVERSIONS: [(&str, [f64; 3]); 6] = [
 
 /// Trains that are not in other units: all coefficients times as much.
 const MULTIPLES: [f64; 10] = [0.25, 0.4, 0.5, 0.63, 0.8, 1.25, 1.6, 2.0, 2.5, 4.0];
-/// By what descriptions of the right train are off: where one of them has coasts, a conversion that makes less of the resistance is none.
+/// By what descriptions of the right train are off: where one of them has coasts, a conversion that makes less of the
+/// resistance is none.
 const PLAIN: [f64; 3] = [0.75, 1.0, 1.35];
 /// By so much log-likelihood a conversion is better than all of these.
 const LEAST_BEYOND: f64 = 6.0;
@@ -62,7 +64,8 @@ pub struct OtherUnits {
 }
 
 impl Coasts {
-    /// The conversion of the described resistance that explains the coasts; none where the description does, or nothing can be said.
+    /// The conversion of the described resistance that explains the coasts; none where the description does, or nothing
+    /// can be said.
     pub fn other_units(&self, train: &Train, track: &Track) -> Option<OtherUnits> {
         let climbs_n_per_kg = self.climbs(Version::Described, train, track);
         self.units_beside(&train.davis(), &climbs_n_per_kg)
@@ -147,7 +150,8 @@ mod tests {
     const SUBURBAN: Davis = Davis { r0: 0.0094, r1: 1.6e-4, r2: 2.6e-5 };
     const TRAM: Davis = Davis { r0: 0.021, r1: 3.4e-4, r2: 5.1e-5 };
 
-    /// Runs of a train of which one stretch in four coasts at speeds up to `top_mps`, one holds its speed, and the others do anything.
+    /// Runs of a train of which one stretch in four coasts at speeds up to `top_mps`, one holds its speed, and the
+    /// others do anything.
     fn found(truth: &Davis, top_mps: f64, described: &Davis, seed: u64) -> Option<OtherUnits> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let (mut coasts, mut climbs) = (Coasts::default(), Vec::new());
@@ -191,7 +195,8 @@ mod tests {
         }
     }
 
-    /// On a level line a speed that is held in notches falls a little between them, as a coast of a third of the resistance would have it.
+    /// On a level line a speed that is held in notches falls a little between them, as a coast of a third of the
+    /// resistance would have it.
     #[test]
     fn speeds_that_are_held_roughly_beside_coasts_are_no_other_unit() {
         let described = converted(&SUBURBAN, [1.0 / 1.37; 3]);

@@ -1,14 +1,16 @@
-//! Runs that something outside the train disturbed: a red signal, a restriction, a slower train ahead. The paper removes them first (section 4).
+//! Runs that something outside the train disturbed: a red signal, a restriction, a slower train ahead. The paper
+//! removes them first (section 4).
 //!
-//! In: runs whose readings are put right, and the described stops. Out: for each run what held it up, where, and what the other runs do there.
+//! In: runs whose readings are put right, and the described stops. Out: for each run what held it up, where, and what
+//! the other runs do there.
 //!
 //! ```text
 //! readings -> profile: lowest speed in each cell of 50 m, standstills -> stops that few others make (stops)
 //!                                                                     -> speeds far below the others' (slow)
 //! ```
 //!
-//! Only runs in the same direction are compared. Nothing is claimed where too few others pass, nor where more than a third of the runs would be
-//! perturbed: then they have no timetable in common.
+//! Only runs in the same direction are compared. Nothing is claimed where too few others pass, nor where more than a
+//! third of the runs would be perturbed: then they have no timetable in common.
 
 mod slow;
 mod stops;
@@ -88,7 +90,8 @@ pub struct Found {
     pub not_compared: usize,
 }
 
-/// Compares runs with one another. `is_usable`: by run; one that is not takes no part. `stops_m`: described stops, as the track has them.
+/// Compares runs with one another. `is_usable`: by run; one that is not takes no part. `stops_m`: described stops, as
+/// the track has them.
 pub fn find(recordings: &[Recording], is_usable: &[bool], stops_m: &[f64]) -> Found {
     let mut found = Found { runs: vec![Vec::new(); recordings.len()], not_compared: 0 };
     for direction in [Direction::Up, Direction::Down] {

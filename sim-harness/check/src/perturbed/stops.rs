@@ -7,7 +7,8 @@ use crate::profile::Profile;
 
 /// A place is a station where such a share of the runs stops.
 const STATION_SHARE: f64 = 0.2;
-/// Trains miss a platform by up to 100 m, and signals stand nearer where stations do: this share of the usual way between stops, within limits, m.
+/// Trains miss a platform by up to 100 m, and signals stand nearer where stations do: this share of the usual way
+/// between stops, within limits, m.
 const NEAR_SHARE: f64 = 0.15;
 const NEAR_M: [f64; 2] = [75.0, 300.0];
 

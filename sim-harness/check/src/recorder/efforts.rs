@@ -16,8 +16,9 @@ use rundown_files::sample::Sample;
 const LEAST_AGE_S: f64 = 1.5;
 /// ... and with rows farther apart it cannot be moved, s.
 const MOVED_STEP_S: f64 = 2.0;
-/// Larger steps of an effort are left out, N/kg: half of one is a fifth of the resistance of a train at 100 km/h, and stays while the speed is held. Simulated
-/// fleets learn with steps of 0.01 as with none, and with 0.02 and more worse than from coasts alone.
+/// Larger steps of an effort are left out, N/kg: half of one is a fifth of the resistance of a train at 100 km/h, and
+/// stays while the speed is held. Simulated fleets learn with steps of 0.01 as with none, and with 0.02 and more worse
+/// than from coasts alone.
 const LARGEST_EFFORT_STEP_N_PER_KG: f64 = 0.0125;
 /// Runs that the age of the effort is asked of.
 const AGED: usize = 12;
@@ -36,7 +37,8 @@ impl RecorderCheck {
         self.effort_age(recordings, runs, known);
     }
 
-    /// Says what of the descriptions its runs exceed, and an effort column that is not theirs. Call it when the readings are put right.
+    /// Says what of the descriptions its runs exceed, and an effort column that is not theirs. Call it when the
+    /// readings are put right.
     fn exceeds(&mut self, recordings: &[Recording], runs: &[RunCheck], known: &Known) {
         let own = recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run));
         let own: Vec<&Recording> = own.map(|(recording, _)| recording).collect();
@@ -193,8 +195,9 @@ impl RecorderCheck {
         self.found_by(Kind::EffortZeros, figure, "rows", Done::LeftOut, of);
     }
 
-    /// Says that the effort is older than the speed, and brings it to its age where the rows are near enough in time. Where they are not, an effort that is late
-    /// by more than half a row is not what a later tick makes of it, and left out.
+    /// Says that the effort is older than the speed, and brings it to its age where the rows are near enough in time.
+    /// Where they are not, an effort that is late by more than half a row is not what a later tick makes of it, and
+    /// left out.
     fn effort_age(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let has_effort = |rows: &[Sample]| rows.iter().any(|row| row.effort_n_per_kg.is_some());
         let own = (0..runs.len()).filter(|i| self.has_usable(&runs[*i]) && has_effort(&recordings[*i].rows));

@@ -1,4 +1,5 @@
-//! What all runs of one recorder say together: how the speed is shown, its scale, its age; what it leaves out and holds; what the runs exceed.
+//! What all runs of one recorder say together: how the speed is shown, its scale, its age; what it leaves out and
+//! holds; what the runs exceed.
 
 mod efforts;
 
@@ -51,15 +52,18 @@ fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
     }
 }
 
-/// A scale that is known no better says nothing of wheel and offset, of the recorder or of a run: trams that hold one speed, with bends in all else.
+/// A scale that is known no better says nothing of wheel and offset, of the recorder or of a run: trams that hold one
+/// speed, with bends in all else.
 const VAGUE: f64 = 0.05;
 
-/// A scale beside an offset that is 0 or half a step, and not known which: half of what that makes is a doubt of the scale.
+/// A scale beside an offset that is 0 or half a step, and not known which: half of what that makes is a doubt of the
+/// scale.
 fn between(scale: Figure, [rounded, truncated]: [Figure; 2]) -> Figure {
     Figure { sd: scale.sd.hypot(0.5 * (truncated.value - rounded.value)), ..scale }
 }
 
-/// Judges the recorder of these runs, and puts right what is beyond doubt. `located`: by which factor their locations were, `drift`: how they did between corrections.
+/// Judges the recorder of these runs, and puts right what is beyond doubt. `located`: by which factor their locations
+/// were, `drift`: how they did between corrections.
 pub(crate) fn of(
     unit: String,
     (located, drift): (Option<Figure>, Option<Drift>),
@@ -134,7 +138,8 @@ pub(crate) fn of(
     recorder
 }
 
-/// Leaves out repeats of speeds that are written again only once they have changed by a step: by how much they are behind, km/h, and how many rows.
+/// Leaves out repeats of speeds that are written again only once they have changed by a step: by how much they are
+/// behind, km/h, and how many rows.
 fn leave_out_behind(recordings: &mut [Recording], usable: &[usize], step_kmh: f64) -> Option<(f64, usize)> {
     let behind = dead_band::behind_kmh(usable.iter().map(|i| recordings[*i].rows.as_slice()), step_kmh)?;
     let left_out = usable.iter().map(|i| dead_band::leave_out_repeats(&mut recordings[*i].rows));
@@ -162,7 +167,8 @@ fn of_one(
 }
 
 impl RecorderCheck {
-    /// Asks whether the wheel changes from one run on, in the order of their days. Out: the places of the runs after it, and their scale over that before.
+    /// Asks whether the wheel changes from one run on, in the order of their days. Out: the places of the runs after
+    /// it, and their scale over that before.
     fn changes(
         &mut self,
         agreements: &[Option<Agreement>],
@@ -213,7 +219,8 @@ impl RecorderCheck {
         Some((after, found.ratio().value))
     }
 
-    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, with their covariance, as the skews are judged with.
+    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, with their
+    /// covariance, as the skews are judged with.
     fn decide(&mut self, all: &Pooled, known: &Known) -> (Vector2<f64>, Matrix2<f64>) {
         let offset_kmh = all.offset_kmh();
         let is_vague = all.scale().sd > VAGUE;
@@ -346,7 +353,8 @@ impl RecorderCheck {
 mod tests {
     use super::*;
 
-    /// 67 runs of short hops, of which the offset came out in the middle of the two that a step may have: 0.26 km/h of 0 or 0.5.
+    /// 67 runs of short hops, of which the offset came out in the middle of the two that a step may have: 0.26 km/h of
+    /// 0 or 0.5.
     #[test]
     fn a_scale_that_an_offset_may_make_is_not_sure() {
         let figure = |value| Figure { value, sd: 5e-4 };

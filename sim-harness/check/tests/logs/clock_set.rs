@@ -1,4 +1,5 @@
-//! Is a clock that is set by seconds while the train moves distinguished from locations that leap and from rows that are missing?
+//! Is a clock that is set by seconds while the train moves distinguished from locations that leap and from rows that
+//! are missing?
 
 use crate::simulated::{Recorder, all, kinds};
 use rundown_check::check;

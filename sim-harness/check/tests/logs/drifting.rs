@@ -1,4 +1,5 @@
-//! Locations that drift between balises: neither is an exact speed accused of a wheel, nor does a wheel that both have in common hide.
+//! Locations that drift between balises: neither is an exact speed accused of a wheel, nor does a wheel that both have
+//! in common hide.
 
 use crate::simulated::{all, kinds};
 use rand::{RngExt, SeedableRng};
@@ -9,7 +10,8 @@ use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
-/// A run of 40 km that stops twice. The location reads `located` of the way since the last balise, the speed `speed` of the true one.
+/// A run of 40 km that stops twice. The location reads `located` of the way since the last balise, the speed `speed` of
+/// the true one.
 fn run(seed: u64, located: f64, speed: f64) -> (Recording, Vec<f64>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let noise = |random: &mut ChaCha8Rng, sd: f64| {

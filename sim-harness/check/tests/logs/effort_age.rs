@@ -4,7 +4,8 @@ use crate::simulated::{Recorder, check_for_replay, find};
 use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
 
-/// Four runs on gentle slopes. The efforts are those of a wheel that reads 5 % high, means or momentary, `age_s` old; rows `step_s` apart.
+/// Four runs on gentle slopes. The efforts are those of a wheel that reads 5 % high, means or momentary, `age_s` old;
+/// rows `step_s` apart.
 fn runs(seed: u64, step_s: usize, is_mean: bool, age_s: usize) -> Vec<Recording> {
     let mut recordings = Recorder { quantum_kmh: 1e-3, noise_m: 1.0, ..Recorder::default() }.runs(seed, 4, 8);
     for recording in &mut recordings {

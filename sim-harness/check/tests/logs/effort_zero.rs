@@ -11,7 +11,8 @@ use rundown_check::{Check, Known, check, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
-/// Eight runs from stop to stop, a row a second: power, a held speed, a coast, a brake. The column is `read` of the effort and of whether the train stands.
+/// Eight runs from stop to stop, a row a second: power, a held speed, a coast, a brake. The column is `read` of the
+/// effort and of whether the train stands.
 fn runs(seed: u64, read: impl Fn(f64, bool) -> Option<f64>) -> Vec<Recording> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut run = |number: usize| {

@@ -1,4 +1,5 @@
-//! Speeds that are held exactly have one rounding error all the time, and rows far apart do not show where an acceleration begins: neither is a recorder's fault.
+//! Speeds that are held exactly have one rounding error all the time, and rows far apart do not show where an
+//! acceleration begins: neither is a recorder's fault.
 
 use crate::simulated::{Recorder, all, kinds};
 use rand::RngExt;
@@ -92,7 +93,8 @@ fn where_a_train_starts_and_stops_between_rows_is_no_offset() {
     assert!(held >= 17 && wrong.is_empty(), "{held} of 20 intervals hold 0, {wrong:?}");
 }
 
-/// Trams power, coast or brake all the way: what bends between two rows 10 s apart is 2 % of it, and known to a tenth or two.
+/// Trams power, coast or brake all the way: what bends between two rows 10 s apart is 2 % of it, and known to a tenth
+/// or two.
 #[test]
 fn what_bends_between_rows_of_trams_is_no_wheel_and_no_truncation() {
     let recorder = Recorder { step_s: 10.0, ..odometer() };
@@ -109,7 +111,8 @@ fn what_bends_between_rows_of_trams_is_no_wheel_and_no_truncation() {
     }
 }
 
-/// Where a hand turns between two rows of 8 to 12 s, up to 12 m are missing from the trapezium, and a quarter of all rows have such a turn beside them.
+/// Where a hand turns between two rows of 8 to 12 s, up to 12 m are missing from the trapezium, and a quarter of all
+/// rows have such a turn beside them.
 #[test]
 fn hands_that_turn_between_rows_far_apart_are_no_wheel_and_no_offset() {
     let accused = |(step_s, seed): (f64, u64)| {

@@ -131,8 +131,8 @@ fn intervals_hold_a_wheel_that_only_described_stops_show() {
     assert!(inside.iter().all(|inside| 100 * inside >= 88 * sets), "{inside:?} of {sets}");
 }
 
-/// Where nothing is left in the mean, single steps show it; in more noise their even intervals do, and where they drown it is said that
-/// wheel and lost seconds are not distinguishable.
+/// Where nothing is left in the mean, single steps show it; in more noise their even intervals do, and where they drown
+/// it is said that wheel and lost seconds are not distinguishable.
 #[test]
 fn lost_seconds_that_a_wheel_hides_in_full_are_found_or_said_to_be_hidden() {
     let odometer = Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() };
@@ -158,7 +158,8 @@ fn lost_seconds_that_a_wheel_hides_in_full_are_found_or_said_to_be_hidden() {
     }
 }
 
-/// A wheel that reads high takes from the excess of the locations what the lost seconds add: in the mean little is left.
+/// A wheel that reads high takes from the excess of the locations what the lost seconds add: in the mean little is
+/// left.
 #[test]
 fn lost_seconds_are_found_beside_a_wheel_that_hides_them() {
     for (seed, scale) in [(6200, 1.013), (6201, 1.0125), (6202, 1.011), (6203, 1.009)] {
@@ -363,7 +364,8 @@ fn sensors_that_stand_still_are_left_out() {
     assert!(rows[from + 5].speed_mps.is_none());
 }
 
-/// A receiver that says the same for 5 or 10 s: what it repeats is left out, and speeds are neither older nor offset for it.
+/// A receiver that says the same for 5 or 10 s: what it repeats is left out, and speeds are neither older nor offset
+/// for it.
 #[test]
 fn locations_that_are_held_between_fixes_are_left_out() {
     let wrong = [Kind::SpeedOffset, Kind::SpeedScale, Kind::Skew, Kind::TruncatedSpeed];
@@ -423,7 +425,8 @@ fn logs_in_another_unit_do_not_hide_what_the_recorder_did() {
     assert!(found.has(Kind::TruncatedSpeed) && !found.has(Kind::SpeedOffset), "{:?}", found.notes());
 }
 
-/// Rounding is off by the same as long as a speed is held: a few held speeds are no wheel, however well they are located.
+/// Rounding is off by the same as long as a speed is held: a few held speeds are no wheel, however well they are
+/// located.
 #[test]
 fn held_speeds_that_are_rounded_are_no_wheel() {
     let run = |k: u32| {

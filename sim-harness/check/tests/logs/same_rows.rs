@@ -115,7 +115,8 @@ fn a_log_that_holds_rows_of_another_one_says_how_many() {
     }
 }
 
-/// Full power from the same platform, in whole km/h and metres: the same rows, until one of them has gone far enough to differ.
+/// Full power from the same platform, in whole km/h and metres: the same rows, until one of them has gone far enough to
+/// differ.
 #[test]
 fn two_trains_that_start_alike_are_no_log_that_is_given_again() {
     let started = |alike: u32, slower: f64| {

@@ -1,4 +1,5 @@
-//! Are speeds that read zero below a threshold and speeds that repeat old values found, left out, and taken for nothing else?
+//! Are speeds that read zero below a threshold and speeds that repeat old values found, left out, and taken for nothing
+//! else?
 
 use crate::simulated::{Recorder, all, kinds, only};
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,5 @@
-//! Is it found where one run differs from its recorder and put right: another wheel, another age of the speed, readings that cannot be?
+//! Is it found where one run differs from its recorder and put right: another wheel, another age of the speed, readings
+//! that cannot be?
 
 use crate::simulated::{Recorder, all, check_for_replay, clean, kinds, one, only};
 use rundown_check::finding::{Done, Finding, Kind};
@@ -37,7 +38,8 @@ fn a_wheel_of_one_run_is_found_and_put_right() {
     }
 }
 
-/// A tram is never fast for long, so a wheel of one run alone looks much like an offset of its speeds; beside the offset that most runs have it does not.
+/// A tram is never fast for long, so a wheel of one run alone looks much like an offset of its speeds; beside the
+/// offset that most runs have it does not.
 #[test]
 fn a_wheel_of_one_tram_is_found_and_no_other_is_accused() {
     let recorder = Recorder { quantum_kmh: 0.1, noise_m: 0.3, drift_m: 2.5, skew_s: 0.5, ..Recorder::default() };

@@ -1,10 +1,12 @@
-//! Is a speed that trails behind in a filter found and the effort sent through the same, and is a delay, or a mean, none?
+//! Is a speed that trails behind in a filter found and the effort sent through the same, and is a delay, or a mean,
+//! none?
 
 use crate::simulated::{Recorder, check_for_replay, find};
 use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
 
-/// Six runs of hops, rows 1 s apart, speeds in whole km/h that `read` makes of the true ones; efforts are those of the moment.
+/// Six runs of hops, rows 1 s apart, speeds in whole km/h that `read` makes of the true ones; efforts are those of the
+/// moment.
 fn runs(seed: u64, read: impl Fn(&[f64], usize) -> f64) -> Vec<Recording> {
     let mut recordings = Recorder { quantum_kmh: 1e-3, noise_m: 1.0, ..Recorder::default() }.hopping(seed, 6, 6);
     for recording in &mut recordings {

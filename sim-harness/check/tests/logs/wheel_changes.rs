@@ -1,4 +1,5 @@
-//! Is a wheel that is turned on the way, or between two runs, found with its place and size, put right, and nothing else?
+//! Is a wheel that is turned on the way, or between two runs, found with its place and size, put right, and nothing
+//! else?
 
 use crate::simulated::{Recorder, only};
 use rundown_check::check;

@@ -1,4 +1,5 @@
-//! A folder of results: the old one or the new one, whenever the command that writes it is stopped, with a manifest of what belongs together.
+//! A folder of results: the old one or the new one, whenever the command that writes it is stopped, with a manifest of
+//! what belongs together.
 //!
 //! ```text
 //! .NAME.rundown-new     beside the folder: what is being written; a later command removes what a stopped one left
@@ -7,8 +8,9 @@
 //!                       a later command brings that to its end
 //! ```
 //!
-//! The manifest keeps the lists of other commands that wrote there before. Files that no manifest lists are never removed. What is promised holds for a command that is stopped, not for a loss of power: nothing is
-//! forced onto the disk.
+//! The manifest keeps the lists of other commands that wrote there before. Files that no manifest lists are never
+//! removed. What is promised holds for a command that is stopped, not for a loss of power: nothing is forced onto the
+//! disk.
 
 mod manifest;
 mod staged;
@@ -44,7 +46,8 @@ pub fn try_place(command: &str, out: &Path) -> Result<(), WriteError> {
     staged::Staged::begin(command, out).map(drop)
 }
 
-/// The files, relative to the folder, that its manifest lists as results of a command; none where that command wrote nothing there.
+/// The files, relative to the folder, that its manifest lists as results of a command; none where that command wrote
+/// nothing there.
 ///
 /// # Errors
 /// [`WriteError`] where the manifest cannot be read or is another program's.
@@ -56,7 +59,8 @@ pub fn files_of(command: &str, folder: &Path) -> Result<Option<BTreeSet<PathBuf>
 /// Commands whose results are run logs.
 const MAKE_LOGS: [&str; 2] = ["import", "simulate"];
 
-/// The files, relative to the folder, that its manifest lists as results and that are no run logs; none where the manifest is another program's.
+/// The files, relative to the folder, that its manifest lists as results and that are no run logs; none where the
+/// manifest is another program's.
 pub fn results_in(folder: &Path) -> BTreeSet<PathBuf> {
     let listed = manifest::Listed::read(folder).ok().flatten();
     listed.map(|listed| listed.files_but_of(&MAKE_LOGS)).unwrap_or_default()

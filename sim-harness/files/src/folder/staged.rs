@@ -241,7 +241,8 @@ fn in_the_way(out: &Path, files: &BTreeSet<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// A file of the new results takes the place of earlier results alone: of none that was read for them, and of none that no manifest lists.
+/// A file of the new results takes the place of earlier results alone: of none that was read for them, and of none that
+/// no manifest lists.
 fn not_ours(
     out: &Path,
     files: &BTreeSet<PathBuf>,

@@ -41,7 +41,8 @@ pub(super) fn schema(columns: &[About]) -> Result<TypePtr> {
 
 /// Name of the metadata with the version of the writer.
 pub(super) const VERSION: &str = "rundown.version";
-/// Name of the metadata with unit, meaning and rule for missing values of each column, as JSON by the names of the columns.
+/// Name of the metadata with unit, meaning and rule for missing values of each column, as JSON by the names of the
+/// columns.
 pub(super) const COLUMNS: &str = "rundown.columns";
 
 pub(super) fn properties(columns: &[About]) -> Arc<WriterProperties> {

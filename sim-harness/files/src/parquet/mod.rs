@@ -1,7 +1,8 @@
 //! Parquet: tables and runs for other tools, and runs from them.
 //!
-//! The format's own columns are written and read; nothing is held but one group of rows. [`TableWriter`] writes the same records as
-//! [`crate::table`]; [`RunReader`] reads runs that lie in one file, with the columns of [`crate::sample::COLUMNS`] and `run`, `unit`, `direction`.
+//! The format's own columns are written and read; nothing is held but one group of rows. [`TableWriter`] writes the
+//! same records as [`crate::table`]; [`RunReader`] reads runs that lie in one file, with the columns of
+//! [`crate::sample::COLUMNS`] and `run`, `unit`, `direction`.
 
 mod columns;
 mod runs;

@@ -1,6 +1,7 @@
 //! Run logs: one CSV file, one run.
 //!
-//! In: the text of a log. Out: a [`RunLog`], its samples in the order of the rows. The columns are those of [`crate::sample::COLUMNS`].
+//! In: the text of a log. Out: a [`RunLog`], its samples in the order of the rows. The columns are those of
+//! [`crate::sample::COLUMNS`].
 //!
 //! | in the file | what becomes of it |
 //! |---|---|
@@ -129,7 +130,8 @@ impl RunLog {
     }
 }
 
-/// One refusal for several rows that are all refused for the same column, as for one with dates: a line for each would say the same.
+/// One refusal for several rows that are all refused for the same column, as for one with dates: a line for each would
+/// say the same.
 fn of_every_row(rows: &[Refusal]) -> Option<Refusal> {
     let (first, others) = rows.split_first()?;
     let is_like = |row: &Refusal| !row.field.is_empty() && row.field == first.field;
@@ -195,7 +197,8 @@ fn fields(line: &str) -> StringRecord {
         .trim(Trim::All)
         .terminator(Terminator::Any(b'\n'))
         .from_reader(line.as_bytes());
-    // A line of UTF-8 that is not blank is one record; were it none, it would be a row without fields, and named as such.
+    // A line of UTF-8 that is not blank is one record; were it none, it would be a row without fields, and named as
+    // such.
     let record = reader.records().next().and_then(Result::ok);
     record.unwrap_or_default()
 }

@@ -1,4 +1,5 @@
-//! All files of `rundown gap`: rendered first, then written, so that nothing is written where something cannot be rendered.
+//! All files of `rundown gap`: rendered first, then written, so that nothing is written where something cannot be
+//! rendered.
 
 use crate::answer::report::{page, run_pages as pages_of_runs};
 use crate::answer::{tables, whole::Answer};
@@ -41,7 +42,8 @@ impl Answer {
     /// Writes all files into a folder, which is made when it does not exist.
     ///
     /// # Errors
-    /// [`AnswerError`] names the first file that cannot be rendered, and then nothing was written, or cannot be written.
+    /// [`AnswerError`] names the first file that cannot be rendered, and then nothing was written, or cannot be
+    /// written.
     pub fn write(&self, folder: &Path, has_run_pages: bool) -> Result<(), AnswerError> {
         Ok(Files::render(self, has_run_pages)?.write(folder, &self.input.provenance)?)
     }

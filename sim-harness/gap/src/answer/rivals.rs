@@ -16,15 +16,16 @@ use crate::search::fits::Search;
 pub struct Rival {
     /// Its name.
     pub name: &'static str,
-    /// Log-likelihood that is lost with it in the place of the effect, penalties of freedom included. Below about 3 these data do not separate the two; at 7 the
-    /// effect fits a thousand times more likely.
+    /// Log-likelihood that is lost with it in the place of the effect, penalties of freedom included. Below about 3
+    /// these data do not separate the two; at 7 the effect fits a thousand times more likely.
     pub worse: f64,
 }
 
 /// What the number of a rival means, for readers.
 pub const MEANING: &str = "log-likelihood lost when the rival stands in the effect's place, the penalty of each one's freedom included: the effect is exp(worse) times more likely; below 3 these data do not separate the two";
 
-/// The rivals of each effect, nearest first; in the order of `named`. Effects that the readings or the differences between runs show have none. `context`: that of the findings.
+/// The rivals of each effect, nearest first; in the order of `named`. Effects that the readings or the differences
+/// between runs show have none. `context`: that of the findings.
 pub fn rivals(named: &[Named], findings: &Findings, context: &Context<'_>) -> Vec<Vec<Rival>> {
     let model: Vec<Term> = findings.terms.iter().map(|f| f.term.clone()).collect();
     let search =

@@ -52,7 +52,8 @@ impl Answer {
         Summary::of(&self.found.journeys.iter().map(of).collect::<Vec<_>>(), self.holdout())
     }
 
-    /// Errors of the energy at the wheel, kWh: energy for each kg of rotating mass becomes energy. `None`: see `NO_ENERGY`.
+    /// Errors of the energy at the wheel, kWh: energy for each kg of rotating mass becomes energy. `None`: see
+    /// `NO_ENERGY`.
     pub fn energies(&self) -> Option<Summary> {
         let kwh = self.input.train.rotating_mass_kg() / J_PER_KWH;
         let of = |j: &Journey| {

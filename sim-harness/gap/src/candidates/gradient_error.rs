@@ -82,7 +82,8 @@ mod tests {
     use rand_distr::StandardNormal;
     use rundown::model::direction::Direction;
 
-    /// What is found of 30 runs up and down a line of 60 km that is described as level, where a force acts against the `up` direction by a law of the speed, N/kg.
+    /// What is found of 30 runs up and down a line of 60 km that is described as level, where a force acts against the
+    /// `up` direction by a law of the speed, N/kg.
     fn found(level: &Context<'_>, law: impl Fn(f64) -> f64) -> Vec<Term> {
         let context = &Context {
             surroundings: &Surroundings { is_level: true, length_m: 60e3, ..Surroundings::default() },

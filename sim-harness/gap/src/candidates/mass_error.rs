@@ -70,7 +70,8 @@ impl Candidate for This {
     }
 }
 
-/// What a train's mass would have to be, relative to the believed one and with its standard deviation, for a change of r2 alone to be less, or more, air drag for its mass.
+/// What a train's mass would have to be, relative to the believed one and with its standard deviation, for a change of
+/// r2 alone to be less, or more, air drag for its mass.
 pub fn by_drag(fitted: &Fitted, r2: f64) -> Option<(f64, f64)> {
     let (beta, sd) = (*fitted.beta.first()?, *fitted.sd.first()?);
     if fitted.term.shape == Shape::Powers([false, false, true]) {

@@ -24,7 +24,8 @@ rundown_wire::effects_catalogue!(candidates);
 mod kit;
 pub(crate) mod sensors;
 
-/// All that a search looks among. Of terms that fit alike to the last digit the first is taken: a wrong r2 before a mass in coasting, an unnamed one last.
+/// All that a search looks among. Of terms that fit alike to the last digit the first is taken: a wrong r2 before a
+/// mass in coasting, an unnamed one last.
 pub fn searched() -> impl Iterator<Item = &'static dyn Candidate> {
     let named = EffectKind::ALL.iter().rev().filter(|kind| **kind != EffectKind::Unknown);
     named.map(|kind| of(*kind)).chain([of(EffectKind::Unknown)])

@@ -1,4 +1,5 @@
-//! What sensors do to the residuals beyond what is put right: no effects of a train. In every fit, and none to be found.
+//! What sensors do to the residuals beyond what is put right: no effects of a train. In every fit, and none to be
+//! found.
 
 use crate::candidates::kit::*;
 use crate::data::interval::Point;

@@ -3,7 +3,8 @@
 use crate::candidates::kit::*;
 use rundown::model::effects::StartingResistance;
 
-/// Times of standing after which 63 % of it may be back, tried first, min. Judgement: stops of a minute bring all of it or a tenth.
+/// Times of standing after which 63 % of it may be back, tried first, min. Judgement: stops of a minute bring all of it
+/// or a tenth.
 const STANDING_MIN: [f64; 4] = [0.3, 1.0, 3.0, HIDDEN_STANDING_MIN];
 /// What the bench hides.
 const HIDDEN_STANDING_MIN: f64 = 10.0;

@@ -61,7 +61,8 @@ impl Candidate for This {
 
     fn effect(&self, fitted: &Fitted, naming: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
         let true_length_m = fitted.term.shape.number();
-        // Where only some runs have it, which these are has been chosen by it, and the lag of the locations of all was, too.
+        // Where only some runs have it, which these are has been chosen by it, and the lag of the locations of all was,
+        // too.
         let apart_m = (true_length_m - naming.context.believed.train().length_m()).abs();
         let certainty = &naming.context.config.certainty;
         let chosen = match (fitted.term.shape.runs().is_empty(), naming.have().both_directions) {

@@ -71,8 +71,9 @@ impl Candidate for This {
     }
 }
 
-/// A section that does as well as a tunnel and as a wrong gradient is a tunnel if one is described there, and a wrong gradient if not: the force is the same; only what it is
-/// called differs. Gives the term by its other name, and the first name as a rival.
+/// A section that does as well as a tunnel and as a wrong gradient is a tunnel if one is described there, and a wrong
+/// gradient if not: the force is the same; only what it is called differs. Gives the term by its other name, and the
+/// first name as a rival.
 pub fn renamed(fitted: &Fitted, naming: &Naming<'_>) -> Option<Fitted> {
     let certainty = &naming.context.config.certainty;
     let section = fitted.term.section()?;
@@ -104,7 +105,8 @@ fn overlaps(section: [f64; 2], descriptions: &[(f64, f64)], least: f64) -> bool 
     })
 }
 
-/// Coefficient of the other term over that of a term of this section, for the same mean force. A gradient changes its sign with the direction.
+/// Coefficient of the other term over that of a term of this section, for the same mean force. A gradient changes its
+/// sign with the direction.
 fn same_force(rows: &[Row], gravity_n_per_kg: f64, section: [f64; 2], other: &Term) -> f64 {
     let inside = |row: &&Row| (section[0]..section[1]).contains(&row.interval.middle().location_m);
     let (mut count, mut sign, mut speed2) = (0.0, 0.0, 0.0);
@@ -125,7 +127,8 @@ mod tests {
     use crate::candidates;
     use rundown::model::direction::Direction;
 
-    /// 0.02 N/kg more resistance at 50 m/s are a tunnel of 8e-6 in both directions, and a gradient whose sign is that of the direction.
+    /// 0.02 N/kg more resistance at 50 m/s are a tunnel of 8e-6 in both directions, and a gradient whose sign is that
+    /// of the direction.
     #[test]
     fn a_gradient_by_the_name_of_a_tunnel_is_the_same_force_in_each_direction() {
         let section = [1_000.0, 3_000.0];

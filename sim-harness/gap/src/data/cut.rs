@@ -1,6 +1,7 @@
 //! Runs cut into intervals of about 10 s, of 3 s after a start.
 //!
-//! In: a [`Run`], the believed train and track. Out: [`Interval`]s: the change of speed over each, the path travelled in it, the effort if it was measured.
+//! In: a [`Run`], the believed train and track. Out: [`Interval`]s: the change of speed over each, the path travelled
+//! in it, the effort if it was measured.
 
 use crate::config::IntervalConfig;
 use crate::data::believed::{Context, believed_load};
@@ -65,8 +66,9 @@ impl Cut<'_> {
         intervals
     }
 
-    /// Between two momentary readings of nothing a handle may have been moved and moved back. What the motion of such an interval asks for tells: it is further
-    /// from that of its stretch of coasting than an effort may change, or, where hardly another one follows, from nothing. Its effort is then not known.
+    /// Between two momentary readings of nothing a handle may have been moved and moved back. What the motion of such
+    /// an interval asks for tells: it is further from that of its stretch of coasting than an effort may change, or,
+    /// where hardly another one follows, from nothing. Its effort is then not known.
     fn doubt_coasts(&self, intervals: &mut [Interval]) {
         let coasts = |i: &Interval| {
             let least = self.config.coasting_n_per_kg;
@@ -131,7 +133,8 @@ impl Cut<'_> {
         Some(sum / samples.len() as f64)
     }
 
-    /// The brake was applied in an interval. A brake test of some seconds may lie between two readings of the effort: the speed shows that it was less than both.
+    /// The brake was applied in an interval. A brake test of some seconds may lie between two readings of the effort:
+    /// the speed shows that it was less than both.
     fn brakes(&self, interval: &Interval, from: &Node, to: &Node) -> bool {
         // One that is not measured at all may be anywhere: any run may have braked.
         let Some(effort) = interval.effort_n_per_kg else {
@@ -142,8 +145,9 @@ impl Cut<'_> {
         effort < self.config.braked_n_per_kg || by_speed() < least.max(0.0) - self.config.brake_test_n_per_kg
     }
 
-    /// A driver who holds the speed follows the gradient with the effort: between two momentary readings it is u - g that changes evenly. What this adds to
-    /// the mean effort, N/kg. Whether the driver did is not known: half of it is added, and the mean counts as that much less certain.
+    /// A driver who holds the speed follows the gradient with the effort: between two momentary readings it is u - g
+    /// that changes evenly. What this adds to the mean effort, N/kg. Whether the driver did is not known: half of it is
+    /// added, and the mean counts as that much less certain.
     fn held(&self, from: &Node, to: &Node, path: &[Point; POINTS]) -> f64 {
         let (before, after) = (self.efforts.at(from.sample), self.efforts.at(to.sample));
         let powered = before > 0.0 && after > 0.0;
@@ -169,7 +173,8 @@ impl Cut<'_> {
         self.run.samples.iter().find(moving).map(|sample| sample.time_s)
     }
 
-    /// How long the train had stood before its last start, or stands already, at each sample, s; `None`: since before the run.
+    /// How long the train had stood before its last start, or stands already, at each sample, s; `None`: since before
+    /// the run.
     fn stood_s(&self) -> Vec<Option<f64>> {
         let (mut departed, mut since_s, mut stood_s) = (false, None, None);
         let of = |sample: &Sample| {

@@ -24,8 +24,8 @@ impl Efforts<'_> {
         self.samples[sample].effort_n_per_kg.unwrap_or(0.0)
     }
 
-    /// Mean effort between two momentary readings. Under power it is the power that changes evenly: the straight line between two efforts would be too high by
-    /// up to 7e-4 N/kg at 10 s.
+    /// Mean effort between two momentary readings. Under power it is the power that changes evenly: the straight line
+    /// between two efforts would be too high by up to 7e-4 N/kg at 10 s.
     fn between(&self, a: f64, b: f64, pair: &[Sample]) -> f64 {
         match (pair[0].speed_mps, pair[1].speed_mps) {
             (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > self.config.by_power_mps => {
@@ -52,8 +52,9 @@ impl Efforts<'_> {
         })
     }
 
-    /// Effort at the end of an interval less that at its beginning. A mean lies half a row back, so that of means the middles of neighbours are taken: the
-    /// noise of the interval's own effort, which would be taken for a delay, is not in it.
+    /// Effort at the end of an interval less that at its beginning. A mean lies half a row back, so that of means the
+    /// middles of neighbours are taken: the noise of the interval's own effort, which would be taken for a delay, is
+    /// not in it.
     pub(super) fn step(&self, from: usize, to: usize) -> f64 {
         if self.mean_after(to).is_none() {
             return self.at(to) - self.at(from);
@@ -71,8 +72,9 @@ impl Efforts<'_> {
         (is_mean && next.time_s - now < self.config.gap * (now - before)).then_some(sample + 1)
     }
 
-    /// How much the effort changes up to a sample, not negative. A mean is judged by those around it: the noise of a mean is in its change, too, so that those
-    /// which count because they hardly change would be too high wherever the effort falls.
+    /// How much the effort changes up to a sample, not negative. A mean is judged by those around it: the noise of a
+    /// mean is in its change, too, so that those which count because they hardly change would be too high wherever the
+    /// effort falls.
     fn change(&self, sample: usize) -> Option<f64> {
         let own = self.change_between(sample - 1, sample)?.abs();
         let is_zero = |sample: usize| self.at(sample).abs() <= self.config.coasting_n_per_kg;

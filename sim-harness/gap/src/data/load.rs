@@ -31,7 +31,8 @@ pub enum LoadError {
     },
 }
 
-/// A lag of a recorder within so many standard deviations is none: it would only move trains on their gradients by chance.
+/// A lag of a recorder within so many standard deviations is none: it would only move trains on their gradients by
+/// chance.
 const LAG_SURE: f64 = 3.0;
 
 /// Runs as the workflow takes them, beside what an estimator replays, and what was said while they were read.
@@ -209,7 +210,8 @@ pub fn recorded(check: &Check, run: &RunCheck) -> Recorded {
     }
 }
 
-/// By how much the speed of a run is older than the location, s: its own figure, drawn to the usual one of its recorder by what is known of both.
+/// By how much the speed of a run is older than the location, s: its own figure, drawn to the usual one of its recorder
+/// by what is known of both.
 fn skew_s(recorder: &RecorderCheck, run: &RunCheck) -> f64 {
     let usual = recorder.skew_s.filter(|usual| usual.away_from(0.0) > LAG_SURE).map_or(0.0, |usual| usual.value);
     let (Some(own), Some(spread_s)) = (run.skew_s, recorder.skew_spread_s) else {

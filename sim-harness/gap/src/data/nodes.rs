@@ -1,7 +1,7 @@
 //! Where the intervals of a run begin and end: readings of location and speed.
 //!
-//! Faster logs are thinned to intervals of 10 s, for within less the rounding of the speed hides everything; but where an effort column shows a start second by second
-//! its first intervals are shorter.
+//! Faster logs are thinned to intervals of 10 s, for within less the rounding of the speed hides everything; but where
+//! an effort column shows a start second by second its first intervals are shorter.
 
 use crate::data::efforts::Efforts;
 use crate::data::runs::Run;
@@ -63,8 +63,8 @@ impl Nodes<'_> {
         usual_s <= 0.5 * self.efforts.config.start_length_s && self.efforts.are_there()
     }
 
-    /// What effort and gradient have given since the begin, m/s, with the number of the stretch in which they are known without a gap. A log without an effort column
-    /// has the gradient alone.
+    /// What effort and gradient have given since the begin, m/s, with the number of the stretch in which they are known
+    /// without a gap. A log without an effort column has the gradient alone.
     fn impulses(&self) -> Vec<Option<(usize, f64)>> {
         let with_effort = self.efforts.are_there();
         let gradient = |sample: &Sample| {
@@ -96,8 +96,9 @@ impl Nodes<'_> {
         impulses
     }
 
-    /// Speed of a fast log: a straight line through the readings around the moment. What effort and gradient give between them is taken out first where it is known:
-    /// a line is then right beside a switch of the regime too, and a change of the gradient is not smeared, which would look like a longer train.
+    /// Speed of a fast log: a straight line through the readings around the moment. What effort and gradient give
+    /// between them is taken out first where it is known: a line is then right beside a switch of the regime too, and a
+    /// change of the gradient is not smeared, which would look like a longer train.
     fn read_speed(&self, with_speed: &[(usize, f64)], impulses: &[Option<(usize, f64)>], place: usize) -> f64 {
         let (here, reading) = with_speed[place];
         let at_s = self.run.samples[here].time_s;
@@ -191,7 +192,8 @@ mod tests {
     use crate::data::runs::{EffortReading, Run};
     use rundown_files::sample::Sample;
 
-    /// Of a train that is held until a time, while its effort is there already, then gains so many m/s²: read every `step_s`.
+    /// Of a train that is held until a time, while its effort is there already, then gains so many m/s²: read every
+    /// `step_s`.
     fn start(step_s: f64, with_effort: bool, held_s: f64, gains: f64) -> Vec<Interval> {
         on_a_level_line(1, |context| {
             let train = context.believed.train();

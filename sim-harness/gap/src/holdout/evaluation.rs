@@ -29,7 +29,8 @@ pub fn evaluate(
     trained: &[Named],
     tested: &[Run],
 ) -> Result<Evaluation, EffectError> {
-    // Which of the hold-out runs an effect of some runs acts in, only the run itself can say: the choice that fits it better, one bit a run.
+    // Which of the hold-out runs an effect of some runs acts in, only the run itself can say: the choice that fits it
+    // better, one bit a run.
     let (always, sometimes): (Vec<Named>, Vec<Named>) =
         trained.iter().cloned().partition(|named| named.runs.is_empty());
     let without = effects(&always)?;
@@ -88,12 +89,14 @@ fn acting_in(plain: &[Compared], acting: &[Compared], runs: usize) -> Vec<bool> 
         of_run.map(of).sum::<f64>()
     };
     let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps);
-    // A driver may by chance demand what a limit leaves: where that foresees the powering phases as well as a share of his own, the limit acts.
+    // A driver may by chance demand what a limit leaves: where that foresees the powering phases as well as a share of
+    // his own, the limit acts.
     let chance = |run| of_run(plain, run, |c| if c.time_s == 0.0 { c.floor } else { 0.0 });
     (0..runs).map(|run| error(acting, run) < error(plain, run) + chance(run)).collect()
 }
 
-/// Is there a gap in the hold-out runs, and is there one left? None with runs whose signs can be flipped in too few combinations.
+/// Is there a gap in the hold-out runs, and is there one left? None with runs whose signs can be flipped in too few
+/// combinations.
 fn p_values(
     context: &Context<'_>,
     found: &Findings,

@@ -1,10 +1,11 @@
 //! The gap itself: recorded runs simulated with a model, against what was measured.
 //!
-//! In: hold-out runs, the believed model, the effects that were found. Out: the error of the simulated speed before and after, and
-//! the noise floor: what a perfect model would leave with these sensors.
+//! In: hold-out runs, the believed model, the effects that were found. Out: the error of the simulated speed before and
+//! after, and the noise floor: what a perfect model would leave with these sensors.
 //!
-//! Windows of up to 120 s begin at a measured speed; in them the train is driven by the recorded effort (measured, or zero while coasting), or by the limits of the
-//! model where it powers fully. Resistance and limits of the effects come from [`rundown::model::effects`], the code of the board.
+//! Windows of up to 120 s begin at a measured speed; in them the train is driven by the recorded effort (measured, or
+//! zero while coasting), or by the limits of the model where it powers fully. Resistance and limits of the effects come
+//! from [`rundown::model::effects`], the code of the board.
 
 use crate::candidate::ShowsIn;
 use crate::candidates;
@@ -29,7 +30,8 @@ const STEP_S: f64 = 1.0;
 pub struct Compared {
     pub run: usize,
     pub time_s: f64,
-    /// Time since its window began at the measured speed, s; 0: no window but an interval of full power, or the mean speed between two locations.
+    /// Time since its window began at the measured speed, s; 0: no window but an interval of full power, or the mean
+    /// speed between two locations.
     pub since_s: f64,
     pub location_m: f64,
     pub measured_mps: f64,
@@ -43,12 +45,14 @@ pub struct Compared {
     pub variance: f64,
 }
 
-/// Root mean squares over speeds compared, and the share of the gap that is gone: each counts by how well a perfect model would foresee it.
+/// Root mean squares over speeds compared, and the share of the gap that is gone: each counts by how well a perfect
+/// model would foresee it.
 pub fn gap(compared: &[Compared], config: &HoldoutConfig) -> Share {
     Share::of(&of_runs(compared.iter(), config), config)
 }
 
-/// The same of the speeds that the effects touch: where both models differ by a share of what a perfect one would leave. `None`: hardly any.
+/// The same of the speeds that the effects touch: where both models differ by a share of what a perfect one would
+/// leave. `None`: hardly any.
 pub fn touched(compared: &[Compared], config: &HoldoutConfig) -> Option<Touched> {
     let touches = |c: &&Compared| (c.after_mps - c.before_mps).powi(2) > config.touches.powi(2) * c.floor;
     let count = compared.iter().filter(touches).count();
@@ -65,7 +69,8 @@ pub struct Touched {
     pub count: usize,
     /// The gap in them.
     pub share: Share,
-    /// How many times as much as the effects foresee the measured speeds differ from the believed model, with the ends of its 95 % interval. It needs no floor.
+    /// How many times as much as the effects foresee the measured speeds differ from the believed model, with the ends
+    /// of its 95 % interval. It needs no floor.
     pub multiple: Option<(f64, (f64, f64))>,
 }
 
@@ -123,7 +128,8 @@ pub struct RepairedModel {
 }
 
 impl Repaired<'_> {
-    /// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows show.
+    /// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows
+    /// show.
     pub fn model(&self, effects: &Effects, rows: &[Row], window: Range<usize>) -> Result<RepairedModel, EffectError> {
         let mut own = self.calibrated.own;
         let spread_mps =
@@ -149,8 +155,9 @@ impl Repaired<'_> {
         ]
     }
 
-    /// Variances that a perfect model would leave of the speed at the end of each row of a window, (m/s)²: without what drivers may have done between two
-    /// readings, and with all of it. The second is too much where a reading makes good what the one before missed.
+    /// Variances that a perfect model would leave of the speed at the end of each row of a window, (m/s)²: without what
+    /// drivers may have done between two readings, and with all of it. The second is too much where a reading makes
+    /// good what the one before missed.
     fn floors(&self, model: &RepairedModel, window: &[Row]) -> Vec<[f64; 2]> {
         let reading = 2.0 * self.calibrated.noise.reading_mps.powi(2);
         let (mut walks, mut own) = ([0.0; 2], [0.0; 3]);
@@ -195,7 +202,8 @@ impl Repaired<'_> {
     }
 }
 
-/// The same effects and this wind, in the `up` direction; a storm that no board takes is none: something else is wrong in the run, and the effects are right or not.
+/// The same effects and this wind, in the `up` direction; a storm that no board takes is none: something else is wrong
+/// in the run, and the effects are right or not.
 fn in_wind(effects: &Effects, wind_mps: f64) -> Result<Effects, EffectError> {
     let steady = effects.iter().find_map(|e| if let Effect::SteadyWind(wind) = e { Some(wind.wind_mps) } else { None });
     let blowing = |wind_mps: f64| Effect::SteadyWind(SteadyWind { wind_mps: wind_mps + steady.unwrap_or(0.0) });
@@ -204,7 +212,8 @@ fn in_wind(effects: &Effects, wind_mps: f64) -> Result<Effects, EffectError> {
     Effects::try_new(std::iter::once(both).chain(others.cloned()))
 }
 
-/// What the effort of a row leaves at a point after resistance, gradient and effects; a brake gives what the effects leave of it.
+/// What the effort of a row leaves at a point after resistance, gradient and effects; a brake gives what the effects
+/// leave of it.
 pub fn acceleration_mps2(line: &Line<'_>, effects: &Effects, row: &Row, point: &Point) -> f64 {
     let moment = &row.moment(point);
     let (location_m, speed) = (moment.location_m, moment.speed_mps);
@@ -257,7 +266,8 @@ fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f
     speeds
 }
 
-/// The effects that act on motion or limits, as the board takes them; readings are put right before anything is compared.
+/// The effects that act on motion or limits, as the board takes them; readings are put right before anything is
+/// compared.
 pub fn effects<'a>(named: impl IntoIterator<Item = &'a Named>) -> Result<Effects, EffectError> {
     let acts = |one: &&Named| candidates::of_effect(&one.effect).facts().nature.shows_in != ShowsIn::Readings;
     Effects::try_new(named.into_iter().filter(acts).map(|one| one.effect.clone()))

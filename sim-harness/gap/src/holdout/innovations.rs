@@ -1,7 +1,8 @@
-//! What the estimator of the board makes of it: its innovations of the speed with the believed and with the repaired model.
+//! What the estimator of the board makes of it: its innovations of the speed with the believed and with the repaired
+//! model.
 //!
-//! Each hold-out run is replayed on its own, in the `gated` mode, from the described resistance on: so the innovations are those of the model, not of what was learned
-//! in other runs.
+//! Each hold-out run is replayed on its own, in the `gated` mode, from the described resistance on: so the innovations
+//! are those of the model, not of what was learned in other runs.
 
 use crate::refusal::Refusal;
 use rundown::estimator::{Estimator, config::Config};

@@ -5,7 +5,8 @@
 //! | running time | each window of up to 120 s begins at the measured speed and place; the train is driven by the recorded effort, place by place. The time until it is where the window ends, less the time that was measured, summed over a run |
 //! | energy | what the traction has to give at the wheel on the speeds that were measured: the effort that each model needs, times the distance, over the intervals in which the train powered, less what the effort column says |
 //!
-//! Both are errors: zero is right. Floor: what the noise of these sensors, and per-run random effects, leave of them with a perfect model.
+//! Both are errors: zero is right. Floor: what the noise of these sensors, and per-run random effects, leave of them
+//! with a perfect model.
 
 use crate::config::HoldoutConfig;
 use crate::data::{believed::Believed, interval::Point, rows::Row};
@@ -38,7 +39,8 @@ pub struct Journey {
     pub windows: usize,
     /// Windows in which a simulated train did not arrive; they count in neither model.
     pub stalled: usize,
-    /// Energy at the wheel for each kg of rotating mass, J/kg; none without an effort column, or where the train never powered.
+    /// Energy at the wheel for each kg of rotating mass, J/kg; none without an effort column, or where the train never
+    /// powered.
     pub energy_j_per_kg: Option<Error>,
 }
 
@@ -92,7 +94,8 @@ impl Repaired<'_> {
         let mut journey =
             Journey { run: first.interval.run, energy_j_per_kg: self.energy(effects, rows)?, ..Journey::default() };
         let (believed, config) = (&self.context.believed, &self.context.config.holdout);
-        // Of the run's own constant, wind and mass: the same in all its windows, so these add up before they are squared.
+        // Of the run's own constant, wind and mass: the same in all its windows, so these add up before they are
+        // squared.
         let mut own = [0.0; 3];
         for range in windows(rows, config) {
             let window = &rows[range.clone()];
@@ -114,7 +117,8 @@ impl Repaired<'_> {
         Ok((journey.windows > 0).then_some(journey))
     }
 
-    /// Variance of the time over a window without the run's random effects, which are added to `own`. A change of speed at t moves the end of the window by (T - t) times it.
+    /// Variance of the time over a window without the run's random effects, which are added to `own`. A change of speed
+    /// at t moves the end of the window by (T - t) times it.
     fn time_floor(&self, model: &RepairedModel, window: &[Row], own: &mut [f64; 3]) -> f64 {
         let noise = &self.calibrated.noise;
         let Some(last) = window.last() else {
@@ -132,7 +136,8 @@ impl Repaired<'_> {
                 *sum += time_of(force);
             }
         }
-        // Where the window stands is known to about a metre, for locations are means over many readings: that is nothing beside the error of its first speed.
+        // Where the window stands is known to about a metre, for locations are means over many readings: that is
+        // nothing beside the error of its first speed.
         variance
     }
 
@@ -147,7 +152,8 @@ impl Repaired<'_> {
         for range in windows(rows, &self.context.config.holdout) {
             let model = self.model(effects, rows, range.clone())?;
             let powering = |row: &&Row| row.effort_n_per_kg > 0.0;
-            // The error of a reading raises one interval by what it lowers the next: only those at the ends of a stretch are left.
+            // The error of a reading raises one interval by what it lowers the next: only those at the ends of a
+            // stretch are left.
             let mut last_end_s = f64::NEG_INFINITY;
             for row in rows[range].iter().filter(powering) {
                 let interval = &row.interval;

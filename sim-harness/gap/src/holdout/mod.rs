@@ -1,4 +1,5 @@
-//! The repaired model on hold-out runs: speeds, running times, energy, innovations, and the share of the gap that is gone.
+//! The repaired model on hold-out runs: speeds, running times, energy, innovations, and the share of the gap that is
+//! gone.
 
 pub(crate) mod evaluation;
 pub(crate) mod forward;

@@ -18,8 +18,8 @@ pub fn powered(
         effects.limits(train, power.location_m, power.speed_mps).traction_n_per_kg(power.speed_mps)
             / train.max_effort_n_per_kg(power.speed_mps)
     };
-    // What the driver demands in this powering phase: what it shows where no limit of the effects holds it back. Held back throughout, it was some share between
-    // what the train gives and everything.
+    // What the driver demands in this powering phase: what it shows where no limit of the effects holds it back. Held
+    // back throughout, it was some share between what the train gives and everything.
     let demand = |parts: &[&SteadyPower]| {
         let free = parts.iter().filter(|part| {
             let limit = limit(effects, part);

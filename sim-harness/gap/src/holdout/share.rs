@@ -4,7 +4,8 @@
 //! removed = (before - after) / (before - floor)        mean squares: errors of model and sensors add up in them
 //! ```
 //!
-//! Values of one run are not independent, so the 95 % interval comes from a bootstrap over whole runs, from a fixed seed.
+//! Values of one run are not independent, so the 95 % interval comes from a bootstrap over whole runs, from a fixed
+//! seed.
 
 use crate::config::HoldoutConfig;
 use rand::{RngExt, SeedableRng};
@@ -113,13 +114,15 @@ impl Share {
         }
     }
 
-    /// The same where the residuals show nothing but the effects and noise. Then a `multiple` m of what the effects take off is the gap, and its rest (m - 1)/m of it:
+    /// The same where the residuals show nothing but the effects and noise. Then a `multiple` m of what the effects
+    /// take off is the gap, and its rest (m - 1)/m of it:
     ///
     /// ```text
     /// removed = 1 - ((m - 1)/m)²
     /// ```
     ///
-    /// What is left beside that is the floor, which the noise between two readings may have taken for too low. Nothing changes where the multiple may be none.
+    /// What is left beside that is the floor, which the noise between two readings may have taken for too low. Nothing
+    /// changes where the multiple may be none.
     pub fn beside_noise_alone(self, multiple: Option<(f64, (f64, f64))>) -> Self {
         let of = |multiple: f64| 1.0 - ((multiple - 1.0) / multiple).powi(2);
         let Some((value, (low, high))) = multiple.filter(|(_, (low, _))| self.removed.is_some() && *low > 0.0) else {

@@ -19,7 +19,8 @@ struct Read {
     speed_mps: f64,
 }
 
-/// The windows of a run, `index` its number. Floor: what the scatter of pieces of about 10 s leaves of the difference of two locations.
+/// The windows of a run, `index` its number. Floor: what the scatter of pieces of about 10 s leaves of the difference
+/// of two locations.
 pub fn travelled(index: usize, run: &Run, config: &HoldoutConfig) -> Vec<Compared> {
     let sign = run.direction.sign();
     let longest_s = 3.0 * usual_step_s(run).max(5.0);

@@ -1,8 +1,9 @@
 //! Which labels may be exchanged, so that what runs share for other reasons stays where it is.
 //!
-//! What the runs of a day share, weather and load, is no matter of who drove them, nor of the unit. So whole days exchange their labels of units and drivers,
-//! those of days with as many runs, and then the runs of a day theirs: where no unit differs both leave runs as likely as they were. The mean of each direction
-//! has been taken out, for the gradients of a line are described as well as they are.
+//! What the runs of a day share, weather and load, is no matter of who drove them, nor of the unit. So whole days
+//! exchange their labels of units and drivers, those of days with as many runs, and then the runs of a day theirs:
+//! where no unit differs both leave runs as likely as they were. The mean of each direction has been taken out, for the
+//! gradients of a line are described as well as they are.
 
 use super::{Labelled, Level};
 use crate::chance::probability;
@@ -11,7 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rundown::model::direction::Direction;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Ways to exchange, one after the other: pools of groups of runs; the groups of a pool exchange their labels as a whole.
+/// Ways to exchange, one after the other: pools of groups of runs; the groups of a pool exchange their labels as a
+/// whole.
 pub(super) struct Exchange(Vec<Pools>);
 
 type Pools = Vec<Vec<Group>>;

@@ -1,8 +1,8 @@
-//! Which unit needs more effort than the others for the same motion? It is heavier than they are, or its effort column reads too high: each is a multiple of the
-//! effort, and no gain of all columns.
+//! Which unit needs more effort than the others for the same motion? It is heavier than they are, or its effort column
+//! reads too high: each is a multiple of the effort, and no gain of all columns.
 //!
-//! In: all rows of an effort column beside the model that was found. Each run says by which share of its effort it needs more; units are compared as in
-//! the level above.
+//! In: all rows of an effort column beside the model that was found. Each run says by which share of its effort it
+//! needs more; units are compared as in the level above.
 
 use super::{Level, More, One, Standout, all_columns, compared, runs_of, without_directions};
 use crate::candidate::Fitted;
@@ -14,7 +14,8 @@ use crate::trials::column;
 
 const LEVELS: [Level; 1] = [Level::Unit];
 
-/// Units that need more effort than the others, or less; none without an effort column. `noise`: beside columns in which runs differ.
+/// Units that need more effort than the others, or less; none without an effort column. `noise`: beside columns in
+/// which runs differ.
 pub(super) fn standouts(
     context: &Context<'_>,
     rows: &[Row],
@@ -61,7 +62,8 @@ mod tests {
 
     const RUNS: usize = 40;
 
-    /// Of forty runs of four units, of which unit 3 is heavier by a share, beside an effort column that reads 3 % too much in all; loads differ by 0.8 %.
+    /// Of forty runs of four units, of which unit 3 is heavier by a share, beside an effort column that reads 3 % too
+    /// much in all; loads differ by 0.8 %.
     fn found(heavier: f64, seed: u64) -> Vec<Standout> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let run = |run: usize| Run {

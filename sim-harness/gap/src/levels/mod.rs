@@ -1,8 +1,9 @@
 //! Which unit, driver or day differs from the others? What a fleet is asked; no effect, because no law is behind it.
 //!
-//! In: the coasting rows beside the model that was found. Each run says by which share of the believed r(v) it has more resistance (a probe, see `chance.rs`); the
-//! runs of one unit are compared with those of the others, in standard deviations. It was looked for among all units, so it must exceed the largest
-//! difference of its kind that exchanged labels make (`exchange.rs`; permutation test). Runs that are all of one driver and of one unit differ by both names.
+//! In: the coasting rows beside the model that was found. Each run says by which share of the believed r(v) it has more
+//! resistance (a probe, see `chance.rs`); the runs of one unit are compared with those of the others, in standard
+//! deviations. It was looked for among all units, so it must exceed the largest difference of its kind that exchanged
+//! labels make (`exchange.rs`; permutation test). Runs that are all of one driver and of one unit differ by both names.
 
 mod exchange;
 mod loads;
@@ -67,7 +68,8 @@ pub struct Standout {
     pub runs: usize,
     /// What it has beyond the other runs, as a share.
     pub share: Figure,
-    /// The same beyond the description, as a share of it; beside the effects of places. Of efforts beside the gain of the column that all have.
+    /// The same beyond the description, as a share of it; beside the effects of places. Of efforts beside the gain of
+    /// the column that all have.
     pub described: f64,
     /// The other one, where there are only two, with what that has beyond the description.
     pub other: Option<(String, f64)>,
@@ -219,7 +221,8 @@ fn all_believed(context: &Context<'_>, rows: &[Row]) -> Vec<f64> {
     rows.iter().map(|row| believed(context, row)).collect()
 }
 
-/// What groups may have more of in their rows, for each group of these levels but the largest of each. `values`: of the rows.
+/// What groups may have more of in their rows, for each group of these levels but the largest of each. `values`: of the
+/// rows.
 fn all_columns(levels: &[Level], values: &[f64], rows: &[Row], runs: &[Run], least: usize) -> Vec<Vec<f64>> {
     let of_rows = runs_of(rows, runs);
     let of_level = |level: Level| {
@@ -239,7 +242,8 @@ fn column_of(level: Level, group: &str, values: &[f64], rows: &[Row], runs: &[Ru
     rows.iter().zip(values).map(|(row, value)| if is_in(row) { *value } else { 0.0 }).collect()
 }
 
-/// Columns of the units and drivers that differ: beside them runs are compared with each other. A day that differs may be a windy one.
+/// Columns of the units and drivers that differ: beside them runs are compared with each other. A day that differs may
+/// be a windy one.
 pub fn columns(found: &[Standout], context: &Context<'_>, rows: &[Row], runs: &[Run]) -> Vec<Vec<f64>> {
     let lasting = found.iter().filter(|one| Level::LASTING.contains(&one.level));
     let values = |more: More| match more {
@@ -249,8 +253,8 @@ pub fn columns(found: &[Standout], context: &Context<'_>, rows: &[Row], runs: &[
     lasting.map(|one| column_of(one.level, &one.of, &values(one.more), rows, runs)).collect()
 }
 
-/// Groups that differ from the others by more than chance, the surest first, and what could not be compared. `noise`: beside columns in which runs differ, so that
-/// what units and drivers differ by is no scatter of their runs.
+/// Groups that differ from the others by more than chance, the surest first, and what could not be compared. `noise`:
+/// beside columns in which runs differ, so that what units and drivers differ by is no scatter of their runs.
 pub fn standouts(
     context: &Context<'_>,
     rows: &[Row],
@@ -267,7 +271,8 @@ pub fn standouts(
         return Default::default();
     }
     let loads = loads::standouts(context, rows, &noise, model, runs);
-    // Only what coasts is compared: another constant of a run that its efforts have, too, would hide what its coasting has.
+    // Only what coasts is compared: another constant of a run that its efforts have, too, would hide what its coasting
+    // has.
     let beside = all_columns(&Level::LASTING, &all_believed(context, rows), rows, runs, evidence.least_runs);
     let (rows, calibrated) = coasting(rows, &noise(beside), evidence);
     let (rows, of_rows) = (rows.as_slice(), runs_of(&rows, runs));
@@ -280,7 +285,8 @@ pub fn standouts(
         ground.beside(&columns)
     };
     let believed = all_believed(context, rows);
-    // Of places the description is compared by others; what is the same all along the line stays in the comparison with it.
+    // Of places the description is compared by others; what is the same all along the line stays in the comparison with
+    // it.
     let bases = (of_terms(&mut model.iter()), of_terms(&mut model.iter().filter(|fitted| fitted.term.by_place())));
     let (Some(base), Some(places)) = bases else {
         return (loads, Vec::new());

@@ -14,7 +14,8 @@ use rundown_check::agreement::HALF_95;
 /// Length of the places at which the described gradient is looked at, m.
 const PLACE_M: f64 = 100.0;
 
-/// Adds to what was named the causes that it may be in truth. `gain`: by how much more than 1 the effort column was put right by.
+/// Adds to what was named the causes that it may be in truth. `gain`: by how much more than 1 the effort column was put
+/// right by.
 pub fn confounded(all: &mut [Named], gain: Option<f64>, naming: &Naming<'_>) {
     let certainty = &naming.context.config.certainty;
     let wrong: Vec<[f64; 2]> = all
@@ -37,7 +38,8 @@ pub fn confounded(all: &mut [Named], gain: Option<f64>, naming: &Naming<'_>) {
     }
 }
 
-/// What a brake that drags in one or two runs may be in truth, by chance of many, and what would separate them: coasts that begin while a brake is let go look so.
+/// What a brake that drags in one or two runs may be in truth, by chance of many, and what would separate them: coasts
+/// that begin while a brake is let go look so.
 fn few_dragging(measured: bool) -> (&'static str, &'static str) {
     if measured {
         ("another load or wind of these runs", "the load and the wind of each run")
@@ -46,8 +48,8 @@ fn few_dragging(measured: bool) -> (&'static str, &'static str) {
     }
 }
 
-/// What all runs seem to have may be one unit's or one driver's: wrong coefficients, where the other of two has the described resistance, and whatever another mass changes, where
-/// a unit needs another effort.
+/// What all runs seem to have may be one unit's or one driver's: wrong coefficients, where the other of two has the
+/// described resistance, and whatever another mass changes, where a unit needs another effort.
 pub fn of_one_alone(all: &mut [Named], standouts: &[Standout], certainty: &CertaintyConfig) {
     let is_alone = |standout: &Standout| {
         let other = standout.other.as_ref().filter(|_| standout.more == More::Resistance);
@@ -85,7 +87,8 @@ fn rivals(effect: &Effect, gain: Option<f64>, wrong: &[[f64; 2]], naming: &Namin
         return climbs.into_iter().chain(drags.then_some(EffectKind::TunnelDrag)).collect();
     }
     let Effect::TractionScale(TractionScale { factor }) = effect else { return Vec::new() };
-    // The column as it reads has the described limit: force and limit are right, and the acceleration is that of another mass.
+    // The column as it reads has the described limit: force and limit are right, and the acceleration is that of
+    // another mass.
     let certainty = &naming.context.config.certainty;
     let as_described = gain.is_some_and(|gain| ((1.0 + gain) * factor - 1.0).abs() < certainty.same_force);
     as_described.then_some(EffectKind::MassError).into_iter().collect()
@@ -96,8 +99,8 @@ fn is_of_gradients(named: &Named) -> bool {
     matches!(named.effect.kind(), EffectKind::GradientError | EffectKind::Unknown)
 }
 
-/// Without efforts the power goes into a climb that nobody has described: where gradients are wrong close by, or, of a section that is hardly ever coasted in,
-/// where they are wrong elsewhere or the section is described as level.
+/// Without efforts the power goes into a climb that nobody has described: where gradients are wrong close by, or, of a
+/// section that is hardly ever coasted in, where they are wrong elsewhere or the section is described as level.
 fn may_climb(section: [f64; 2], wrong: &[[f64; 2]], naming: &Naming<'_>) -> bool {
     let Context { believed, surroundings, config, .. } = naming.context;
     let [from_m, to_m] = section;
@@ -112,8 +115,8 @@ fn may_climb(section: [f64; 2], wrong: &[[f64; 2]], naming: &Naming<'_>) -> bool
         || (!is_coasted(section, naming) && (is_level || !wrong.is_empty()))
 }
 
-/// Without efforts the power may go into a resistance k v² of the section: unless enough rows coast there and surely show less than half of it, even
-/// if the power is short of the least, at the highest speed.
+/// Without efforts the power may go into a resistance k v² of the section: unless enough rows coast there and surely
+/// show less than half of it, even if the power is short of the least, at the highest speed.
 pub fn may_drag(limit: &PowerLimitSection, naming: &Naming<'_>) -> bool {
     let certainty = &naming.context.config.certainty;
     let coasts: Vec<&Row> = coasted([limit.from_m, limit.to_m], naming).collect();

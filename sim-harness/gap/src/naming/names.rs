@@ -43,7 +43,8 @@ fn with_rivals((mut named, rivals): (Named, Odds), naming: &Naming<'_>) -> Named
     named
 }
 
-/// Without an effort column a heavier train shows twice: less acceleration for its power, and less air drag for its mass.
+/// Without an effort column a heavier train shows twice: less acceleration for its power, and less air drag for its
+/// mass.
 fn mass_by_drag_and_power(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) -> Option<Named> {
     let ([only], Some(found)) = (terms, limit) else {
         return None;

@@ -1,7 +1,7 @@
 //! The noise of a data set, found from the data.
 //!
-//! Maximum likelihood over reading error, disturbance, share of effort changes, and per-run random effects, beside a model flexible enough to
-//! take up any effect. Outliers are given a wider spread instead of being dropped.
+//! Maximum likelihood over reading error, disturbance, share of effort changes, and per-run random effects, beside a
+//! model flexible enough to take up any effect. Outliers are given a wider spread instead of being dropped.
 
 use crate::candidate::{Shape, Term};
 use crate::candidates::sensors::LOCATION_OFFSET;
@@ -71,7 +71,8 @@ impl Calibrated {
     }
 }
 
-/// Gain of the effort column, if there is one, and offset of the locations, with the standard deviations of their priors.
+/// Gain of the effort column, if there is one, and offset of the locations, with the standard deviations of their
+/// priors.
 fn common(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
     let config = &context.config.nuisance;
     let gain = has_efforts(rows).then(|| (effort(rows), config.effort_gain_sd));
@@ -79,8 +80,9 @@ fn common(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
     gain.into_iter().chain([(offset, config.location_offset_sd_m)]).chain(starting_gains(context, rows)).collect()
 }
 
-/// What the effort column is off by beside its gain in the first seconds after a start, at all speeds and rising with the speed: how late it is there, and how a handle moves, is known
-/// to so much only, and the efforts are the largest of all.
+/// What the effort column is off by beside its gain in the first seconds after a start, at all speeds and rising with
+/// the speed: how late it is there, and how a handle moves, is known to so much only, and the efforts are the largest
+/// of all.
 fn starting_gains(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
     let config = &context.config.interval;
     let starts = |row: &Row| if row.interval.dt_s < 1.5 * config.start_length_s { row.effort_n_per_kg } else { 0.0 };
@@ -143,7 +145,8 @@ struct Sought {
 }
 
 impl Sought {
-    /// `measured`: with an effort column, so its gain may differ from run to run. `wind`: a wind of its own to each run.
+    /// `measured`: with an effort column, so its gain may differ from run to run. `wind`: a wind of its own to each
+    /// run.
     fn all(config: &NoiseConfig, measured: bool, wind: bool) -> Vec<Self> {
         let of_rows = |start, most, of| Self { start, most, between_runs: false, of };
         let of_runs = |start, most, of| Self { start, most, between_runs: true, of };
@@ -224,7 +227,8 @@ pub fn calibrate(context: &Context<'_>, rows: &[Row], measured: bool, wind: bool
     calibrate_beside(context, (rows, vec![1.0; rows.len()]), measured, wind, flexible(context, rows, model))
 }
 
-/// The same beside a flexible model with what else is known to differ. `spread`: how many times wider each row scatters, as far as it is known.
+/// The same beside a flexible model with what else is known to differ. `spread`: how many times wider each row
+/// scatters, as far as it is known.
 pub fn calibrate_beside(
     context: &Context<'_>,
     (rows, mut spread): (&[Row], Vec<f64>),
@@ -247,7 +251,8 @@ pub fn calibrate_beside(
     let mut reached = f64::NEG_INFINITY;
     let sought = Sought::all(config, measured, wind);
     for round in 0..3 {
-        // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it took, is evaluated.
+        // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it
+        // took, is evaluated.
         let Some((residual, _)) = left_of(&y, &flexible, &whitening(&at, &spread, rows, &columns)) else {
             break;
         };
@@ -345,7 +350,8 @@ pub fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<
     columns
 }
 
-/// The effort of the brake, as a multiple for each range of the speeds at which trains brake: that of one that fades is another at each.
+/// The effort of the brake, as a multiple for each range of the speeds at which trains brake: that of one that fades is
+/// another at each.
 fn braking(rows: &[Row], count: usize) -> Vec<Vec<f64>> {
     let speed = |row: &Row| in_the_middle(Coordinate::Speed, row);
     let braked = rows.iter().filter(|row| row.effort_n_per_kg < 0.0);

@@ -1,14 +1,14 @@
 //! Does a brake drag in some of the runs?
 //!
-//! A constant resistance in a quarter of the runs is also a spread between runs, and the noise of a data set has room for that (wind, constant). So the two are compared as
-//! explanations of what differs from run to run:
+//! A constant resistance in a quarter of the runs is also a spread between runs, and the noise of a data set has room
+//! for that (wind, constant). So the two are compared as explanations of what differs from run to run:
 //!
 //! ```text
 //! e_i = d b_i z_i + own_i + noise        z_i = 1 with probability p, own_i normal
 //! ```
 //!
-//! with b the rows after the first brake application; d = 0 is the noise alone. Whether a run drags is integrated out, so choosing the runs costs nothing.
-//! Or all runs of a unit drag, and no others.
+//! with b the rows after the first brake application; d = 0 is the noise alone. Whether a run drags is integrated out,
+//! so choosing the runs costs nothing. Or all runs of a unit drag, and no others.
 
 use crate::candidate::Term;
 use crate::columns::braked;
@@ -108,7 +108,8 @@ impl Dragging {
     }
 }
 
-/// The runs in which a brake drags, if that explains what differs between runs better than their own constants and winds.
+/// The runs in which a brake drags, if that explains what differs between runs better than their own constants and
+/// winds.
 pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, model: &[Term]) -> Option<Vec<usize>> {
     let config = &context.config.between_runs;
     let columns = own_columns(context, rows);

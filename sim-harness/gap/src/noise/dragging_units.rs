@@ -1,8 +1,9 @@
 //! Does the brake of one unit drag?
 //!
-//! All runs of the unit then do, so that choosing them costs no more than the choice of a unit: runs of which no one is sure by itself are so together. Units may
-//! differ by other things (the gain of their effort sensors, r(v), wind), each of which must explain these runs worse. A force from the start is no brake that
-//! dragged after its first application, if the rows before it show that; where trains brake at once it is one and the same.
+//! All runs of the unit then do, so that choosing them costs no more than the choice of a unit: runs of which no one is
+//! sure by itself are so together. Units may differ by other things (the gain of their effort sensors, r(v), wind),
+//! each of which must explain these runs worse. A force from the start is no brake that dragged after its first
+//! application, if the rows before it show that; where trains brake at once it is one and the same.
 
 use crate::columns::braked;
 use crate::data::{believed::Context, rows::Row};
@@ -89,7 +90,8 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rundown::model::direction::Direction;
 
-    /// Runs of three units in turn, each run with a constant of its own; unit 1 has `more` (N/kg) after its first brake application, or from the start.
+    /// Runs of three units in turn, each run with a constant of its own; unit 1 has `more` (N/kg) after its first brake
+    /// application, or from the start.
     fn found(more: f64, from_the_start: bool, seed: u64) -> Vec<Vec<usize>> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };

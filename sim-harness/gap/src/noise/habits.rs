@@ -1,6 +1,8 @@
-//! What all drivers do alike between two readings of the effort: a brake is applied and released, a handle moves. No reading shows it, and at the same place they do it in each run.
+//! What all drivers do alike between two readings of the effort: a brake is applied and released, a handle moves. No
+//! reading shows it, and at the same place they do it in each run.
 //!
-//! A force while powering and one while braking, each of them everywhere and for parts of the line: random effects that no candidate may be better than.
+//! A force while powering and one while braking, each of them everywhere and for parts of the line: random effects that
+//! no candidate may be better than.
 
 use crate::columns::{in_the_middle, knots};
 use crate::config::{EvidenceConfig, GapConfig};
@@ -57,8 +59,8 @@ pub fn wider(rows: &[Row], config: &EvidenceConfig) -> Vec<f64> {
     rows.iter().map(|row| of(row).map_or(1.0, |(_, wider)| wider)).collect()
 }
 
-/// Forces with their standard deviations: each habit everywhere and along the line, that of braking along the speed, too, because a brake is applied at high
-/// speed and released at low.
+/// Forces with their standard deviations: each habit everywhere and along the line, that of braking along the speed,
+/// too, because a brake is applied at high speed and released at low.
 ///
 /// `beyond_n_per_kg`: as [`Scatter::beyond_n_per_kg`] has it.
 pub fn forces(rows: &[Row], beyond_n_per_kg: &[f64; 2], config: &EvidenceConfig) -> Vec<(Vec<f64>, f64)> {

@@ -6,10 +6,11 @@
 //! var(y_i) = q² 2/dt² + a² + (c |Δu_i|)²        cov(y_i, y_i+1) = -q²/(dt_i dt_i+1)
 //! ```
 //!
-//! with q the error of a reading (rounding included), a a disturbance of the acceleration, c the share of a change of the effort by which its
-//! mean is uncertain. On top, each run has its own wind, load and effort gain: columns Z with variances D. A whitened column is
-//! S L⁻¹ x with L Lᵀ = V and S = (I + Z̃ D Z̃ᵀ)^(-1/2); in whitened rows ordinary least squares is right. What all runs have alike with a prior
-//! (the gain of the effort column) comes on top in the same way.
+//! with q the error of a reading (rounding included), a a disturbance of the acceleration, c the share of a change of
+//! the effort by which its mean is uncertain. On top, each run has its own wind, load and effort gain: columns Z with
+//! variances D. A whitened column is S L⁻¹ x with L Lᵀ = V and S = (I + Z̃ D Z̃ᵀ)^(-1/2); in whitened rows ordinary
+//! least squares is right. What all runs have alike with a prior (the gain of the effort column) comes on top in the
+//! same way.
 
 use crate::data::interval::Interval;
 use core::ops::Range;

@@ -1,14 +1,16 @@
 //! Do the brake readings of the effort column agree with its power readings?
 //!
-//! In: runs with an effort column. Out: shown over true effort of the brake, beside that of powering; and the runs without the readings of the brake.
+//! In: runs with an effort column. Out: shown over true effort of the brake, beside that of powering; and the runs
+//! without the readings of the brake.
 //!
 //! ```text
 //! ratio = sum u / sum f        f = dv/dt + r(v) + g(s): what the motion needs, over the intervals that brake hard, over the same of those that power hard
 //! ```
 //!
-//! Many columns have the electric brake only, what goes back into the line, or a brake that is calculated from pressures. Such readings are no gain of the column: what
-//! is wrong with the brake would go into masses and limits. Hard braking outweighs what is not known of resistance and gradients. Readings that are too low at any
-//! speed are not those of the brake; too high at speed alone are those of a brake that fades.
+//! Many columns have the electric brake only, what goes back into the line, or a brake that is calculated from
+//! pressures. Such readings are no gain of the column: what is wrong with the brake would go into masses and limits.
+//! Hard braking outweighs what is not known of resistance and gradients. Readings that are too low at any speed are not
+//! those of the brake; too high at speed alone are those of a brake that fades.
 
 use crate::config::{GapConfig, NuisanceConfig};
 use crate::data::believed::{Context, believed_load};
@@ -102,7 +104,8 @@ pub fn is_braked(context: &Context<'_>, run: &Run, interval: &Interval) -> bool 
     interval.acceleration_mps2() + load < -context.config.interval.brake_test_n_per_kg
 }
 
-/// The runs without what the column has while trains brake: the readings of the brake, and zeros beside blocks that are not in it.
+/// The runs without what the column has while trains brake: the readings of the brake, and zeros beside blocks that are
+/// not in it.
 pub fn set_aside(context: &Context<'_>, runs: &[Run], effort: EffortReading) -> Vec<Run> {
     let least = context.config.nuisance.brake_n_per_kg;
     let cut = cut::all(context, runs, effort);
@@ -138,8 +141,9 @@ mod tests {
 
     const RUNS: usize = 12;
 
-    /// Runs of a train that powers up to 35 m/s, coasts, and brakes with 0.1 to 0.35 N/kg to 8 m/s, read every 5 s. `shown`: what the column has of an effort at a
-    /// speed; `arrives`: the share of the demanded brake that arrives at a speed.
+    /// Runs of a train that powers up to 35 m/s, coasts, and brakes with 0.1 to 0.35 N/kg to 8 m/s, read every 5 s.
+    /// `shown`: what the column has of an effort at a speed; `arrives`: the share of the demanded brake that arrives at
+    /// a speed.
     fn runs(context: &Context<'_>, shown: fn(f64, f64) -> f64, arrives: fn(f64) -> f64) -> Vec<Run> {
         let line = context.believed.line(Direction::Up);
         let mut rng = ChaCha8Rng::seed_from_u64(9);

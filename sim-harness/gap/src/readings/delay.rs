@@ -1,15 +1,16 @@
 //! How the effort column is read, and how late it is.
 //!
-//! In: runs with an effort column. Out: the reading (momentary, or the mean since the sample before), the age of the effort at its time stamp, and the runs with
-//! their efforts moved to where they belong.
+//! In: runs with an effort column. Out: the reading (momentary, or the mean since the sample before), the age of the
+//! effort at its time stamp, and the runs with their efforts moved to where they belong.
 //!
 //! ```text
 //! largest over reading, d and q:   -n ln(mean |y|) - d²/2 sd²        y = q u(d) - dv/dt - r - g: residual with the effort that is shown d later
 //! ```
 //!
-//! where q is the gain of the column, for where the power limits an effort that reads too much looks like one that is too old: it falls as the speed rises. n
-//! counts the intervals in which the effort changes: only these tell. Efforts are resampled, not differentiated: a sample of 10 s is no small delay. An effect
-//! that is looked for is a tenth of a switch of the regime.
+//! where q is the gain of the column, for where the power limits an effort that reads too much looks like one that is
+//! too old: it falls as the speed rises. n counts the intervals in which the effort changes: only these tell. Efforts
+//! are resampled, not differentiated: a sample of 10 s is no small delay. An effect that is looked for is a tenth of a
+//! switch of the regime.
 
 use crate::config::NuisanceConfig;
 use crate::data::believed::{Context, believed_load};
@@ -24,7 +25,8 @@ use rundown_files::sample::Sample;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Delay {
     pub reading: EffortReading,
-    /// Age of the effort at its time stamp, s; put right in the runs if it is more than chance, told if it [matters](Self::matters).
+    /// Age of the effort at its time stamp, s; put right in the runs if it is more than chance, told if it
+    /// [matters](Self::matters).
     pub delay_s: Option<Figure>,
     /// Gain of log-likelihood over none.
     pub gain: f64,
@@ -39,7 +41,8 @@ impl Delay {
         self.age_s(config).filter(|delay| sure(delay) && self.gain > enough)
     }
 
-    /// The age as it is reported, s. Nothing smooths a speed for long: what is read best as a mean of long after is a momentary value that stands for the time around it.
+    /// The age as it is reported, s. Nothing smooths a speed for long: what is read best as a mean of long after is a
+    /// momentary value that stands for the time around it.
     pub fn age_s(&self, config: &NuisanceConfig) -> Option<Figure> {
         let is_momentary =
             |mean: &Figure| self.reading == EffortReading::MeanSinceLast && mean.value < -config.most_early_s;
@@ -47,8 +50,8 @@ impl Delay {
         self.delay_s.map(|age| if is_momentary(&age) { later(age) } else { age })
     }
 
-    /// How much later efforts are to be read, s, if that is more than chance. Half a second that no one need be told is 0.02 N/kg where the power limits a train that
-    /// gains speed: a mean over the second before is that old.
+    /// How much later efforts are to be read, s, if that is more than chance. Half a second that no one need be told is
+    /// 0.02 N/kg where the power limits a train that gains speed: a mean over the second before is that old.
     pub fn put_right_s(&self, enough: f64) -> Option<f64> {
         let late_s = self.delay_s.map(|delay| delay.value);
         late_s.filter(|late_s| *late_s != 0.0 && self.gain > enough)
@@ -112,7 +115,8 @@ pub fn put_right(context: &Context<'_>, runs: &[Run], reading: EffortReading, de
     runs.iter().map(|run| read_later(run, reading, delay_s, gap)).collect()
 }
 
-/// Residuals of all moving intervals, with the gain that makes them smallest; of those in which trains brake not where the readings of the brake are none.
+/// Residuals of all moving intervals, with the gain that makes them smallest; of those in which trains brake not where
+/// the readings of the brake are none.
 fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f64, brakes: bool) -> Sizes {
     let moved: Vec<Run>;
     let runs = if delay_s == 0.0 {
@@ -137,7 +141,8 @@ fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f
     given.iter().map(|of_run| (of_run.iter().map(size).sum(), of_run.len() as f64)).collect()
 }
 
-/// The multiple of the efforts that is nearest to those needed, in the mean of the distances: the median of the ratios, weighed by the efforts.
+/// The multiple of the efforts that is nearest to those needed, in the mean of the distances: the median of the ratios,
+/// weighed by the efforts.
 fn gain<'a>(given: impl Iterator<Item = &'a [f64; 2]>, most: f64) -> f64 {
     let ratio = |[effort, needed]: &[f64; 2]| (*effort != 0.0).then(|| (needed / effort, effort.abs()));
     let mut ratios: Vec<(f64, f64)> = given.filter_map(ratio).collect();
@@ -200,7 +205,8 @@ pub fn delay(context: &Context<'_>, runs: &[Run], brakes: bool) -> Delay {
     else {
         return Delay::default();
     };
-    // A mean that is half a sample late is a momentary value that is a whole one late, to the last digit but for constant power.
+    // A mean that is half a sample late is a momentary value that is a whole one late, to the last digit but for
+    // constant power.
     let clearly = -effort.mean_share.ln() * telling;
     if b - a > clearly { since_last } else { momentary }
 }
@@ -220,7 +226,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rundown::model::direction::Direction;
 
-    /// Runs of a train that powers, coasts and brakes by turns, read every `step` s. The effort column is `age` samples old.
+    /// Runs of a train that powers, coasts and brakes by turns, read every `step` s. The effort column is `age` samples
+    /// old.
     fn runs(context: &Context<'_>, step: usize, age: usize, reading: EffortReading) -> Vec<Run> {
         let line = context.believed.line(Direction::Up);
         let mut rng = ChaCha8Rng::seed_from_u64(7);

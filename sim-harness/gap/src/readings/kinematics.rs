@@ -1,6 +1,8 @@
-//! Do speed and location agree, before any question about forces? The diagnosis of the logs has asked: here is what it says of all runs together.
+//! Do speed and location agree, before any question about forces? The diagnosis of the logs has asked: here is what it
+//! says of all runs together.
 //!
-//! Scales and offsets of the speed are put right in the samples. The age of the location moves the train on its gradients, run by run.
+//! Scales and offsets of the speed are put right in the samples. The age of the location moves the train on its
+//! gradients, run by run.
 
 use crate::config::KinematicsConfig;
 use crate::data::runs::Run;
@@ -42,7 +44,8 @@ type Recorder<'a> = (&'a str, Option<Figure>, Option<Figure>);
 /// Recorders differ by no more than this in standard deviations, if they have one scale.
 const ALIKE: f64 = 3.0;
 
-/// The scale that all recorders have: what several units have alike is the description of the wheel, or the measure of the line.
+/// The scale that all recorders have: what several units have alike is the description of the wheel, or the measure of
+/// the line.
 fn common(recorders: &[Recorder<'_>]) -> Option<Figure> {
     let scales: Vec<Figure> = recorders.iter().map(|(_, scale, _)| *scale).collect::<Option<_>>()?;
     let mean = usual(scales.iter().copied())?;

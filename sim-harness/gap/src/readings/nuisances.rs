@@ -1,7 +1,8 @@
 //! What is wrong with the readings of all runs alike: found, told, put right, and never the name of an effect.
 //!
-//! The age of the effort and the offset of the locations are put right in the samples, one after the other, before effects are looked for. The gain of the effort
-//! column is straight in the residuals: it stays in every fit with its prior, and what the chosen model leaves for it is put right afterwards.
+//! The age of the effort and the offset of the locations are put right in the samples, one after the other, before
+//! effects are looked for. The gain of the effort column is straight in the residuals: it stays in every fit with its
+//! prior, and what the chosen model leaves for it is put right afterwards.
 
 use crate::analysis::coasts;
 use crate::config::GapConfig;
@@ -23,7 +24,8 @@ use serde_json::{Value, json};
 pub struct Readings {
     /// How the effort column is read, and its age.
     pub effort: Delay,
-    /// How its readings of the brake compare with those of powering; none without an effort column, or where trains hardly brake.
+    /// How its readings of the brake compare with those of powering; none without an effort column, or where trains
+    /// hardly brake.
     pub brakes: Option<Brakes>,
     /// None from too few rows.
     pub offset: Option<Offset>,
@@ -70,7 +72,8 @@ pub fn righted(context: &Context<'_>, runs: &[Run]) -> (Vec<Run>, Readings) {
     (in_place(context, &runs, offset), Readings { effort, brakes, offset })
 }
 
-/// The offset without an effort column. Coasts that were recognised by wrong locations favour these: they are recognised once more by the ones put right.
+/// The offset without an effort column. Coasts that were recognised by wrong locations favour these: they are
+/// recognised once more by the ones put right.
 fn offset_of_coasts(context: &Context<'_>, runs: &[Run]) -> Option<Offset> {
     let of = |runs: &[Run]| offset(context, &coasts(context, runs)?, false);
     let first = of(runs)?;
@@ -86,7 +89,8 @@ fn in_place(context: &Context<'_>, runs: &[Run], offset: Option<Offset>) -> Vec<
     off_m.map_or_else(|| runs.to_vec(), |off_m| offset::put_right(runs, off_m.value))
 }
 
-/// The runs put right by what is left of an offset, and all that was put right; none where nothing is left. `left`: of runs that were put right.
+/// The runs put right by what is left of an offset, and all that was put right; none where nothing is left. `left`: of
+/// runs that were put right.
 pub fn further(context: &Context<'_>, runs: &[Run], readings: &Readings, left: Offset) -> Option<(Vec<Run>, Readings)> {
     let (nuisance, enough) = (&context.config.nuisance, context.config.search.enough);
     let off_m = left.matters(nuisance, enough)?;
@@ -100,7 +104,8 @@ pub fn is_told(gain: Figure, config: &GapConfig) -> bool {
     gain.value.abs() > config.nuisance.least_gain && gain.away_from(0.0) > config.nuisance.sure
 }
 
-/// All nuisances, told or not; without an effort column the offset of the locations alone. `gain`: of the effort column less 1.
+/// All nuisances, told or not; without an effort column the offset of the locations alone. `gain`: of the effort column
+/// less 1.
 pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) -> Vec<Nuisance> {
     let (nuisance, enough) = (&config.nuisance, config.search.enough);
     let one = |name, unit, figure: Figure, told| Nuisance {
@@ -124,7 +129,8 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
     [gain, brakes, delay, offset].into_iter().flatten().collect()
 }
 
-/// A gain that was put right may as well be the mass, where these data cannot tell; and beside wrong Davis coefficients, for a mass changes both.
+/// A gain that was put right may as well be the mass, where these data cannot tell; and beside wrong Davis
+/// coefficients, for a mass changes both.
 pub fn beside(nuisances: &mut [Nuisance], named: &[Named], gain_may_be_mass: bool) {
     let may_be_mass = gain_may_be_mass || named.iter().any(|one| one.ambiguous_with.contains(&EffectKind::MassError));
     for gain in nuisances.iter_mut().filter(|one| may_be_mass && one.told && one.name == "effort_gain") {
@@ -199,7 +205,8 @@ mod tests {
 
     const STEPS: usize = 10;
 
-    /// Runs that start with all of the power, coast and brake by turns, read every second; the effort column is the mean since the reading before.
+    /// Runs that start with all of the power, coast and brake by turns, read every second; the effort column is the
+    /// mean since the reading before.
     fn runs(context: &Context<'_>) -> Vec<Run> {
         let line = context.believed.line(Direction::Up);
         let mut rng = ChaCha8Rng::seed_from_u64(3);

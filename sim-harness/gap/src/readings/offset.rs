@@ -1,10 +1,12 @@
 //! Are the locations of all runs off along the line?
 //!
-//! In: intervals with their residuals, as the effort column gives them. Out: shown less true location, with its standard deviation.
+//! In: intervals with their residuals, as the effort column gives them. Out: shown less true location, with its
+//! standard deviation.
 //!
-//! The believed gradients are moved along the line until the residuals are likeliest, beside a model flexible enough for any effect, with the prior of an offset. A
-//! gradient may begin elsewhere than described, so parts of the line must agree: their scatter is in the standard deviation. Another length of the train moves the
-//! gradients against the direction of travel; in one direction alone it looks the same.
+//! The believed gradients are moved along the line until the residuals are likeliest, beside a model flexible enough
+//! for any effect, with the prior of an offset. A gradient may begin elsewhere than described, so parts of the line
+//! must agree: their scatter is in the standard deviation. Another length of the train moves the gradients against the
+//! direction of travel; in one direction alone it looks the same.
 
 use crate::candidate::{Family, Fitted, Offer, Shape, Term};
 use crate::candidates::{self, sensors};
@@ -25,7 +27,8 @@ use rundown_check::agreement::Figure;
 pub struct Offset {
     /// Shown less true location along the line, m.
     pub offset_m: Figure,
-    /// Spread of the offsets of single runs, m: half of them with another length of the train have one, too, and the others none.
+    /// Spread of the offsets of single runs, m: half of them with another length of the train have one, too, and the
+    /// others none.
     between_m: f64,
     /// Runs of both directions: another length moves the gradients in each its own way, and is no part of the offset.
     both_directions: bool,
@@ -53,7 +56,8 @@ impl Offset {
         Self { offset_m: Figure { value, ..rest.offset_m }, between_m: rest.between_m, ..self }
     }
 
-    /// With a standard deviation that reaches to single runs where all go in one direction: of trains of two lengths it may be the offset of either.
+    /// With a standard deviation that reaches to single runs where all go in one direction: of trains of two lengths it
+    /// may be the offset of either.
     pub fn of_each(&self) -> Figure {
         let Figure { value, sd } = self.offset_m;
         Figure { value, sd: if self.both_directions { sd } else { sd.hypot(self.between_m) } }
@@ -76,7 +80,8 @@ fn moved(context: &Context<'_>, rows: &[Row], offset_m: f64) -> Vec<f64> {
     rows.iter().map(of_row).collect()
 }
 
-/// No driver could have forged what this row shows: braking comes at the same places in each run, and a held speed answers each change of the gradient some seconds late.
+/// No driver could have forged what this row shows: braking comes at the same places in each run, and a held speed
+/// answers each change of the gradient some seconds late.
 pub fn is_strong(row: &Row, config: &SearchConfig) -> bool {
     let held = row.interval.acceleration_mps2().abs() < config.held_mps2;
     let effort = row.effort_n_per_kg;
@@ -124,7 +129,8 @@ pub fn offset(context: &Context<'_>, rows: &[Row], measured: bool) -> Option<Off
     let scatter = scores.iter().map(|score| score * score).sum::<f64>();
     let of_runs = RunScore::of_runs(rows, whitening.runs(), &slope, &rest);
     let sum = |of: fn(&RunScore) -> f64| of_runs.iter().map(of).sum::<f64>();
-    // Scores vary by their information from the noise, and by its square times the spread between runs. (DerSimonian and Laird 1986.)
+    // Scores vary by their information from the noise, and by its square times the spread between runs. (DerSimonian
+    // and Laird 1986.)
     let excess = sum(|run| run.score.powi(2)) - sum(|run| run.information);
     let between = excess / sum(|run| run.information.powi(2)).max(f64::MIN_POSITIVE);
     // Where gradients come and go alike, there is more than one likely offset.
@@ -144,8 +150,8 @@ pub fn offset(context: &Context<'_>, rows: &[Row], measured: bool) -> Option<Off
     })
 }
 
-/// Beside runs that are found to have another length the offset is that of the others, whose train is as described: that of all runs has a part of the length in it. None
-/// where no runs have one.
+/// Beside runs that are found to have another length the offset is that of the others, whose train is as described:
+/// that of all runs has a part of the length in it. None where no runs have one.
 pub fn of_the_others(context: &Context<'_>, rows: &[Row], terms: &[Fitted], measured: bool) -> Option<Offset> {
     let length = terms.iter().find(|fitted| fitted.term.is(EffectKind::TrainLengthError))?;
     let runs = Some(length.term.shape.runs()).filter(|runs| !runs.is_empty())?;
@@ -195,7 +201,8 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rundown::model::direction::Direction;
 
-    /// What is found of 40 runs on a line with 30 gradients, whose locations are shown `offset_m` too far on; `stretch_m`: how much longer the train is.
+    /// What is found of 40 runs on a line with 30 gradients, whose locations are shown `offset_m` too far on;
+    /// `stretch_m`: how much longer the train is.
     fn found(offset_m: f64, stretch_m: f64, seed: u64) -> (Offset, bool) {
         found_of(&|_| (offset_m, stretch_m), &[Direction::Up, Direction::Down], seed)
     }

@@ -5,8 +5,9 @@
 //! | speed against location, run by run, as the diagnosis of the logs has it | a wrong wheel diameter beside locations of a satellite receiver |
 //! | distances between stops against those of the other runs | a wrong wheel diameter whose odometer gave the locations, too |
 //!
-//! A platform may be described some way off, so runs are compared with where the others stand; where platforms are described, all runs together are compared with
-//! these, as surely as platforms are known. What all runs of a recorder have alike in the first is put right before.
+//! A platform may be described some way off, so runs are compared with where the others stand; where platforms are
+//! described, all runs together are compared with these, as surely as platforms are known. What all runs of a recorder
+//! have alike in the first is put right before.
 
 use crate::config::{GapConfig, WheelConfig};
 use crate::data::{believed::Surroundings, runs::Run};
@@ -121,8 +122,8 @@ fn common(scales: &[Scale], config: &WheelConfig) -> Option<Wheel> {
     })
 }
 
-/// Each run's distance between its stops over that between the places where trains stop: where the other runs stand, or the platforms as they are described, which are also
-/// taken where too few runs stand at the same places.
+/// Each run's distance between its stops over that between the places where trains stop: where the other runs stand, or
+/// the platforms as they are described, which are also taken where too few runs stand at the same places.
 fn scales_by_stops(runs: &[Run], described: &[f64], as_described: bool, config: &WheelConfig) -> Vec<Scale> {
     let stops: Vec<Vec<f64>> = runs.iter().map(|run| stops(run, config.standing_mps)).collect();
     let places = |direction: Direction| -> Vec<f64> {
@@ -186,7 +187,8 @@ fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
         .collect()
 }
 
-/// Scale of the distances from the first stop at a known place to the later ones, and whether one stop elsewhere makes it as well.
+/// Scale of the distances from the first stop at a known place to the later ones, and whether one stop elsewhere makes
+/// it as well.
 fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &WheelConfig) -> Option<(Figure, bool)> {
     let (first, begin, from) = stops.iter().enumerate().find_map(|(i, at)| {
         let near = |place: &&f64| (*place - at).abs() < 2.0 * config.stop_m;

@@ -1,7 +1,8 @@
 //! Do all rows agree on a term, and do those show it that nothing else could explain?
 //!
-//! An effect of the train or the line acts in all parts of the data. A part in which a term, with its coefficients from all rows, makes the fit worse by more than chance would, contradicts
-//! it. And what acts by place must be shown by rows that drivers cannot forge:
+//! An effect of the train or the line acts in all parts of the data. A part in which a term, with its coefficients from
+//! all rows, makes the fit worse by more than chance would, contradicts it. And what acts by place must be shown by
+//! rows that drivers cannot forge:
 //!
 //! | weak evidence | because |
 //! |---|---|
@@ -39,7 +40,8 @@ fn splits(term: &Term) -> &'static [Part] {
 }
 
 impl Search<'_> {
-    /// No part of the rows contradicts a term with these coefficients, and what acts by place is shown by more than weak evidence.
+    /// No part of the rows contradicts a term with these coefficients, and what acts by place is shown by more than
+    /// weak evidence.
     pub fn agrees(&self, base: &Base, term: &Term, beta: &[f64]) -> bool {
         let config = &self.context.config.search;
         let splits = splits(term);
@@ -59,7 +61,8 @@ impl Search<'_> {
             return true;
         }
         let extra = term.extra(beta, self.context, self.rows);
-        // Whitened rows also hold a little of their neighbours and of the whole run: those count in which the term acts.
+        // Whitened rows also hold a little of their neighbours and of the whole run: those count in which the term
+        // acts.
         let most = extra.iter().fold(0.0, |most, e| f64::max(most, e.abs()));
         let strong = |i: usize| {
             let row = &self.rows[i];
@@ -80,8 +83,8 @@ impl Search<'_> {
         base.residual.component_mul(&explained) - 0.5 * explained.component_mul(&explained)
     }
 
-    /// Whether a term may be light brakes: without an effort column more resistance on a described descent is a driver who holds the speed there, unless the other rows
-    /// show the term as well.
+    /// Whether a term may be light brakes: without an effort column more resistance on a described descent is a driver
+    /// who holds the speed there, unless the other rows show the term as well.
     pub fn may_be_brakes(&self, base: &Base, term: &Term, beta: &[f64]) -> bool {
         let config = &self.context.config.search;
         let extra = term.extra(beta, self.context, self.rows);

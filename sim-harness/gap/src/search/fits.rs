@@ -24,7 +24,8 @@ pub struct Search<'a> {
     sensors: Vec<DVector<f64>>,
     /// What is looked among.
     pub families: Vec<Family>,
-    /// What these data cannot name, for want of an effort column: no term of a model, but it may be what one of them is taken for.
+    /// What these data cannot name, for want of an effort column: no term of a model, but it may be what one of them is
+    /// taken for.
     pub(super) unsearched: Vec<Family>,
     /// Of those families that are sections.
     pub scans: Vec<Scan>,
@@ -127,7 +128,8 @@ impl<'a> Search<'a> {
         Some(Figure { value: value * of_true, sd: left.max(0.0).sqrt().hypot(config.gain_sd) * of_true * of_true })
     }
 
-    /// Another mass beside a column that reads right would do nearly what this gain does: it would change the air drag by so little that these rows do not show it.
+    /// Another mass beside a column that reads right would do nearly what this gain does: it would change the air drag
+    /// by so little that these rows do not show it.
     pub fn may_be_mass(&self, model: &[Term], gain: Figure) -> bool {
         let mass = Term { of: candidates::of(EffectKind::MassError), shape: Shape::Law };
         let Some(base) = self.base(model).filter(|_| !model.iter().any(|term| term.is_like(&mass))) else {
@@ -149,8 +151,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// More than so much extra resistance is too few rows for so many coefficients, N/kg. A share of what is believed and of what the described curves may add to it: a tram in a curve of
-/// 100 m has twice its resistance on straight track, and in a tight one of an old town ten times.
+/// More than so much extra resistance is too few rows for so many coefficients, N/kg. A share of what is believed and
+/// of what the described curves may add to it: a tram in a curve of 100 m has twice its resistance on straight track,
+/// and in a tight one of an old town ten times.
 fn most_extra(context: &Context<'_>, rows: &[Row]) -> Vec<f64> {
     let (davis, config) = (context.believed.train().davis(), &context.config.search);
     let curves = Term { of: candidates::of(EffectKind::CurveResistance), shape: Shape::Law };
@@ -187,7 +190,8 @@ mod tests {
         may_be_mass: bool,
     }
 
-    /// Of 30 runs that power, coast and brake at these speeds, m/s, of a train that is heavier by a share of its mass, beside an effort column that reads too much by a share.
+    /// Of 30 runs that power, coast and brake at these speeds, m/s, of a train that is heavier by a share of its mass,
+    /// beside an effort column that reads too much by a share.
     fn found(heavier: f64, gain: f64, speeds: core::ops::Range<f64>, seed: u64) -> Found {
         on_a_level_line(30, |context| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -67,7 +67,8 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rundown::model::{direction::Direction, effects::EffectKind};
 
-    /// Kinds of the terms that are found in 30 runs that coast at 25 to 140 km/h, each with those of its rivals that are hardly worse, where the resistance is larger by a law of the speed, m/s.
+    /// Kinds of the terms that are found in 30 runs that coast at 25 to 140 km/h, each with those of its rivals that
+    /// are hardly worse, where the resistance is larger by a law of the speed, m/s.
     fn found(law: impl Fn(f64) -> f64) -> Vec<(Option<EffectKind>, Vec<Option<EffectKind>>)> {
         on_a_level_line(30, |context| {
             let mut rng = ChaCha8Rng::seed_from_u64(5);

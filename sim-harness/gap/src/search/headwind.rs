@@ -1,10 +1,12 @@
-//! The headwind column as a reference for the wind: how much of the residuals it explains, and whether they fit just as much of it.
+//! The headwind column as a reference for the wind: how much of the residuals it explains, and whether they fit just as
+//! much of it.
 //!
 //! ```text
 //! residual + wind = s wind + effects + noise        wind: r2 ((v + w)|v + w| - v²), w measured
 //! ```
 //!
-//! The forward model has taken the wind off with s = 1. What is left is fitted beside the effects: s = 1 where sensor, sign and r2 are right.
+//! The forward model has taken the wind off with s = 1. What is left is fitted beside the effects: s = 1 where sensor,
+//! sign and r2 are right.
 
 use crate::candidate::Term;
 use crate::data::believed::{Context, wind_n_per_kg};

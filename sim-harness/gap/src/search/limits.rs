@@ -32,8 +32,8 @@ impl Search<'_> {
         columns.into_iter().map(size).map(of).collect()
     }
 
-    /// Standard deviations of a term's coefficients that no spread of rows or runs shows: a difference in all rows alike, and Davis coefficients that were taken as
-    /// described.
+    /// Standard deviations of a term's coefficients that no spread of rows or runs shows: a difference in all rows
+    /// alike, and Davis coefficients that were taken as described.
     pub fn systematic(&self, model: &[Term], index: usize) -> Vec<f64> {
         let mut sd = self.in_all_rows(&model[index]);
         let Shape::Powers(wrong) = model[index].shape else {
@@ -56,8 +56,9 @@ impl Search<'_> {
         sd
     }
 
-    /// 95 % limits of a section: how far its edges may move, one by one and both together, before the log-likelihood has lost what is allowed, and where its
-    /// coefficient goes meanwhile. `half`: how far the limits of the coefficient `fitted` are from it where the edges stay.
+    /// 95 % limits of a section: how far its edges may move, one by one and both together, before the log-likelihood
+    /// has lost what is allowed, and where its coefficient goes meanwhile. `half`: how far the limits of the
+    /// coefficient `fitted` are from it where the edges stay.
     pub fn section(&self, others: &[Term], term: &Term, half: f64, fitted: f64) -> Option<SectionLimits> {
         let section = term.section()?;
         let base = self.base(others)?;

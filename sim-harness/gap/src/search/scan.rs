@@ -1,7 +1,7 @@
 //! The best section of the line for a term.
 //!
-//! A section's column is the difference of two cumulative columns (all of the line before `to` minus all before `from`), so one Gram matrix of
-//! cumulative columns scores every section.
+//! A section's column is the difference of two cumulative columns (all of the line before `to` minus all before
+//! `from`), so one Gram matrix of cumulative columns scores every section.
 
 use crate::candidate::{Shape, Term};
 use crate::config::SearchConfig;
@@ -30,7 +30,8 @@ pub struct Scan {
 /// No part of the line: any is wider.
 const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
-/// A term on all of the line before an edge, row by row. Only rows whose train stands across the edge are computed for each.
+/// A term on all of the line before an edge, row by row. Only rows whose train stands across the edge are computed for
+/// each.
 struct Cumulative<'a> {
     term: &'a Term,
     context: &'a Context<'a>,
@@ -125,7 +126,8 @@ impl Scan {
         best
     }
 
-    /// Sections on the grid that lose less than `loss` of a gain of log-likelihood, with their coefficients and what they lose.
+    /// Sections on the grid that lose less than `loss` of a gain of log-likelihood, with their coefficients and what
+    /// they lose.
     pub fn within(&self, base: &Base, gain: f64, loss: f64) -> Vec<([f64; 2], f64, f64)> {
         let (with_residual, gram) = self.beside(base);
         let mut within = Vec::new();
@@ -142,7 +144,8 @@ impl Scan {
         within
     }
 
-    /// The same with edges refined below the grid: a cumulative column between two edges is, within a train's length, the straight line between theirs.
+    /// The same with edges refined below the grid: a cumulative column between two edges is, within a train's length,
+    /// the straight line between theirs.
     pub fn refined(&self, base: &Base) -> Option<[f64; 2]> {
         let beside = self.beside(base);
         let (section, _) = self.best(&beside)?;

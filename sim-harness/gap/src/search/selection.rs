@@ -1,7 +1,9 @@
-//! Which terms are missing: forward selection by penalised gain of log-likelihood, with a backward re-check of each term.
+//! Which terms are missing: forward selection by penalised gain of log-likelihood, with a backward re-check of each
+//! term.
 //!
-//! Each family (one named effect, or a smooth function of one coordinate) offers its best shape beside the current model. Its value is the gain, scaled down
-//! where runs differ more than the noise model says, minus the penalty of its freedom.
+//! Each family (one named effect, or a smooth function of one coordinate) offers its best shape beside the current
+//! model. Its value is the gain, scaled down where runs differ more than the noise model says, minus the penalty of its
+//! freedom.
 
 use crate::candidate::{Family, Shape, Size, Term};
 use crate::fit::{Base, Gain, choices};
@@ -34,7 +36,8 @@ impl Search<'_> {
         self.offered(self.families.iter(), model)
     }
 
-    /// All that would explain what a term does, best first: the candidates beside the other terms, and what these data cannot name.
+    /// All that would explain what a term does, best first: the candidates beside the other terms, and what these data
+    /// cannot name.
     pub fn in_place(&self, others: &[Term]) -> Vec<Found> {
         self.offered(self.families.iter().chain(&self.unsearched), others)
     }
@@ -100,8 +103,8 @@ impl Search<'_> {
         Some(Found { term, gain, value })
     }
 
-    /// Large enough to matter to a train: what is smaller is left to the Davis coefficients' uncertainty and to sensors. Nor more than the train's whole resistance, by too few rows for
-    /// so many coefficients.
+    /// Large enough to matter to a train: what is smaller is left to the Davis coefficients' uncertainty and to
+    /// sensors. Nor more than the train's whole resistance, by too few rows for so many coefficients.
     fn is_plausible(&self, term: &Term, beta: &[f64]) -> bool {
         let absurd = || {
             let extra = term.extra(beta, self.context, self.rows);
@@ -136,7 +139,8 @@ impl Search<'_> {
         found(shape::refined(self, base, best.term))
     }
 
-    /// The runs in which a constant resistance after the first brake application, the same in all of them, explains most.
+    /// The runs in which a constant resistance after the first brake application, the same in all of them, explains
+    /// most.
     fn best_runs(&self, term: &Term, base: &Base) -> Option<Term> {
         let all: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
         let column = base.beside(&self.white(&term.with(Shape::Runs(all)))[0]);

@@ -1,4 +1,5 @@
-//! Terms whose shape is a number: a time constant, the speed at which a fade begins, a length. The search tries a few; here the best is made finer, and its limits are found.
+//! Terms whose shape is a number: a time constant, the speed at which a fade begins, a length. The search tries a few;
+//! here the best is made finer, and its limits are found.
 
 use crate::candidate::{Dial, Shape, ShapeLimits, Side, Term};
 use crate::candidates::unknown::STEEP;
@@ -110,8 +111,8 @@ struct Profile {
 }
 
 impl Profile {
-    /// From `start` on, where the gain is `most`, as far as the log-likelihood loses no more than a limit allows. `half`: how far the limits of the coefficient are from it where the
-    /// number stays.
+    /// From `start` on, where the gain is `most`, as far as the log-likelihood loses no more than a limit allows.
+    /// `half`: how far the limits of the coefficient are from it where the number stays.
     fn of(start: (f64, &Gain), half: f64, least: f64, range: (f64, f64), at: impl Fn(f64) -> Option<Gain>) -> Self {
         let beta_of = |gain: &Gain| gain.beta.iter().next().copied().unwrap_or(1.0);
         let (most, beta) = (start.1.gain, beta_of(start.1));
@@ -142,8 +143,8 @@ impl Profile {
     }
 }
 
-/// Limits of a term's shape beside the others of its model: the profile of the log-likelihood, each number with the other where it fits best. `half`: how far the limits of its
-/// coefficient are from it where the shape stays.
+/// Limits of a term's shape beside the others of its model: the profile of the log-likelihood, each number with the
+/// other where it fits best. `half`: how far the limits of its coefficient are from it where the shape stays.
 pub fn limits(base: &Base, search: &Search<'_>, term: &Term, half: f64) -> Option<ShapeLimits> {
     let turned = Turned::of(term)?;
     let Dial { step, range, second_range, .. } = turned.dial;

@@ -6,8 +6,9 @@
 //! e_i = z_i c_i + d_i s_i + noise        z_i = 1 with probability p, d_i normal around the lag of all runs
 //! ```
 //!
-//! with c the rows of the term and s what locations a metre further on would change, for those of a run may begin some way off. Both z and d are integrated out; z = 0 is
-//! the rival: locations that differ from run to run, which look much like another length.
+//! with c the rows of the term and s what locations a metre further on would change, for those of a run may begin some
+//! way off. Both z and d are integrated out; z = 0 is the rival: locations that differ from run to run, which look much
+//! like another length.
 
 use crate::candidate::{Shape, Term};
 use crate::candidates::sensors;
@@ -91,7 +92,8 @@ impl<'a> OfTerm<'a> {
 }
 
 impl Search<'_> {
-    /// What a model leaves in each run. The lag of the locations, which is much like another length in all runs, is left in it.
+    /// What a model leaves in each run. The lag of the locations, which is much like another length in all runs, is
+    /// left in it.
     pub(super) fn left_in_runs(&self, model: &[Term]) -> Option<Vec<RunLeft>> {
         let residual: Vec<f64> = self.rows.iter().map(|row| row.residual_n_per_kg).collect();
         let sensor = |of| self.white_apart(&Term { of, shape: Shape::Law });
@@ -113,7 +115,8 @@ impl Search<'_> {
         Some(self.apart.runs().iter().map(of_run).collect())
     }
 
-    /// The term in those runs that it explains better. `None`: these are hardly any or nearly all, or their locations may as well be shifted.
+    /// The term in those runs that it explains better. `None`: these are hardly any or nearly all, or their locations
+    /// may as well be shifted.
     pub(super) fn in_some_runs(&self, term: &Term, runs: &[RunLeft]) -> Option<Term> {
         let (config, between) = (self.context.config, &self.context.config.between_runs);
         let column = &self.white_apart(term)[0];
@@ -150,7 +153,8 @@ mod tests {
 
     const RUNS: usize = 40;
 
-    /// In which runs a length of `asked_m` is found, of 40 on a line with 30 gradients. `train`: how much longer the train of a run is, and by how much its locations are off, m.
+    /// In which runs a length of `asked_m` is found, of 40 on a line with 30 gradients. `train`: how much longer the
+    /// train of a run is, and by how much its locations are off, m.
     fn found_in(asked_m: f64, seed: u64, train: impl Fn(usize, f64) -> (f64, f64)) -> Option<Vec<usize>> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         on_a_hilly_line(RUNS, |context| {

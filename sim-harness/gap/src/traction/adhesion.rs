@@ -32,8 +32,9 @@ struct Adhesion<'a> {
 }
 
 impl Adhesion<'_> {
-    /// What a limit adds to the log-likelihood of each run, beside drivers who move the handle as they do where it does not act: above its speed, and below in the
-    /// other runs. Which these are comes of a first look with what is above alone.
+    /// What a limit adds to the log-likelihood of each run, beside drivers who move the handle as they do where it does
+    /// not act: above its speed, and below in the other runs. Which these are comes of a first look with what is above
+    /// alone.
     fn gains(&self, factor: f64, below_kmh: f64) -> Vec<f64> {
         let first = self.gains_beside(factor, below_kmh, |_, power| if below(power, below_kmh) { 0.0 } else { 1.0 });
         let (share, _) = mixture(&first, self.config.most_slippery);
@@ -41,7 +42,8 @@ impl Adhesion<'_> {
         self.gains_beside(factor, below_kmh, |run, power| if below(power, below_kmh) { others[run] } else { 1.0 })
     }
 
-    /// The same beside the demands that are free of it, each as much as `free` says. A run that exceeds the limit is none of a bad day.
+    /// The same beside the demands that are free of it, each as much as `free` says. A run that exceeds the limit is
+    /// none of a bad day.
     fn gains_beside(&self, factor: f64, below_kmh: f64, free: impl Fn(usize, &SteadyPower) -> f64) -> Vec<f64> {
         let config = self.config;
         let cap = |power: &SteadyPower| factor * power.effort_over_limit;
@@ -88,7 +90,8 @@ impl Adhesion<'_> {
         Some(climb.from(best?.0, |[factor, below]| Some(self.total(factor, below))))
     }
 
-    /// How often drivers demand about this share where no adhesion limits, each run as much as another: odds that it is a habit of theirs.
+    /// How often drivers demand about this share where no adhesion limits, each run as much as another: odds that it is
+    /// a habit of theirs.
     fn demanded(&self, factor: f64, below_kmh: f64) -> f64 {
         let config = self.config;
         let near = |power: &SteadyPower| (power.ratio - factor).abs() < config.near + config.near_sd * power.sd;
@@ -175,7 +178,8 @@ mod tests {
         Hesitant(f64),
     }
 
-    /// A run of a train that starts four times to 90 km/h, read every second. `cap`: share of the largest effort below a speed, km/h.
+    /// A run of a train that starts four times to 90 km/h, read every second. `cap`: share of the largest effort below
+    /// a speed, km/h.
     fn run(rng: &mut ChaCha8Rng, train: &Train, handle: Handle, cap: Option<(f64, f64)>) -> Run {
         let most = train.max_effort_n_per_kg(0.1);
         let (mut samples, mut time_s, mut location_m) = (Vec::new(), 0.0, 0.0);

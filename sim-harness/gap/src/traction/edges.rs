@@ -9,10 +9,11 @@ pub struct Edges {
     pub limits_m: [(f64, f64); 2],
 }
 
-/// Moves each edge from phase to phase until the log-likelihood has lost what a 95 % limit allows. `powered_m`: locations of the phases, rising.
+/// Moves each edge from phase to phase until the log-likelihood has lost what a 95 % limit allows. `powered_m`:
+/// locations of the phases, rising.
 ///
-/// Where trains power on both sides the edge lies half-way between the last phase that is limited and the first that is not. Where they do not, the section is taken to end soon
-/// after the last one that is.
+/// Where trains power on both sides the edge lies half-way between the last phase that is limited and the first that is
+/// not. Where they do not, the section is taken to end soon after the last one that is.
 pub fn edges(
     powered_m: &[f64],
     best_m: [f64; 2],

@@ -1,7 +1,8 @@
 //! Did trains give more than a limit allows?
 //!
-//! Drivers who creep up to the same speed on the same slope all demand the same power there, and that looks like a limit. A limit is refuted by runs that exceed it, however briefly:
-//! here every reading of the effort counts, not only steady power; of a calculated one, what it is at least. Where runs exceed it near its ends alone, it is shorter.
+//! Drivers who creep up to the same speed on the same slope all demand the same power there, and that looks like a
+//! limit. A limit is refuted by runs that exceed it, however briefly: here every reading of the effort counts, not only
+//! steady power; of a calculated one, what it is at least. Where runs exceed it near its ends alone, it is shorter.
 
 use crate::config::TractionConfig;
 use crate::data::interval::{Interval, POINTS};
@@ -87,7 +88,8 @@ pub fn allowed(mut found: FoundLimit, traction: &[Vec<Reading>], config: &Tracti
     Some(found)
 }
 
-/// How far into a part of the line enough runs give more than `factor`. `inwards`: in which order locations lie towards the middle.
+/// How far into a part of the line enough runs give more than `factor`. `inwards`: in which order locations lie towards
+/// the middle.
 fn exceeded(
     traction: &[Vec<Reading>],
     part: core::ops::Range<f64>,

@@ -1,7 +1,8 @@
 //! How drivers move the handle: the rival of a limit at low speed.
 //!
-//! A driver leaves the handle where it is, or moves it to a level that this driver, or others of the set, like. How often, and to which levels, is read where a limit
-//! at low speed does not act: above that speed, and in the other runs. A level that is common there is no evidence of a limit below.
+//! A driver leaves the handle where it is, or moves it to a level that this driver, or others of the set, like. How
+//! often, and to which levels, is read where a limit at low speed does not act: above that speed, and in the other
+//! runs. A level that is common there is no evidence of a limit below.
 //!
 //! ```text
 //! α_k  <-  ((1 - m) α_k + m p_k Σ α) density_i(k)        k: share demanded, p: levels, m: probability that the handle was moved before part i
@@ -67,7 +68,8 @@ fn follows(before: &SteadyPower, after: &SteadyPower) -> bool {
     before.number == after.number && before.by_power == after.by_power
 }
 
-/// The habit of each run, from its parts and those of all runs that are free of a limit: `free` says of a part how surely it is, 0 to 1.
+/// The habit of each run, from its parts and those of all runs that are free of a limit: `free` says of a part how
+/// surely it is, 0 to 1.
 pub fn habits(
     runs: &[Shares<'_>],
     below_kmh: f64,
@@ -126,8 +128,9 @@ impl Habit {
 }
 
 impl Shares<'_> {
-    /// The same where the driver may as well move the handle within a phase, as is the habit. A share that is hardly above the limit is not known to be limited: the
-    /// sensor, or the shares of effort and power of one place of the handle, differ by as much.
+    /// The same where the driver may as well move the handle within a phase, as is the habit. A share that is hardly
+    /// above the limit is not known to be limited: the sensor, or the shares of effort and power of one place of the
+    /// handle, differ by as much.
     pub fn gain_beside(&self, habit: &Habit, limit: impl Fn(&SteadyPower) -> f64) -> f64 {
         let Some(mut given) = self.given(limit) else { return 0.0 };
         given.iter_mut().flatten().for_each(|given| given.unlimited += self.config.least_scale);

@@ -20,7 +20,8 @@ pub struct FoundLimit {
     pub edges_m: Option<[(f64, f64); 2]>,
     /// 95 % limits of the speed below which it acts, km/h.
     pub below_kmh: Option<(f64, f64)>,
-    /// How often drivers demand about as much where it cannot act, as a share of what they demand; 0 where that is not asked.
+    /// How often drivers demand about as much where it cannot act, as a share of what they demand; 0 where that is not
+    /// asked.
     pub demanded: f64,
 }
 
@@ -41,7 +42,8 @@ pub fn trimmed(gains: impl Iterator<Item = f64>) -> f64 {
     gains[..kept].iter().sum::<f64>() * gains.len() as f64 / kept as f64
 }
 
-/// Standard deviation of a factor from the curvature of the log-likelihood, over a step wide enough for its roughness. `gain`: what a factor brings that is by so much larger.
+/// Standard deviation of a factor from the curvature of the log-likelihood, over a step wide enough for its roughness.
+/// `gain`: what a factor brings that is by so much larger.
 pub fn factor_sd(most: f64, gain: impl Fn(f64) -> f64) -> f64 {
     const STEP: f64 = 0.01;
     let curvature = (2.0 * most - gain(-STEP) - gain(STEP)) / (STEP * STEP);

@@ -27,7 +27,8 @@ pub struct SteadyPower {
 }
 
 impl SteadyPower {
-    /// A reading of the effort. `limits`: the largest effort at this speed and at none; `sd`: of the effort, and of a speed where the power limits.
+    /// A reading of the effort. `limits`: the largest effort at this speed and at none; `sd`: of the effort, and of a
+    /// speed where the power limits.
     fn read(
         (run, location_m, speed_mps): (usize, f64, f64),
         effort: f64,
@@ -56,8 +57,9 @@ impl SteadyPower {
         Self { sd: self.sd.hypot(sd), ..self }
     }
 
-    /// Enough of the limit, and away from the corner of effort and power, near which a driver who demands less effort than power is limited by neither share.
-    /// `begins`: the largest effort over the limit where it begins, for an interval that begins at the corner is a mean of both shares.
+    /// Enough of the limit, and away from the corner of effort and power, near which a driver who demands less effort
+    /// than power is limited by neither share. `begins`: the largest effort over the limit where it begins, for an
+    /// interval that begins at the corner is a mean of both shares.
     fn says_something(&self, begins: f64, config: &TractionConfig) -> bool {
         self.ratio > least_ratio(config) && (!self.by_power || begins.min(self.effort_over_limit) >= config.corner)
     }
@@ -130,7 +132,8 @@ struct PhasePart {
     power: SteadyPower,
 }
 
-/// With the numbers of their phases. A phase that gains little speed keeps a speed rather than reaching one, and says what the driver likes, not what the train gives.
+/// With the numbers of their phases. A phase that gains little speed keeps a speed rather than reaching one, and says
+/// what the driver likes, not what the train gives.
 fn numbered(parts: impl Iterator<Item = PhasePart>, config: &TractionConfig) -> Vec<SteadyPower> {
     let parts: Vec<PhasePart> = parts.collect();
     let of_phases = parts.chunk_by(|a, b| b.time_s - a.time_s <= config.apart_s);
@@ -164,7 +167,8 @@ pub fn by_number(powering: &[SteadyPower]) -> impl Iterator<Item = &[SteadyPower
     powering.chunk_by(|a, b| a.number == b.number)
 }
 
-/// The power stays while the speed goes up and down: with the gradient, at the limit of what the train gives, though it gains nothing. A driver who holds a speed does the opposite.
+/// The power stays while the speed goes up and down: with the gradient, at the limit of what the train gives, though it
+/// gains nothing. A driver who holds a speed does the opposite.
 fn floats(read: &[(f64, SteadyPower)], here: usize, config: &TractionConfig) -> bool {
     // Coasts and stops are long, and no powering.
     if read[here].1.ratio <= least_ratio(config) {
@@ -182,8 +186,9 @@ fn floats(read: &[(f64, SteadyPower)], here: usize, config: &TractionConfig) -> 
     times.1 - times.0 >= config.floating_s && speeds.1 - speeds.0 >= config.floating_mps
 }
 
-/// Intervals of steady power where the effort is read off the samples: no mean over an interval is needed, and a fast log shows more of the first seconds. A mean
-/// since the sample before belongs half-way between the two, where the train was slower.
+/// Intervals of steady power where the effort is read off the samples: no mean over an interval is needed, and a fast
+/// log shows more of the first seconds. A mean since the sample before belongs half-way between the two, where the
+/// train was slower.
 pub fn sampled_powering(
     train: &Train,
     index: usize,
@@ -261,7 +266,8 @@ mod tests {
     use rundown::model::direction::Direction;
     use rundown::model::train::TrainDescription;
 
-    /// A driver who asks for all of the power and for three quarters of the effort does not slip where the one takes over from the other.
+    /// A driver who asks for all of the power and for three quarters of the effort does not slip where the one takes
+    /// over from the other.
     #[test]
     fn an_interval_that_begins_at_the_corner_says_nothing_of_the_power() {
         let described = TrainDescription::CASE_STUDY;

@@ -29,8 +29,8 @@ fn best_factor(range: impl Iterator<Item = f64>, gain: impl Fn(f64) -> f64) -> O
     Some((factor, factor_sd(most, |by| gain(factor + by))))
 }
 
-/// Either drivers demand more than the train gives, and many runs lie at the very limit; or what they demand scales with what there is, and no run comes near the
-/// described limit (which may also be caution: dearer).
+/// Either drivers demand more than the train gives, and many runs lie at the very limit; or what they demand scales
+/// with what there is, and no run comes near the described limit (which may also be caution: dearer).
 pub fn scale(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyConfig) -> Option<FoundLimit> {
     let capped = |factor: f64| -> Vec<f64> {
         let of_run = |run: &Shares<'_>| {
@@ -41,7 +41,8 @@ pub fn scale(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyConf
     let scaled = |factor: f64| -> Vec<f64> { runs.iter().map(|run| run.gain_up_to(factor)).collect() };
     let sum = |gains: &[f64]| gains.iter().sum::<f64>();
     let matters = |factor: f64| (factor - 1.0).abs() > config.least_scale;
-    // What is left of the gain of the effort sensor is no finding: what the best factor that near brings is brought by nothing.
+    // What is left of the gain of the effort sensor is no finding: what the best factor that near brings is brought by
+    // nothing.
     let near = (-6..=6).map(|i| 1.0 + config.least_scale * f64::from(i) / 6.0);
     let near = near.flat_map(|factor| [capped(factor), scaled(factor)]);
     let near = near.max_by(|a, b| sum(a).total_cmp(&sum(b)))?;

@@ -31,7 +31,8 @@ impl Bins {
     }
 }
 
-/// The factors that most phases come near to: under a limit many do. A grid fine enough for the few phases that miss it by three deviations would be dear.
+/// The factors that most phases come near to: under a limit many do. A grid fine enough for the few phases that miss it
+/// by three deviations would be dear.
 fn factors(runs: &[Shares<'_>], count: usize) -> Vec<f64> {
     const LEAST: f64 = 0.3;
     const STEP: f64 = 0.005;

@@ -124,7 +124,8 @@ impl Layer {
 }
 
 impl Panel {
-    /// The legend from left to right, on a new row where the canvas ends: beside the label, or below it where there is no room.
+    /// The legend from left to right, on a new row where the canvas ends: beside the label, or below it where there is
+    /// no room.
     fn entries(&self, canvas: u32) -> Vec<Entry<'_>> {
         let beside_label = LEFT as i32 + text_width(&self.label, 1.12) + 50;
         let width_of = |legend: &str| SWATCH + 10 + text_width(legend, 1.0);

@@ -1,8 +1,9 @@
 //! The data of a live figure: JSON that `assets/pages/figures.js` draws with uPlot.
 //!
-//! In: a [`Drawing`]. Out: its figures as they are, with numbers in single precision, which is finer than a screen zoomed in a thousand times.
-//! Each array stands once: the panels of a run share their x, and the two forms of a figure over location and over time share their heights.
-//! A value that is not there or not finite is `null`, where the line is broken.
+//! In: a [`Drawing`]. Out: its figures as they are, with numbers in single precision, which is finer than a screen
+//! zoomed in a thousand times. Each array stands once: the panels of a run share their x, and the two forms of a figure
+//! over location and over time share their heights. A value that is not there or not finite is `null`, where the line
+//! is broken.
 
 use super::scale::widened;
 use super::{Axes, Drawing, Figure, Layer, Panel, Point, Stroke};

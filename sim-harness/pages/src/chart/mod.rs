@@ -1,10 +1,11 @@
 //! A figure as inline SVG: panels one above the other on a common x axis, or a [`Grid`] of such figures.
 //!
-//! In: a [`Figure`], which says what is drawn and not how. Out: `<svg>` for the body of an HTML page, without a name space
-//! (so it names no address), with `viewBox`, title and description for those who hear the page.
+//! In: a [`Figure`], which says what is drawn and not how. Out: `<svg>` for the body of an HTML page, without a name
+//! space (so it names no address), with `viewBox`, title and description for those who hear the page.
 //!
-//! A value that is not there or not finite is a gap. The SVG back end has whole coordinates, so the canvas is about twice as fine
-//! as the screen; more points than it has columns are thinned to first, least, largest and last of each column.
+//! A value that is not there or not finite is a gap. The SVG back end has whole coordinates, so the canvas is about
+//! twice as fine as the screen; more points than it has columns are thinned to first, least, largest and last of each
+//! column.
 
 mod build;
 mod drawing;

@@ -91,7 +91,8 @@ pub(super) fn study_part(arguments: &Arguments, part: Part<'_>, out: &Path) -> R
     Ok((code, study.claims))
 }
 
-/// Before the work: the folder of the file is made. Not within the results, which are replaced as a whole and have a `runs.parquet` of their own.
+/// Before the work: the folder of the file is made. Not within the results, which are replaced as a whole and have a
+/// `runs.parquet` of their own.
 fn place_of_runs(file: &Path, out: &Path) -> Result<(), Failure> {
     let [whole, results] = [file, out].map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
     if whole.starts_with(results) {
@@ -138,7 +139,8 @@ fn study(
     let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
     let others = of_others(&mut described.others, &config, &estimators, &track)?;
     let claims = claims::over_sets(claims::claims(&gathered, &train, &trials), &others);
-    // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's line.
+    // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's
+    // line.
     let plan = SlopePlan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
     let test = self_test::self_test(&plan, config, || ())?;
     let slopes = [slope::slope(&test, 1)];

@@ -1,4 +1,5 @@
-//! `rundown study --readings`: which reading of the text, with which recorder, gives the paper's figures, on simulated or recorded runs.
+//! `rundown study --readings`: which reading of the text, with which recorder, gives the paper's figures, on simulated
+//! or recorded runs.
 
 use super::Arguments;
 use crate::commands::recorded::OpenedCase;

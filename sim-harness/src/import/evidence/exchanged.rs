@@ -12,13 +12,15 @@ use rundown_files::statistics::median;
 /// Ways by positions are compared in chords of so many metres, of which so many decide.
 const CHORD_M: f64 = 150.0;
 const LEAST_CHORDS: usize = 20;
-/// Positions that are named rightly are nearer than this to the way, and those that are not are so many times as far as the others.
+/// Positions that are named rightly are nearer than this to the way, and those that are not are so many times as far as
+/// the others.
 const WAY_NEAR: f64 = 0.025;
 const FARTHER: f64 = 3.0;
 
 impl SeenRows {
-    /// Latitude and longitude under each other's name: some are no latitudes, or the way by positions agrees with that by location or speed once they are exchanged,
-    /// and not as they are named. Out: that they were exchanged, with the figures.
+    /// Latitude and longitude under each other's name: some are no latitudes, or the way by positions agrees with that
+    /// by location or speed once they are exchanged, and not as they are named. Out: that they were exchanged, with the
+    /// figures.
     ///
     /// # Errors
     /// The mapping names them so.
@@ -48,8 +50,8 @@ impl SeenRows {
         Ok(Some(format!("column {second:?} is taken for the latitude and {first:?} for the longitude: {why}")))
     }
 
-    /// How the ways say that they are exchanged. Where nothing names the unit of the speed, beside which alone they go: no unit of trains agrees with the
-    /// positions as they are named, and one only once they are exchanged.
+    /// How the ways say that they are exchanged. Where nothing names the unit of the speed, beside which alone they go:
+    /// no unit of trains agrees with the positions as they are named, and one only once they are exchanged.
     fn exchanged_ways(&self, columns: &Columns) -> Option<String> {
         let by = if columns.has(Meaning::Location) { Meaning::Location } else { Meaning::Speed };
         let figures = |[named, other]: [f64; 2], unit: &str| {
@@ -72,8 +74,8 @@ impl SeenRows {
         agree.next().is_none().then(|| figures(*ways, &format!(" in {}, and no other unit agrees,", unit.name)))
     }
 
-    /// The way by positions over that by location, or by speed, in this unit, as the columns are named and once they are exchanged: medians over chords. None
-    /// where too few rows show it.
+    /// The way by positions over that by location, or by speed, in this unit, as the columns are named and once they
+    /// are exchanged: medians over chords. None where too few rows show it.
     fn ways(&self, columns: &Columns, unit: Unit) -> Option<[f64; 2]> {
         let located = columns.has(Meaning::Location);
         let passing = |row: &WrittenRow| {

@@ -1,14 +1,16 @@
 //! Distances by location over those by speed, stretch by stretch of a moving train.
 //!
-//! In: rows that have time, place and speed, by file. Out: a ratio a stretch. Rows need not be evenly spaced, and a place may be held for many of them.
+//! In: rows that have time, place and speed, by file. Out: a ratio a stretch. Rows need not be evenly spaced, and a
+//! place may be held for many of them.
 
 use super::super::columns::Columns;
 use super::super::geo;
 use super::super::meaning::Meaning;
 use rundown_files::statistics::median;
 
-/// A step is no gap up to so many usual ones, or so many of those that this share of the steps do not exceed, %. Judgement: of rows in bursts of ten one step in ten is
-/// long, and between two rows of a moving train that far apart it hardly stops.
+/// A step is no gap up to so many usual ones, or so many of those that this share of the steps do not exceed, %.
+/// Judgement: of rows in bursts of ten one step in ten is long, and between two rows of a moving train that far apart
+/// it hardly stops.
 const MOST_STEPS: f64 = 10.0;
 const LONG_STEP: usize = 90;
 const MOST_LONG_STEPS: f64 = 2.0;
@@ -44,7 +46,8 @@ pub fn longest(pieces: &[Vec<Passing>], step: f64) -> f64 {
     (MOST_STEPS * step).max(MOST_LONG_STEPS * long)
 }
 
-/// Of stretches of a moving train with so many steps, of the place or of the rows: a place that a recorder holds for a while moves none, and a stretch goes from change to change.
+/// Of stretches of a moving train with so many steps, of the place or of the rows: a place that a recorder holds for a
+/// while moves none, and a stretch goes from change to change.
 pub fn ratios(
     pieces: &[Vec<Passing>],
     columns: &Columns,

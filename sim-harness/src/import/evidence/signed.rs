@@ -10,8 +10,9 @@ use crate::import::meaning::Meaning;
 const MOST_WRONG: f64 = 0.2;
 
 impl SeenRows {
-    /// Speeds below zero that make the way of the locations are those of a train that goes back, and lose their sign; single wrong readings make none.
-    /// Out: that they do, with the figures; or that too many for wrong readings are undecided.
+    /// Speeds below zero that make the way of the locations are those of a train that goes back, and lose their sign;
+    /// single wrong readings make none. Out: that they do, with the figures; or that too many for wrong readings are
+    /// undecided.
     pub fn signed(&mut self, columns: &mut Columns, mapping: &SourceMapping) -> Option<String> {
         let said = mapping.columns.get(&Meaning::Speed).and_then(|column| column.signed);
         if said.is_some() || !columns.has(Meaning::Speed) {

@@ -1,6 +1,7 @@
 //! JSON: an object a line, or objects over several lines, as in an array; objects in objects are named `a.b`.
 //!
-//! The first line that is not empty decides which: where it holds an object, every line does, so that one that is torn off costs no other.
+//! The first line that is not empty decides which: where it holds an object, every line does, so that one that is torn
+//! off costs no other.
 
 use super::csv;
 use super::row::{self, Each, Event, Header, RowField};

@@ -93,7 +93,8 @@ impl SourceFile {
         Ok(source)
     }
 
-    /// The decimal sign of the first texts: cells of a sheet, or values of JSON, may be texts as the fields of a CSV are.
+    /// The decimal sign of the first texts: cells of a sheet, or values of JSON, may be texts as the fields of a CSV
+    /// are.
     fn decimal(&self) -> Result<char, ReadError> {
         let (mut texts, mut left) = (Vec::new(), DECIDING);
         self.as_written(&mut |event| {

@@ -1,4 +1,5 @@
-//! Times and dates whose parts stand in columns of their own: hour, minute, second; year, month, day. They are put together into one more column.
+//! Times and dates whose parts stand in columns of their own: hour, minute, second; year, month, day. They are put
+//! together into one more column.
 
 use super::row::{Header, RowField};
 use crate::import::meaning::{Meaning, plain};

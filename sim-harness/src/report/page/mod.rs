@@ -143,7 +143,8 @@ fn verdict(report: &Report) -> Markup {
     };
     let words = found.iter().map(|(speed_kmh, r, against)| {
         let side = if against.deviation < 0.0 { "below" } else { "above" };
-        // In the paper's mode the interval is the filter's: so narrow that it prints as nothing, and no measure of the vehicle.
+        // In the paper's mode the interval is the filter's: so narrow that it prints as nothing, and no measure of the
+        // vehicle.
         let interval = match report.mode {
             "paper" => String::new(),
             _ => format!(" (95\u{a0}% between {} and {})", number(r.lower(), 5), number(r.upper(), 5)),

@@ -48,7 +48,8 @@ pub(super) fn run_sections(run: &RunView, report: &Report) -> Vec<Section> {
     sections
 }
 
-/// What happened to the resistance where `learning` is set. The paper's filter corrects it all along and learns nothing of the truth.
+/// What happened to the resistance where `learning` is set. The paper's filter corrects it all along and learns nothing
+/// of the truth.
 pub(super) fn learning_words(report: &Report) -> &'static str {
     match report.mode {
         "paper" => "The filter corrected r0, r1 and r2",

@@ -11,9 +11,11 @@ use rundown_pages::numbers::{NOTHING, number};
 /// The paper's bound of cruising, m/s² (section 3.2), and its time between readings, s.
 const CRUISE_MPS2: f64 = 0.06;
 const INTERVAL_S: f64 = 10.0;
-/// Variation of the largest power that readings in whole km/h make where the true one is the same in all runs: measured at 3.6 %.
+/// Variation of the largest power that readings in whole km/h make where the true one is the same in all runs: measured
+/// at 3.6 %.
 const READING_CV: f64 = 0.05;
-/// How far the spread of the decelerations of coasts may be from the truth, m/s²: a twentieth of the deceleration itself.
+/// How far the spread of the decelerations of coasts may be from the truth, m/s²: a twentieth of the deceleration
+/// itself.
 const COASTS_APART_MPS2: f64 = 0.002;
 /// How far the brake rate of a step may be from the truth, m/s².
 const FURTHEST_MPS2: f64 = 0.05;
@@ -178,7 +180,8 @@ pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
     ]
 }
 
-/// The plain median, which is the paper's, and beside it what Rundown takes for the cruise speed: no reader shall take the one for the other.
+/// The plain median, which is the paper's, and beside it what Rundown takes for the cruise speed: no reader shall take
+/// the one for the other.
 fn cruise_speeds(t: &Tallies) -> Option<String> {
     let plain = mean(&t.plain_cruise_kmh, 1)?;
     let skewness = number(t.plain_cruise_kmh.skewness(), 2);

@@ -5,8 +5,8 @@ use super::{Claim, Sets};
 use crate::output::markdown::{cells, table};
 use rundown_pages::numbers::NOTHING;
 
-/// Those under which the claims are compared. The last: regimes and features are of readings that were put right, the paper's loop has those of the
-/// skewed recorder.
+/// Those under which the claims are compared. The last: regimes and features are of readings that were put right, the
+/// paper's loop has those of the skewed recorder.
 pub const READINGS: [&str; 4] = ["backward", "forward", "skewed", "skewed, put right"];
 
 /// All claims of a study.
@@ -22,7 +22,8 @@ pub fn one(claims: &[Claim]) -> String {
     format!("{}\n\n{}", summary::basis(claims), table(&head, &rows))
 }
 
-/// The claims under several readings or recorders, each with its name: how many hold by kind, and in how many sets each does.
+/// The claims under several readings or recorders, each with its name: how many hold by kind, and in how many sets each
+/// does.
 pub fn compared(all: &[(&str, Vec<Claim>)]) -> String {
     let Some((_, first)) = all.first() else {
         return String::new();
@@ -78,8 +79,8 @@ mod tests {
     use crate::output::markdown::{found, measured, page};
     use crate::study::{case::case_study, description, gather::Gathered, trials::Trials};
 
-    /// Both tables of the document have the values that were measured; of the claims those that hold in fewer than 18 of 20 sets with one of the
-    /// readings, each of them, and why.
+    /// Both tables of the document have the values that were measured; of the claims those that hold in fewer than 18
+    /// of 20 sets with one of the readings, each of them, and why.
     #[test]
     fn the_tables_of_the_document_are_those_that_were_measured() {
         let (document, measured) = (page("paper.md"), measured("claims.md"));

@@ -22,7 +22,8 @@ const BLIND: &str =
 /// The run of the paper's mode that shows the coefficients.
 const LOOP: fn(&Example) -> &ReplayedRun = |example| &example.paper;
 
-/// What both modes say of the run of Figs. 3, 5 and 6, and what was true. `paper`: which of the runs of the paper's mode says it.
+/// What both modes say of the run of Figs. 3, 5 and 6, and what was true. `paper`: which of the runs of the paper's
+/// mode says it.
 fn of_example(
     example: Option<&Example>,
     paper: fn(&Example) -> &ReplayedRun,
@@ -87,7 +88,8 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     ]
 }
 
-/// Largest power of an acceleration above [`CLOUDS_KMH`], as a share of the manufacturer's: where power is the limit, that of the effort.
+/// Largest power of an acceleration above [`CLOUDS_KMH`], as a share of the manufacturer's: where power is the limit,
+/// that of the effort.
 fn largest_share(seen: &Seen, train: &Train) -> Option<f64> {
     let largest = view::largest(&seen.points.power, &(CLOUDS_KMH..=f64::INFINITY))?;
     Some(1000.0 * largest.power_kw / train.description().max_power_w)

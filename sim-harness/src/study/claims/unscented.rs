@@ -1,7 +1,8 @@
 //! Section 3.1: the unscented transform is accurate "up to the third moment when the state statistics is symmetric".
 //!
-//! The filter's own prediction of x', where x is a normal variable and x' one of its powers, against the closed form of that moment. A filter of
-//! straight lines would miss the second power already; this one must meet the third and miss the fourth.
+//! The filter's own prediction of x', where x is a normal variable and x' one of its powers, against the closed form of
+//! that moment. A filter of straight lines would miss the second power already; this one must meet the third and miss
+//! the fourth.
 
 use super::{Claim, alone, claim};
 use nalgebra::SVector;

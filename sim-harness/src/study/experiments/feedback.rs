@@ -1,7 +1,9 @@
-//! Section 5: the recognised regime "could be used in real time to improve the performance of the parameter estimation module".
+//! Section 5: the recognised regime "could be used in real time to improve the performance of the parameter estimation
+//! module".
 //!
-//! The paper's loop, where the effort of a step is zero when the train is said to coast, and calculated from the readings otherwise. Only then do
-//! the readings say something of the resistance: otherwise it cancels out. Who says that the train coasts:
+//! The paper's loop, where the effort of a step is zero when the train is said to coast, and calculated from the
+//! readings otherwise. Only then do the readings say something of the resistance: otherwise it cancels out. Who says
+//! that the train coasts:
 //!
 //! | arm | coasting is |
 //! |---|---|
@@ -11,8 +13,9 @@
 //! | `truth` | what the driver does at both ends: the most that a recogniser could bring |
 //! | `recogniser, Q` | as the recogniser says; a calculated effort has the noise of the readings that it is made of |
 //!
-//! Without that noise the filter takes a calculated effort for exact, and so the speed with which a coast begins.
-//! With Table 1's initial deviations the coefficients can hardly move, so wider ones are tried. Each run begins with the description.
+//! Without that noise the filter takes a calculated effort for exact, and so the speed with which a coast begins. With
+//! Table 1's initial deviations the coefficients can hardly move, so wider ones are tried. Each run begins with the
+//! description.
 
 use super::answer::{Answer, Arm, VariantAxis};
 use super::look::{Driven, Look, misses};

@@ -1,6 +1,8 @@
-//! Do groups of runs differ by more than the runs within them? One-way analysis of variance with a permutation test over the labels.
+//! Do groups of runs differ by more than the runs within them? One-way analysis of variance with a permutation test
+//! over the labels.
 //!
-//! The test needs no distribution: under the hypothesis that the label says nothing every assignment of labels to runs is as probable.
+//! The test needs no distribution: under the hypothesis that the label says nothing every assignment of labels to runs
+//! is as probable.
 
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -8,7 +10,8 @@ use rand_chacha::ChaCha8Rng;
 
 pub const PERMUTATIONS: usize = 999;
 
-/// Variance between the groups' means over that within them, each by its degrees of freedom; none with fewer than two groups or no spread.
+/// Variance between the groups' means over that within them, each by its degrees of freedom; none with fewer than two
+/// groups or no spread.
 fn f_ratio(values: &[f64], labels: &[usize]) -> Option<f64> {
     let groups = labels.iter().max()? + 1;
     let (mut sums, mut counts) = (vec![0.0; groups], vec![0.0; groups]);

@@ -1,4 +1,5 @@
-//! What the paper leaves to future work (section 5, and remarks of sections 2 to 4), as experiments on runs whose truth is known.
+//! What the paper leaves to future work (section 5, and remarks of sections 2 to 4), as experiments on runs whose truth
+//! is known.
 //!
 //! ```text
 //! experiment -> variants (scenario, description, settings) x sets of runs -> modes -> metrics against the truth -> one table, one figure
@@ -14,8 +15,8 @@
 //! | do units or drivers differ by more than their runs? | `units`, `styles`, `groups` |
 //! | how much is simulated, what comes out | `plan`, `answer` |
 //!
-//! Each set of runs is of a vehicle of its own, 15 % of resistance around what is described; the variants of an experiment share vehicles,
-//! drivers and weather, so that they differ in what the experiment changes alone.
+//! Each set of runs is of a vehicle of its own, 15 % of resistance around what is described; the variants of an
+//! experiment share vehicles, drivers and weather, so that they differ in what the experiment changes alone.
 
 pub(crate) mod answer;
 pub(crate) mod catalogue;

@@ -1,7 +1,8 @@
-//! Section 5: "individual driving styles statistics could be computed and the differences between them could be studied".
+//! Section 5: "individual driving styles statistics could be computed and the differences between them could be
+//! studied".
 //!
-//! Runs with a column `driver`: of five drivers who take turns, each with a style of its own, and of as many labels that say nothing. Each
-//! feature is tested between the drivers, as it was found and as it was.
+//! Runs with a column `driver`: of five drivers who take turns, each with a style of its own, and of as many labels
+//! that say nothing. Each feature is tested between the drivers, as it was found and as it was.
 
 use super::answer::{Answer, Arm, VariantAxis};
 use super::groups::p_value;

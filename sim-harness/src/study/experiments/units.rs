@@ -1,8 +1,9 @@
 //! Section 5: "to detect the existing parameter variability within the different units".
 //!
-//! Units of one type whose true resistance is spread evenly about the description, with wind and load from run to run. Each run is estimated for
-//! itself, so that runs of a unit are no more alike than others unless the unit makes them so, and r at 100 km/h is tested between units.
-//! Beside it the spread of what is carried from run to run, against the true one.
+//! Units of one type whose true resistance is spread evenly about the description, with wind and load from run to run.
+//! Each run is estimated for itself, so that runs of a unit are no more alike than others unless the unit makes them
+//! so, and r at 100 km/h is tested between units. Beside it the spread of what is carried from run to run, against the
+//! true one.
 
 use super::answer::{Answer, Arm, ArmRow, VariantAxis};
 use super::groups::{PERMUTATIONS, p_value};

@@ -1,5 +1,5 @@
-//! Fig. 8: the brake rates of all runs over their speeds, and of each ATB-EG step the statistic of section 3.3, the mean rate of a run in it, with
-//! mean and standard deviation over the runs.
+//! Fig. 8: the brake rates of all runs over their speeds, and of each ATB-EG step the statistic of section 3.3, the
+//! mean rate of a run in it, with mean and standard deviation over the runs.
 //!
 //! A rate is that between two samples: where the train begins to brake or lets go between them it is too small.
 
@@ -43,7 +43,8 @@ pub fn columns() -> Vec<Column<BrakeRow>> {
     ]
 }
 
-/// The picture. Means and deviations are those of all runs, dots those of the drawn ones; true means where `truth` has runs.
+/// The picture. Means and deviations are those of all runs, dots those of the drawn ones; true means where `truth` has
+/// runs.
 pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) -> Picture {
     let edges = [END_KMH, ATB_STEPS_KMH[0], ATB_STEPS_KMH[1], ATB_STEPS_KMH[2], ATB_STEPS_KMH[3], 0.0];
     let dots = drawn.iter().flat_map(|run| eyes.of(run).points.brake.iter().copied()).collect();

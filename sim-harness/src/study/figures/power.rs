@@ -1,5 +1,6 @@
-//! Fig. 9: tractive power of the first acceleration over speed, with each run's largest mean over 30 s and the manufacturer's value; and its part below
-//! 40 km/h apart, where the largest effort counts and section 4.4 leaves out what lies below 10 and above 30 km/h.
+//! Fig. 9: tractive power of the first acceleration over speed, with each run's largest mean over 30 s and the
+//! manufacturer's value; and its part below 40 km/h apart, where the largest effort counts and section 4.4 leaves out
+//! what lies below 10 and above 30 km/h.
 
 use super::{Drawn, Eyes, Picture};
 use crate::study::view::{CROSS_KMH, PowerPoint, largest};

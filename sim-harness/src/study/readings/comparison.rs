@@ -1,5 +1,6 @@
-//! Every combination on the runs of many seeds, or on recorded ones. The train is driven once for each simulated run, and every recorder sees the same
-//! run. Recorded runs have one recorder, and where a diagnosis put something right, another that recorded so.
+//! Every combination on the runs of many seeds, or on recorded ones. The train is driven once for each simulated run,
+//! and every recorder sees the same run. Recorded runs have one recorder, and where a diagnosis put something right,
+//! another that recorded so.
 
 use super::optimum::gain_per_sample;
 use super::pass::{Filter, Pass};

@@ -1,4 +1,5 @@
-//! Readings of the paper compared: which effort, which gradient, which Table 1, recorded by which sensors, gives what section 4.2 shows?
+//! Readings of the paper compared: which effort, which gradient, which Table 1, recorded by which sensors, gives what
+//! section 4.2 shows?
 //!
 //! ```text
 //! scenario + seed -> one truth, recorded by each recorder -> each reading's filter -> remarks that hold, likelihood -> table, picture, page

@@ -1,8 +1,9 @@
-//! How far Table 1 is from the most likely initial deviations, the criterion by which the paper chose them (section 4.2).
+//! How far Table 1 is from the most likely initial deviations, the criterion by which the paper chose them (section
+//! 4.2).
 //!
-//! In: runs, and a filter with Table 1. Out: what the best initial deviations of location, speed, r0, r1 and r2 add to the logarithm of the likelihood
-//! of a sample, among those without a negative coefficient. α, β and κ stay: with them the mean moves by less than rounding. The noise of the
-//! readings is stated in the text and stays.
+//! In: runs, and a filter with Table 1. Out: what the best initial deviations of location, speed, r0, r1 and r2 add to
+//! the logarithm of the likelihood of a sample, among those without a negative coefficient. α, β and κ stay: with them
+//! the mean moves by less than rounding. The noise of the readings is stated in the text and stays.
 
 use super::pass::{Filter, Pass};
 use argmin::core::{CostFunction, Error, Executor};
@@ -62,8 +63,9 @@ impl<F: Fn(&Filter) -> Vec<Pass>> CostFunction for LikelihoodProblem<'_, F> {
     }
 }
 
-/// What the best initial deviations add to the log-likelihood of a sample, nats; `passes` are the runs through a filter. Zero where the search
-/// finds none better; not a number where it fails, or where it finds none without a negative coefficient.
+/// What the best initial deviations add to the log-likelihood of a sample, nats; `passes` are the runs through a
+/// filter. Zero where the search finds none better; not a number where it fails, or where it finds none without a
+/// negative coefficient.
 pub fn gain_per_sample(filter: &Filter, passes: impl Fn(&Filter) -> Vec<Pass>) -> f64 {
     let printed = likelihood(&passes(filter));
     let corner = |index: usize| {

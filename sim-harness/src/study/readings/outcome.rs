@@ -264,7 +264,8 @@ mod tests {
     use super::*;
     use crate::output::markdown::{found, measured, page};
 
-    /// A row of the document is one that was measured, and what was measured has the combinations that are compared now.
+    /// A row of the document is one that was measured, and what was measured has the combinations that are compared
+    /// now.
     #[test]
     fn the_table_of_the_document_has_the_rows_that_were_measured() {
         let all: Vec<Compared> = Combination::all().into_iter().map(Compared::new).collect();

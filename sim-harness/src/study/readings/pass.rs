@@ -1,7 +1,7 @@
 //! The paper's loop over one run, with nothing around it: no judging of readings, no regimes, no memory.
 //!
-//! In: a filter, a line, a run. Out: what the figures of section 4.2 show of it. The `paper` mode of the estimator gives the same
-//! beliefs on runs without faults, to the tenth digit, which a test holds.
+//! In: a filter, a line, a run. Out: what the figures of section 4.2 show of it. The `paper` mode of the estimator
+//! gives the same beliefs on runs without faults, to the tenth digit, which a test holds.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -13,7 +13,8 @@ use rundown::model::state::{LOCATION, R0, SIZE, SPEED};
 use rundown::tick::paper::{PaperConfig, PaperLoop};
 use rundown_files::recording::Recording;
 
-/// "Small noise in the running resistance parameters' equations": what r0 gains a step, N/kg. Over a run it adds up to 4 % of r0.
+/// "Small noise in the running resistance parameters' equations": what r0 gains a step, N/kg. Over a run it adds up to
+/// 4 % of r0.
 pub const R0_NOISE: f64 = 3e-5;
 
 /// A filter: its settings, and a noise of the coefficients that the mode of the estimator does not have.
@@ -22,8 +23,8 @@ pub struct Filter {
     pub config: PaperConfig,
     /// Standard deviation that each coefficient gains a step (the diagonal of Q), SI units.
     pub davis_noise: [f64; 3],
-    /// Standard deviation of a noise that is drawn and added to the acceleration of each step, m/s²: section 4.2's "additive noise" read as a signal,
-    /// not as Q.
+    /// Standard deviation of a noise that is drawn and added to the acceleration of each step, m/s²: section 4.2's
+    /// "additive noise" read as a signal, not as Q.
     pub drawn_mps2: f64,
 }
 
@@ -99,7 +100,8 @@ impl Filter {
     }
 }
 
-/// The step that follows ends where it would with this acceleration on top; `along_s` is its length, negative towards falling locations.
+/// The step that follows ends where it would with this acceleration on top; `along_s` is its length, negative towards
+/// falling locations.
 fn shake(filter: &mut PaperLoop, mps2: f64, along_s: f64, dt_s: f64) {
     filter.belief.mean[SPEED] += mps2 * dt_s;
     filter.belief.mean[LOCATION] -= 0.5 * mps2 * along_s * dt_s;

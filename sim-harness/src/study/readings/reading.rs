@@ -187,7 +187,8 @@ impl Combination {
         readings.flat_map(|reading| recorders.clone().map(move |recorder| Self { reading, recorder })).collect()
     }
 
-    /// Both efforts with every recorder; the gradient of a point, Table 1 as variances and other points with truncated speeds, without and with skew.
+    /// Both efforts with every recorder; the gradient of a point, Table 1 as variances and other points with truncated
+    /// speeds, without and with skew.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for difference in [Difference::Backward, Difference::Forward] {

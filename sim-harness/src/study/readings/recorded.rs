@@ -1,7 +1,8 @@
-//! Recorded runs for the comparison: as their recorder wrote them and, where a diagnosis puts something right, as they are then.
+//! Recorded runs for the comparison: as their recorder wrote them and, where a diagnosis puts something right, as they
+//! are then.
 //!
-//! In: runs as recorded, the description of their train. Out: the runs by recorder, the remarks that they say nothing of, and notes. The first
-//! [`CHUNK`] runs are compared: each goes through some hundred filters.
+//! In: runs as recorded, the description of their train. Out: the runs by recorder, the remarks that they say nothing
+//! of, and notes. The first [`CHUNK`] runs are compared: each goes through some hundred filters.
 
 use super::comparison::ByRecorder;
 use super::reading::Recorder;
@@ -102,7 +103,8 @@ fn recorder(found: &Check) -> Recorder {
     Recorder { skew_s: (skew_s / SKEW_STEP_S).round() * SKEW_STEP_S + 0.0, speed }
 }
 
-/// Remarks of which the runs say nothing: the band of r0 is the paper's train's, and lower speeds are those below 80 and 100 km/h.
+/// Remarks of which the runs say nothing: the band of r0 is the paper's train's, and lower speeds are those below 80
+/// and 100 km/h.
 fn left_out(train: &Train, runs: &[Recording]) -> [bool; COUNT] {
     let speeds = runs.iter().flat_map(|run| &run.rows).filter_map(|row| row.speed_mps);
     let top_mps = speeds.fold(0.0, f64::max);

@@ -1,7 +1,8 @@
 //! Which remarks of section 4.2 on the filter hold for a reading, on the runs of one seed.
 //!
-//! A remark that can be read in two ways stands here twice. A filter that does not move satisfies "r0 stays within 0.0072 to 0.00738" idly, so both
-//! ends of that interval are asked for. A change counts from the size on that a reader could see: [`visible`].
+//! A remark that can be read in two ways stands here twice. A filter that does not move satisfies "r0 stays within
+//! 0.0072 to 0.00738" idly, so both ends of that interval are asked for. A change counts from the size on that a reader
+//! could see: [`visible`].
 
 use super::pass::{Filter, Pass, R0_NOISE, way};
 use crate::study::moments::Moments;
@@ -70,7 +71,8 @@ pub struct JudgedRuns {
     /// Quantiles of r0 beyond which outliers are, N/kg.
     pub r0_ends: [f64; 2],
     pub skewness: [f64; 3],
-    /// Share of the tried runs with a negative coefficient where the deviations of r0, of r1, of r2 are ten and a hundred times as large.
+    /// Share of the tried runs with a negative coefficient where the deviations of r0, of r1, of r2 are ten and a
+    /// hundred times as large.
     pub negative: [[f64; 3]; 2],
     /// Noise of the acceleration in Q, and drawn.
     pub noise: [NoiseRemarks; 2],
@@ -160,7 +162,8 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
     }
 }
 
-/// Share of the runs with a negative coefficient where the initial deviation of r0, of r1, of r2 is so many times as large.
+/// Share of the runs with a negative coefficient where the initial deviation of r0, of r1, of r2 is so many times as
+/// large.
 fn negative_with(factor: f64, filter: &Filter, again: &impl Fn(&Filter) -> Vec<Pass>) -> [f64; 3] {
     std::array::from_fn(|index| {
         let mut filter = *filter;

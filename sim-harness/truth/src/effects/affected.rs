@@ -21,7 +21,8 @@ impl Affected {
         Self::Share(1.0)
     }
 
-    /// For each run, whether it is affected. Runs with equal values in `groups` (the date, or their own number) share their fate.
+    /// For each run, whether it is affected. Runs with equal values in `groups` (the date, or their own number) share
+    /// their fate.
     ///
     /// ```
     /// use rundown_truth::effects::Affected;

@@ -59,7 +59,8 @@ pub struct Expect {
 }
 
 impl Expect {
-    /// Ranges are those of the catalogue, in its order; what is in no catalogue is finite. Ends of a section stand before, runs behind them.
+    /// Ranges are those of the catalogue, in its order; what is in no catalogue is finite. Ends of a section stand
+    /// before, runs behind them.
     pub(super) fn all(
         &self,
         kind: Option<EffectKind>,

@@ -1,11 +1,12 @@
 //! Effects that the believed description does not have, as they act in the truth.
 //!
-//! In: an effect, and where, when and how fast the train is. Out: by its [`Law`] what it adds to the resistance, what it leaves of traction and brake,
-//! what it alters of line, train, wind and readings, and in which runs.
+//! In: an effect, and where, when and how fast the train is. Out: by its [`Law`] what it adds to the resistance, what
+//! it leaves of traction and brake, what it alters of line, train, wind and readings, and in which runs.
 //!
-//! The kinds are those of [the catalogue](rundown_wire::effects_catalogue), each with parameters and a law of its own here, so that a wrong law of the estimator cannot hide; and a few
-//! that are in no catalogue: a workflow that looks for named effects must say that it does not know them.
-//! Names and units of parameters are those of the model files. Locations are those of the `up` direction, as in the track file.
+//! The kinds are those of [the catalogue](rundown_wire::effects_catalogue), each with parameters and a law of its own
+//! here, so that a wrong law of the estimator cannot hide; and a few that are in no catalogue: a workflow that looks
+//! for named effects must say that it does not know them. Names and units of parameters are those of the model files.
+//! Locations are those of the `up` direction, as in the track file.
 
 pub mod affected;
 mod check;
@@ -20,7 +21,8 @@ use crate::motion::Motion;
 use rundown_wire::{EffectKind, effects_catalogue};
 use serde::{Deserialize, Serialize};
 
-/// The parameters of an effect: those of the catalogue in its order, after the ends of a section, before the runs in which it acts.
+/// The parameters of an effect: those of the catalogue in its order, after the ends of a section, before the runs in
+/// which it acts.
 macro_rules! parameters {
     ($Kind:ident { $($(#[$attribute:meta])* $field:ident: $type:ty),* }) => {
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -15,8 +15,10 @@
 //! | one payload out | [`sender`] |
 //! | one payload in | [`receiver`] |
 //!
-//! Neither machine has a port or a clock: frames and `now_us` go in, frames come out. Frames are taken in the order of their arrival; one that is missing, doubled or out of place ends the payload, which is
-//! then dropped as a whole. The standard's names: N_Bs is the time that the sender waits for an FC, N_Cr the time that the receiver waits for a CF, N_WFTmax the number of FCs that ask to wait.
+//! Neither machine has a port or a clock: frames and `now_us` go in, frames come out. Frames are taken in the order of
+//! their arrival; one that is missing, doubled or out of place ends the payload, which is then dropped as a whole. The
+//! standard's names: N_Bs is the time that the sender waits for an FC, N_Cr the time that the receiver waits for a CF,
+//! N_WFTmax the number of FCs that ask to wait.
 
 pub mod pdu;
 pub mod receiver;
@@ -44,7 +46,8 @@ pub struct Config {
 }
 
 impl Config {
-    /// Classic frames. Eight of them in SLCAN are 192 bytes, which a receive ring of 512 bytes takes while the tick runs; the second is that of the standard.
+    /// Classic frames. Eight of them in SLCAN are 192 bytes, which a receive ring of 512 bytes takes while the tick
+    /// runs; the second is that of the standard.
     pub const CLASSIC: Self = Self {
         format: Format::Classic,
         block_size: 8,

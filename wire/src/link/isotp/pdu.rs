@@ -9,7 +9,8 @@
 //! flow control 3S BB TT           S: 0 continue, 1 wait, 2 overflow; BB block size; TT separation time
 //! ```
 //!
-//! A frame with a length that the standard does not allow is refused, not guessed at. What follows the payload in a single or the last consecutive frame is padding and ignored.
+//! A frame with a length that the standard does not allow is refused, not guessed at. What follows the payload in a
+//! single or the last consecutive frame is padding and ignored.
 
 use crate::link::can::{CLASSIC_BYTES, FD_BYTES, Format, fd_length_for};
 use heapless::Vec;
@@ -206,7 +207,8 @@ pub const fn single_capacity(frame: usize) -> usize {
 pub fn encode_begin(payload: &[u8], format: Format) -> (FrameData, usize) {
     let length = payload.len();
     let capacity = format.capacity();
-    // Each cast follows the comparison that makes it fit; an impossible length says itself too large for every receiver.
+    // Each cast follows the comparison that makes it fit; an impossible length says itself too large for every
+    // receiver.
     if length < CLASSIC_BYTES {
         (frame(&[length as u8], payload, format), length)
     } else if length <= single_capacity(capacity) {

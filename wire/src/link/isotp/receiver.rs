@@ -1,8 +1,10 @@
 //! One payload in, frame by frame.
 //!
-//! In: the data of frames, the time. Out: the payload when it is whole, and the flow control frames that the sender waits for.
+//! In: the data of frames, the time. Out: the payload when it is whole, and the flow control frames that the sender
+//! waits for.
 //!
-//! The buffer is free whenever a first frame comes, since the caller has had the payload before: this side never asks to wait.
+//! The buffer is free whenever a first frame comes, since the caller has had the payload before: this side never asks
+//! to wait.
 
 use super::Config;
 use super::pdu::{FlowControl, FlowStatus, Pdu, SeparationTime};

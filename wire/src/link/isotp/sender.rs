@@ -1,6 +1,7 @@
 //! One payload out, frame by frame.
 //!
-//! In: the payload, the flow control frames of the receiver, the time. Out: the data of the next frame, when one is due.
+//! In: the payload, the flow control frames of the receiver, the time. Out: the data of the next frame, when one is
+//! due.
 
 use super::Config;
 use super::pdu::{FlowControl, FlowStatus, FrameData, encode_begin, encode_consecutive};
@@ -20,7 +21,8 @@ errors! {
     }
 }
 
-/// Where the separation time begins. It counts from the end of a frame, which is after the `now_us` of the call that sent it; so it is taken from the next call, and is never too short.
+/// Where the separation time begins. It counts from the end of a frame, which is after the `now_us` of the call that
+/// sent it; so it is taken from the next call, and is never too short.
 #[derive(Clone, Copy, Debug)]
 enum Pace {
     Free,

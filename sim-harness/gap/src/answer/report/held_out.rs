@@ -130,7 +130,8 @@ fn name(answer: &Answer, run: usize) -> &str {
     index.and_then(|index| answer.input.runs.get(*index)).map_or("", |run| run.name.as_str())
 }
 
-/// Measured and simulated speed of a run, by its number among the hold-out ones; none where nothing of it was simulated.
+/// Measured and simulated speed of a run, by its number among the hold-out ones; none where nothing of it was
+/// simulated.
 pub(super) fn simulated(answer: &Answer, run: usize) -> Option<Drawing> {
     let of_run: Vec<&Compared> = windows(answer).filter(|c| c.run == run).collect();
     if of_run.is_empty() {

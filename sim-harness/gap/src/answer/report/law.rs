@@ -1,4 +1,5 @@
-//! The law of each effect over the data: mean residuals over the variable that the law depends on, with the fitted law through them.
+//! The law of each effect over the data: mean residuals over the variable that the law depends on, with the fitted law
+//! through them.
 
 use super::binned::{Bin, Value, binned, width};
 use super::maps::{LEAST_RUNS, colour, word};

@@ -38,8 +38,8 @@ use rundown_pages::shell::{Section, document, figure, prose};
 /// Names of the pictures that [`picture`] knows.
 pub const PICTURES: [&str; 4] = ["residual", "coordinates", "law", "before_after"];
 
-/// One picture of the page as SVG: residuals over location, over the other coordinates, the law of the first effect, the error of the simulated
-/// speed before and after. None where there is nothing to be drawn.
+/// One picture of the page as SVG: residuals over location, over the other coordinates, the law of the first effect,
+/// the error of the simulated speed before and after. None where there is nothing to be drawn.
 pub fn picture(answer: &Answer, name: &str) -> Option<String> {
     let found = &answer.found;
     let explained = || explained(&answer.context().believed, &found.named, &answer.input.runs, &found.findings.rows);

@@ -1,4 +1,5 @@
-//! The table of all runs, and the page of each: its residuals over location, and its simulated speeds where it was held out.
+//! The table of all runs, and the page of each: its residuals over location, and its simulated speeds where it was held
+//! out.
 
 use super::held_out::simulated;
 use super::maps::{joined, sections, word};

@@ -40,7 +40,8 @@ pub fn seasons() -> Result<Sweep, Refused> {
     })
 }
 
-/// Section 2: a described gradient that is wrong "might be up to some extent mitigated by overfitting the running resistance parameters".
+/// Section 2: a described gradient that is wrong "might be up to some extent mitigated by overfitting the running
+/// resistance parameters".
 pub fn gradient() -> Result<Sweep, Refused> {
     const WHERE_IT_COASTS: &str =
         "[[effect]]\nname = \"gradient_error\"\nfrom_m = 22000.0\nto_m = 28000.0\ndelta_permille = ";

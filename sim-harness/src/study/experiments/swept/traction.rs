@@ -11,7 +11,8 @@ use crate::study::experiments::variant::Variant;
 
 const ARMS: &[Estimated] = &[Estimated::PAPER, Estimated::GATED];
 
-/// Section 4.4: the relevance of nonhuman sources of variability "could be assessed by analyzing data from ATO-driven trains".
+/// Section 4.4: the relevance of nonhuman sources of variability "could be assessed by analyzing data from ATO-driven
+/// trains".
 pub fn automatic_operation() -> Result<Sweep, Refused> {
     let weak = "[[effect]]\nname = \"power_limit_section\"\nfrom_m = 0.0\nto_m = 8000.0\nfactor = 0.8\nruns = 0.4";
     let ato = "[driver]\nkind = \"ato\"\n";

@@ -32,7 +32,8 @@ pub fn other_trains() -> Result<Sweep, Refused> {
     })
 }
 
-/// Section 3.3: with a diesel "the maximum tractive power is not unique, since each engine notch can apply a different" one.
+/// Section 3.3: with a diesel "the maximum tractive power is not unique, since each engine notch can apply a different"
+/// one.
 pub fn diesel() -> Result<Sweep, Refused> {
     let of = |(place, notches): (usize, u8)| {
         let name = if notches == 0 { "without steps".to_owned() } else { format!("{notches} notches") };
