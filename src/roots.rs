@@ -97,7 +97,7 @@ mod tests {
             bits ^= bits << 13;
             bits ^= bits >> 7;
             bits ^= bits << 17;
-            let root = Real::from_bits((bits & (1 << STORED) - 1) | 0x3FF << STORED);
+            let root = Real::from_bits((bits & ((1 << STORED) - 1)) | 0x3FF << STORED);
             let square = (root * root).to_bits();
             [bits & !(1 << 63), square, square - 1, square + 1].map(Real::from_bits)
         });
