@@ -20,8 +20,8 @@ pub(crate) fn square_root(x: Real) -> Real {
 
 /// √(a² + b²), of numbers whose squares are neither too large nor too small for a double.
 pub(crate) fn hypotenuse(a: Real, b: Real) -> Real {
-    let (large, large_below) = square(a.max(b));
-    let (small, small_below) = square(a.min(b));
+    // No `max`: what is no number would be left out by it.
+    let [(large, large_below), (small, small_below)] = if a > b { [a, b] } else { [b, a] }.map(square);
     square_root(small_below + large_below + small + large)
 }
 
@@ -114,6 +114,7 @@ mod tests {
 
     #[test]
     fn hypotenuses_are_those_of_libm() {
+        assert!(hypotenuse(Real::NAN, 1.0).is_nan() && hypotenuse(1.0, Real::NAN).is_nan());
         let mut before = 1.0;
         for x in numbers().filter(|x| x.is_normal()) {
             // Of sizes that uncertainties have.
