@@ -10,7 +10,8 @@ use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let settings = firmware()?;
-    for play in [seven_effects(), day()] {
+    let effects = [("seven_effects", Mode::Gated), ("measured", Mode::Measured)];
+    for play in effects.map(|(name, mode)| seven_effects(name, mode)).into_iter().chain([day()]) {
         let same = compare(&settings, &play.description, Direction::Up, &play.log)?;
         println!(
             "{} ticks={} stack_bytes={} longest_us={}",

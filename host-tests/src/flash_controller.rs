@@ -26,7 +26,8 @@ enum Begun {
 pub struct FlashSilicon {
     /// The cells.
     pub flash: Flash,
-    access: u32,
+    /// The access control register.
+    pub access: u32,
     flags: u32,
     control: u32,
     keys: usize,

@@ -16,8 +16,8 @@ pub struct Play {
     pub log: Vec<Measurement>,
 }
 
-/// A run of the case study with seven effects in the model, curves, limits and a stop.
-pub fn seven_effects() -> Play {
+/// A run of the case study in a mode, with seven effects in the model, curves, limits and a stop.
+pub fn seven_effects(name: &'static str, mode: Mode) -> Play {
     let scenario = Scenario::default();
     let curve = |from_m| Curve { from_m, to_m: from_m + 300.0, radius_m: 600.0 };
     let effects = [
@@ -35,9 +35,9 @@ pub fn seven_effects() -> Play {
     let description = Description {
         curves: (0..20).map(|i| curve(1000.0 * f64::from(i))).collect(),
         effects: Effects::try_new(effects).expect("eight act at most"),
-        ..with_targets(Config::default(), &scenario)
+        ..with_targets(Config { mode, ..Config::default() }, &scenario)
     };
-    Play { name: "seven_effects", description, log: measurements(&simulate(&scenario, 3)) }
+    Play { name, description, log: measurements(&simulate(&scenario, 3)) }
 }
 
 /// Between two hops of the day, s.

@@ -70,7 +70,8 @@ fn a_hilly_line_with_wind() {
 #[test]
 #[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_model_with_effects() {
-    played(&seven_effects());
+    played(&seven_effects("seven_effects", Mode::Gated));
+    played(&seven_effects("measured", Mode::Measured));
 }
 
 #[test]

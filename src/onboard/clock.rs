@@ -1,8 +1,8 @@
 //! Which clock the processor runs at: 80 MHz from the PLL, or the 4 MHz it woke up with.
 //!
 //! In: an oscillator, a PLL and a flash that may be dead. Out: a clock that runs, and why it is not the fast one. Every
-//! wait is bounded, so a dead crystal costs speed, not the train's estimates: a tick of 150 k instructions takes some
-//! 40 ms at 4 MHz.
+//! wait is bounded, so a dead crystal costs speed, not the train's estimates: the longest call, of 320 to 590 k
+//! instructions, takes 80 to 150 ms at 4 MHz. A flood of forged messages is too much for it there (docs/faults.md).
 
 /// Frequency after reset, Hz.
 pub const SLOW_HZ: u32 = 4_000_000;

@@ -28,12 +28,17 @@ pub const PAGE: u32 = 2048;
 /// Polls of the status before an operation counts as stuck. An erasure takes up to 25 ms, 80 k polls of 25 cycles at 80
 /// MHz.
 pub const MOST_WAITS: u32 = 40 * MOST_POLLS;
+/// The same without wait states, as of a processor that had to stay at its slow clock: 0.25 s there, too. The watchdog
+/// bites after 2 s.
+pub const MOST_WAITS_SLOW: u32 = MOST_WAITS / 20;
 
 /// Keys that unlock the control register, in this order.
 pub const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
 /// Bits of the access control register.
 pub mod access {
+    /// Wait states: none where the processor runs at its slow clock.
+    pub const LATENCY: u32 = 0b111;
     /// Data cache on.
     pub const DATA_CACHE: u32 = 1 << 10;
     /// Forgets what the data cache holds; only while it is off.
@@ -205,7 +210,8 @@ impl<C: FlashController> Stm32l4Flash<C> {
 
     /// The status once nothing is under way.
     fn wait(&mut self) -> Result<u32, FlashError> {
-        (0..MOST_WAITS)
+        let slow = self.controller.register(FlashRegister::Access) & access::LATENCY == 0;
+        (0..if slow { MOST_WAITS_SLOW } else { MOST_WAITS })
             .map(|_| self.controller.register(FlashRegister::Status))
             .find(|status| status & status::BUSY == 0)
             .ok_or(FlashError::NoAnswer)

@@ -516,7 +516,7 @@ pub struct Answer {
 }
 
 words! {
-    /// Why an uplink frame was refused. It has changed nothing but its counter.
+    /// Why an uplink frame was refused. It has changed nothing but its counter; a part of a list empties the list.
     #[non_exhaustive]
     Refusal {
         /// Another version.

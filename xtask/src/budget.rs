@@ -21,22 +21,23 @@ struct Limit {
 }
 
 /// Code, constants and first values of variables: 124 664.
-const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 137_100, goal: 96 << 10 };
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 125_000, goal: 96 << 10 };
 /// 81 792; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
 /// 7356; the goal is a quarter of SRAM2.
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
-/// 6240 to 6444.
-const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most: 7600, ..STACK };
+/// 6240 to 6724.
+const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most: 7400, ..STACK };
 /// One call of the application, without the time of the line, 322 000: at 80 MHz and one instruction a cycle 1.9 ms for
 /// the goal.
 const CALL: Limit =
     Limit { what: "longest call of the application", unit: "instructions", most: 354_200, goal: 150_000 };
 /// The same with seven effects, 347 375, and in a day of hops between stops, 354 250.
 const CALL_EFFECTS: Limit = Limit { what: "the same, seven effects and targets", most: 382_100, goal: 400_000, ..CALL };
+const CALL_MEASURED: Limit = Limit { what: "the same in the measured mode", most: 480_000, goal: 400_000, ..CALL };
 const CALL_DAY: Limit = Limit { what: "the same, a day with stops", most: 389_700, goal: 400_000, ..CALL };
 /// A step of the paper's model, f64 in software: 11 sigma points, two readings. 19 157.
-const FILTER_CALL: Limit = Limit { what: "filter step alone", unit: "instructions", most: 20_700, goal: 30_000 };
+const FILTER_CALL: Limit = Limit { what: "filter step alone", unit: "instructions", most: 21_000, goal: 30_000 };
 /// As the learning modes have it: six coefficients, four sub-steps, one update. 77 400.
 const TICK_FILTER: Limit = Limit { what: "filter of a tick", unit: "instructions", most: 80_000, goal: 80_000 };
 /// 984 and 7880.
@@ -66,7 +67,7 @@ pub fn budget() -> Result<(), String> {
     let image = Image::read(&Board::L475.image_path()).map_err(|error| error.to_string())?;
     firmware::firmware(Board::L475Emulated)?;
     let (run, line_bytes_per_tick) = measure()?;
-    let [effects, day] = plays()?;
+    let [effects, measured, day] = plays()?;
     let graph = Graph::read(&image);
     let panics = graph.to_panics();
     let allocators = calls::allocators(&image);
@@ -76,9 +77,10 @@ pub fn budget() -> Result<(), String> {
         (FLASH, image.flash),
         (RAM, image.ram),
         (STACK, bound.bytes),
-        (PAINTED, run.stack_bytes.max(effects.stack_bytes).max(day.stack_bytes)),
+        (PAINTED, [&run, &effects, &measured, &day].map(|run| run.stack_bytes).into_iter().max().unwrap_or_default()),
         (CALL, run.instructions),
         (CALL_EFFECTS, effects.instructions),
+        (CALL_MEASURED, measured.instructions),
         (CALL_DAY, day.instructions),
         (FILTER_CALL, step.instructions),
         (TICK_FILTER, step.tick_instructions),
@@ -134,13 +136,13 @@ fn measure() -> Result<(Run, u64), String> {
 }
 
 /// Plays what asks more of the board, in the order of the lines.
-fn plays() -> Result<[Run; 2], String> {
+fn plays() -> Result<[Run; 3], String> {
     let said = played(&mut example("plays")?)?;
     let run = |name: &str| {
         let line = said.lines().find(|line| line.starts_with(name));
         Run::said(line.ok_or_else(|| format!("expected {name} in: {said}"))?)
     };
-    Ok([run("seven_effects")?, run("day")?])
+    Ok([run("seven_effects")?, run("measured")?, run("day")?])
 }
 
 /// An example of `host-tests`, built as `cargo xtask test --pages` has built it: in a run of CI nothing is left to do.

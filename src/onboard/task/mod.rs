@@ -10,7 +10,8 @@
 //! No clock, no heap, no waiting: what finds no room in the link is counted and dropped.
 //!
 //! Each request gets one answer: a measurement the frames of its tick (at once in lockstep, at the next tick else),
-//! everything else an [`Answer`]. A refused request has changed nothing but its counter.
+//! everything else an [`Answer`]. A refused request has changed nothing but its counter; a part of a list
+//! of curves or targets empties it.
 //!
 //! No call does everything: a tick and the end of a run are done in pieces, and between them the board does what else
 //! there is to do.
