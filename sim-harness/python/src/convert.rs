@@ -40,11 +40,17 @@ impl Converted {
 /// `out`: the file to write, which must not exist. `set`: values of a train that the format has no place for, or that
 /// replace the file's, by their names in a train file.
 ///
-/// >>> import pathlib, rundown, tempfile >>> folder = pathlib.Path(tempfile.mkdtemp()) >>> made =
-/// rundown.simulate(folder / "made", runs=3, seed=7) >>> rundown.replay(made.runs, train=made.train,
-/// track=made.track).write(folder / "learned") >>> exported = rundown.export(folder / "learned", train=made.train,
-/// to="trainruns", max_speed=140, out=folder / "out") >>> converted = rundown.convert(folder / "out" /
-/// "trainruns.yaml", out=folder / "train.toml", set={"max_brake_mps2": 0.66}) >>> converted.kind, converted.file.name
+/// >>> import pathlib, rundown, tempfile
+/// >>> folder = pathlib.Path(tempfile.mkdtemp())
+/// >>> made = rundown.simulate(folder / "made", runs=3, seed=7)
+/// >>> rundown.replay(made.runs, train=made.train, track=made.track).write(folder / "learned")
+/// >>> exported = rundown.export(
+/// ...     folder / "learned", train=made.train, to="trainruns", max_speed=140, out=folder / "out"
+/// ... )
+/// >>> converted = rundown.convert(
+/// ...     folder / "out" / "trainruns.yaml", out=folder / "train.toml", set={"max_brake_mps2": 0.66}
+/// ... )
+/// >>> converted.kind, converted.file.name
 /// ('train', 'train.toml')
 #[pyfunction]
 #[pyo3(signature = (file, *, out, set=None))]
