@@ -273,6 +273,28 @@ fn a_refusal_gives_the_true_reason() {
 }
 
 #[test]
+fn rows_of_several_runs_in_no_order_of_time_are_said() {
+    let rows = drive(&STOPS_M, 30.0);
+    let of_run = |run: u32| {
+        let line = move |(t, x, v): &(f64, f64, f64)| {
+            format!("2025-01-31 {},{x:.0},{:.1}", clock(36_000.0 + 3600.0 * f64::from(run) + t), 3.6 * v)
+        };
+        rows.iter().map(line)
+    };
+    let lines: Vec<String> = (0..4).flat_map(of_run).collect();
+    let mut blocks: Vec<(usize, &[String])> = lines.chunks(60).enumerate().collect();
+    blocks.sort_by_key(|(i, _)| i * 7919 % 101);
+    let mixed: Vec<&str> = blocks.iter().flat_map(|(_, block)| block.iter().map(String::as_str)).collect();
+    let text = |lines: &str| format!("time,location_m,speed_kmh\n{lines}\n");
+    let folder = Folder::new().with("sorted.csv", &text(&lines.join("\n"))).with("mixed.csv", &text(&mixed.join("\n")));
+    let words = "runs that begin before the one before them ends (rows in no order of time";
+    for (name, is_mixed) in [("sorted.csv", false), ("mixed.csv", true)] {
+        let said = folder.done(&["import", name, "--chainage", "as-is", "--out", name.trim_end_matches(".csv")]);
+        assert_eq!(format!("{}{}", said.out, said.err).contains(words), is_mixed, "{name}: {}{}", said.out, said.err);
+    }
+}
+
+#[test]
 fn clocks_that_were_set_back_and_blocks_out_of_order_are_put_right() {
     let rows = drive(&STOPS_M, 30.0);
     let line = |t: f64, x: f64, v: f64| format!("{},{x:.0},{:.1}", clock(50_000.0 + t), 3.6 * v);

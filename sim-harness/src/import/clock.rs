@@ -83,11 +83,11 @@ pub fn of_text(kind: ClockKind, text: &str, order: DateOrder) -> Option<WrittenT
     of_day_s.map(WrittenTime::OfDay).or_else(|| parse(text, order))
 }
 
-/// Texts that are times of the day with dots, and dates in no order.
-pub fn are_dotted(texts: &[&String]) -> bool {
+/// Texts that are times of the day with dots, and dates in no order; beside dates of their own they need not be none.
+pub fn are_dotted(texts: &[&String], beside_dates: bool) -> bool {
     let are_dates = |order| texts.iter().all(|text| parse_date(text, order).is_some());
     texts.iter().all(|text| of_dotted_day(text).is_some())
-        && ![DateOrder::Ymd, DateOrder::Dmy, DateOrder::Mdy].into_iter().any(are_dates)
+        && (beside_dates || ![DateOrder::Ymd, DateOrder::Dmy, DateOrder::Mdy].into_iter().any(are_dates))
 }
 
 fn of_dotted_day(text: &str) -> Option<f64> {
@@ -396,13 +396,14 @@ mod tests {
         for wrong in ["24.60.00", "23.50", "23.50.61", "23.5o.00"] {
             assert_eq!(of_day(wrong), None, "{wrong}");
         }
-        let are_dotted = |texts: &[&str]| {
+        let are_dotted = |texts: &[&str], beside_dates| {
             let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
-            super::are_dotted(&texts.iter().collect::<Vec<_>>())
+            super::are_dotted(&texts.iter().collect::<Vec<_>>(), beside_dates)
         };
-        assert!(are_dotted(&["10.31.00", "10.32.00"]));
-        assert!(!are_dotted(&["10.11.12", "11.11.12"]));
-        assert!(!are_dotted(&["10.31.00", "10.32.61"]));
+        assert!(are_dotted(&["10.31.00", "10.32.00"], false));
+        assert!(!are_dotted(&["10.11.12", "11.11.12"], false));
+        assert!(are_dotted(&["10.11.12", "11.11.12"], true));
+        assert!(!are_dotted(&["10.31.00", "10.32.61"], true));
     }
 
     #[test]

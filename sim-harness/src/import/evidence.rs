@@ -119,7 +119,8 @@ impl SeenRows {
         let times: Vec<f64> = self.rows.iter().filter_map(|row| row.numbers[0]).collect();
         let texts: Vec<&String> = self.rows.iter().filter_map(|row| row.time.as_ref()).collect();
         let kind = mapped(Meaning::Time).and_then(|column| column.kind);
-        columns.kind = kind.unwrap_or_else(|| kind_of(&times, &texts, columns.unit(Meaning::Time).is_some()));
+        let (has_unit, beside_dates) = (columns.unit(Meaning::Time).is_some(), columns.has(Meaning::Date));
+        columns.kind = kind.unwrap_or_else(|| kind_of(&times, &texts, has_unit, beside_dates));
         let has_date = columns.has(Meaning::Date) && columns.kind.is_of_day();
         let dates = || self.rows.iter().filter_map(|row| row.date.as_ref()).collect();
         let dated: Vec<&String> = match columns.kind.is_of_day() {
@@ -466,7 +467,7 @@ struct Stretches {
 }
 
 /// The kind of a clock, by its fields as numbers and as texts. With a unit of time they are numbers.
-fn kind_of(times: &[f64], texts: &[&String], has_unit: bool) -> ClockKind {
+fn kind_of(times: &[f64], texts: &[&String], has_unit: bool, beside_dates: bool) -> ClockKind {
     if 2 * times.len() > texts.len() || texts.is_empty() {
         let is_dated = |text: &&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::Civil(_)));
         return match median(times.iter().copied()) {
@@ -485,7 +486,8 @@ fn kind_of(times: &[f64], texts: &[&String], has_unit: bool) -> ClockKind {
     let of_day = |text: &&&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::OfDay(_)));
     let looked = texts.len().min(1000);
     let count = texts[..looked].iter().filter(of_day).count();
-    if 2 * count > looked || clock::are_dotted(&texts[..looked]) { ClockKind::TimeOfDay } else { ClockKind::DateTime }
+    let is_of_day = 2 * count > looked || clock::are_dotted(&texts[..looked], beside_dates);
+    if is_of_day { ClockKind::TimeOfDay } else { ClockKind::DateTime }
 }
 
 /// Dates of a sheet from 1954 to 2119, and how far apart its rows may be, days.

@@ -25,6 +25,7 @@ mod mapping;
 mod meaning;
 mod number;
 mod odometer;
+mod overlaps;
 mod preview;
 mod results;
 mod rows;
@@ -42,6 +43,7 @@ use chainage::{Given, Placed, Placing};
 use cut::{Cutter, Odometer, Stretch};
 use listed::Indexes;
 use mapping::{Chainage, Mapping};
+use overlaps::{OVERLAPS, Overlaps};
 use rows::Converter;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, Provenance};
@@ -307,12 +309,16 @@ impl ImportOrder {
         let mut runs = Vec::new();
         let mut failure = None;
         let mut odometers: HashMap<(String, String), Odometer> = HashMap::new();
+        let mut overlaps = Overlaps::default();
         let shown = source.path.display();
         source.sheets.lost().for_each(|lost| account.place(OTHER_SHEETS, || format!("{shown}: {lost}")));
         let mut take = |stretch: Stretch, account: &mut Account| -> Result<(), WriteError> {
             let odometer = odometers.entry((stretch.unit.clone(), stretch.run.clone())).or_default();
             for piece in stretch.pieces(&self.mapping.runs, odometer, account) {
                 let name = name_of(&source.path, &piece.run, names);
+                if overlaps.is_early(&piece) {
+                    account.place(OVERLAPS, || format!("{shown}: {name}"));
+                }
                 let run = Staged::new(&piece, name, &source.path, folder);
                 runs.push(run.map_err(|error| crate::output::files::failed(folder, error))?);
             }

@@ -330,9 +330,15 @@ fn times_of_the_day_with_dots_are_no_dates() {
     };
     let two = of("Data\tOra\tVelocit\u{e0} [km/h]\tProgressiva [m]", &|t| format!("{}\t{}", day(t), dotted(t)));
     let one = of("Data e ora\tVelocit\u{e0} [km/h]\tProgressiva [m]", &|t| format!("{} {}", day(t), dotted(t)));
+    // Each of its times may be a date, in some order.
+    let early: Vec<(f64, f64, f64)> = drive(&STOPS_M[..2], 30.0).into_iter().filter(|row| row.0 < 700.0).collect();
+    let early_text = table("Data\tOra\tkm/h\tProgressiva [m]", &early, |t, x, v| {
+        format!("14.01.2025\t{}\t{:.1}\t{}", clock(6.0 * 3600.0 + 60.0 + t).replace(':', "."), 3.6 * v, x.round())
+    });
     let alone = of("Ora\tVelocit\u{e0} [km/h]\tProgressiva [m]", &|t| format!("{},5", dotted(t)));
     let said = "[[source]]\n[source.columns]\ntime = { name = \"Ora\", kind = \"time_of_day\" }\n";
     let folder = Folder::new().with("two.csv", &two).with("one.csv", &one).with("alone.csv", &alone);
+    let folder = folder.with("early.csv", &early_text);
     let folder = folder.with("m.toml", &format!("{said}date = {{ name = \"Data\", order = \"dmy\" }}\n"));
     let departed = Some("2025-01-14T23:50:00Z");
     for (name, mapping, departure) in [
@@ -340,10 +346,12 @@ fn times_of_the_day_with_dots_are_no_dates() {
         ("two.csv", Some("m.toml"), departed),
         ("one.csv", None, departed),
         ("alone.csv", None, None),
+        ("early.csv", None, Some("2025-01-14T06:01:00Z")),
     ] {
         let mapped: Vec<&str> = mapping.iter().flat_map(|mapping| ["--mapping", mapping]).collect();
         let said = folder.done(&[&["import", name, "--out", "runs"], &mapped[..]].concat());
         let found = csv(&folder, &format!("runs/{}_01.csv", name.split('.').next().unwrap()));
+        let rows = if name == "early.csv" { &early } else { &rows };
         assert_eq!(found.len(), rows.len(), "{name}: {}", said.err);
         near(last(&found)[0] - found[0][0], rows.last().unwrap().0, 0.002);
         let index = folder.read("runs/runs.csv");
