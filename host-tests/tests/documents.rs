@@ -52,9 +52,24 @@ fn documents() -> Vec<(PathBuf, String)> {
 
 /// The lines outside of code blocks, with their numbers.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    outside_code(text, |line| Some(line))
+}
+
+/// The comments of a file outside of code blocks and tables.
+fn comments(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    outside_code(text, said).filter(|(_, line)| said(line).is_some_and(|said| !said.trim_start().starts_with('|')))
+}
+
+/// What stands behind the slashes of a comment.
+fn said(line: &str) -> Option<&str> {
+    Some(line.trim_start().strip_prefix("//")?.trim_start_matches(['/', '!']))
+}
+
+/// The lines outside of code blocks of those in which prose stands, with their numbers.
+fn outside_code(text: &str, prose: fn(&str) -> Option<&str>) -> impl Iterator<Item = (usize, &str)> {
     let mut code = false;
     text.lines().enumerate().filter_map(move |(index, line)| {
-        let fence = line.trim_start().starts_with("```");
+        let fence = prose(line)?.trim_start().starts_with("```");
         code ^= fence;
         (!code && !fence).then_some((index + 1, line))
     })
@@ -87,43 +102,21 @@ fn place(path: &Path, line: usize) -> String {
     format!("{}:{line}", shown(path))
 }
 
-#[test]
-fn lines_of_prose_end_at_120_characters() {
-    let mut findings = Vec::new();
-    for (path, text) in documents() {
-        for (number, line) in lines(&text).filter(|(_, line)| !line.starts_with(['|', '#'])) {
-            let length = line.chars().count();
-            if length > LINE {
-                findings.push(format!("{}: {length} characters, at most {LINE}", place(&path, number)));
-            }
-        }
-    }
-    report(&findings);
+/// Of these lines of a file the too long ones.
+fn too_long<'a>(path: &Path, lines: impl Iterator<Item = (usize, &'a str)>) -> Vec<String> {
+    let lengths = lines.map(|(number, line)| (number, line.chars().count())).filter(|(_, length)| *length > LINE);
+    lengths.map(|(number, length)| format!("{}: {length} characters, at most {LINE}", place(path, number))).collect()
 }
 
-/// The comments of a file, with their numbers: what stands behind the slashes, outside of code blocks.
-fn comments(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let mut code = false;
-    text.lines().enumerate().filter_map(move |(index, line)| {
-        let said = line.trim_start().strip_prefix("//")?.trim_start_matches(['/', '!']);
-        let fence = said.trim_start().starts_with("```");
-        code ^= fence;
-        (!code && !fence && !said.trim_start().starts_with('|')).then_some((index + 1, line))
-    })
+#[test]
+fn lines_of_prose_end_at_120_characters() {
+    let prose = |text| lines(text).filter(|(_, line)| !line.starts_with(['|', '#']));
+    report(&documents().iter().flat_map(|(path, text)| too_long(path, prose(text))).collect::<Vec<_>>());
 }
 
 #[test]
 fn comments_end_at_120_characters() {
-    let mut findings = Vec::new();
-    for (path, text) in read(".rs") {
-        for (number, line) in comments(&text) {
-            let length = line.chars().count();
-            if length > LINE {
-                findings.push(format!("{}: {length} characters, at most {LINE}", place(&path, number)));
-            }
-        }
-    }
-    report(&findings);
+    report(&read(".rs").iter().flat_map(|(path, text)| too_long(path, comments(text))).collect::<Vec<_>>());
 }
 
 #[test]

@@ -131,16 +131,16 @@ fn examined(
     let recorded = kept(&recordings);
     let mut found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
     if let (Some(found), Some(track)) = (&mut found, &track) {
+        let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.is_usable());
+        let usable = usable.map(|(recording, _)| recording);
         let mut off = OffTrack::new(track, BEYOND_M);
-        let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.is_usable());
-        usable.for_each(|(recording, _)| off.add(&recording.rows));
+        usable.clone().for_each(|recording| off.add(&recording.rows));
         found.off_track = off.any();
-    }
-    if let (Some(found), Some(train), Some(core), Some(track)) = (&mut found, train, core_track, &track) {
-        let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.is_usable());
-        let mut coasts = Coasts::default();
-        usable.for_each(|(recording, _)| coasts.add(std::slice::from_ref(recording), &train));
-        (found.gradients, found.resistance) = coasts.doubts(&train, &core, track.gradient_sd_permille());
+        if let (Some(train), Some(core)) = (train, core_track) {
+            let mut coasts = Coasts::default();
+            usable.for_each(|recording| coasts.add(std::slice::from_ref(recording), &train));
+            (found.gradients, found.resistance) = coasts.doubts(&train, &core, track.gradient_sd_permille());
+        }
     }
     Ok((Checked { found, failed, notes, warnings }, Logs { recorded, right: recordings, inputs }))
 }

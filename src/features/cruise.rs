@@ -161,7 +161,7 @@ mod tests {
         speeds.add(133.0 / 3.6, 139.0 / 3.6, 120.0);
         let (_, statistic) = speeds.cruise_speed(10.0).unwrap();
         assert!((statistic.mean * 3.6 - 136.0).abs() < 0.05);
-        assert!((statistic.sd * 3.6 - 6.0 / crate::roots::square_root(12.0)).abs() < 0.1); // of a uniform distribution
+        assert!((statistic.sd * 3.6 - 6.0 / libm::sqrt(12.0)).abs() < 0.1); // of a uniform distribution
         assert!((119..=121).contains(&statistic.count));
     }
 }

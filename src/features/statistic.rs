@@ -108,7 +108,7 @@ mod tests {
             repeated.add(value, 1.0);
         }
         assert_eq!(weighted.statistic().mean, 2.0);
-        assert_eq!(repeated.statistic(), Statistic { count: 3, mean: 2.0, sd: crate::roots::square_root(3.0) });
+        assert_eq!(repeated.statistic(), Statistic { count: 3, mean: 2.0, sd: libm::sqrt(3.0) });
         weighted.add(Real::NAN, 0.0);
         assert_eq!(weighted.statistic().count, 2);
     }

@@ -17,7 +17,7 @@
 //! A double word is programmed once between two erasures. Power that goes away meanwhile leaves bits that may read
 //! either way; that is the caller's to survive (checksums, two places).
 
-use super::clock::MOST_POLLS;
+use super::clock::{FAST_HZ, MOST_POLLS, SLOW_HZ};
 use core::ops::Range;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
@@ -30,7 +30,7 @@ pub const PAGE: u32 = 2048;
 pub const MOST_WAITS: u32 = 40 * MOST_POLLS;
 /// The same without wait states, as of a processor that had to stay at its slow clock: 0.25 s there, too. The watchdog
 /// bites after 2 s.
-pub const MOST_WAITS_SLOW: u32 = MOST_WAITS / 20;
+pub const MOST_WAITS_SLOW: u32 = MOST_WAITS / (FAST_HZ / SLOW_HZ);
 
 /// Keys that unlock the control register, in this order.
 pub const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];

@@ -43,7 +43,7 @@ use chainage::{Given, Placed, Placing};
 use cut::{Cutter, Odometer, Stretch};
 use listed::Indexes;
 use mapping::{Chainage, Mapping};
-use overlaps::{OVERLAPS, Overlaps};
+use overlaps::{Ends, OVERLAPS};
 use rows::Converter;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, Provenance};
@@ -308,15 +308,14 @@ impl ImportOrder {
         let before = [ROWS, ROWS_TOO_SHORT].map(|what| account.times(what));
         let mut runs = Vec::new();
         let mut failure = None;
-        let mut odometers: HashMap<(String, String), Odometer> = HashMap::new();
-        let mut overlaps = Overlaps::default();
+        let mut before_by_run: HashMap<(String, String), (Odometer, Ends)> = HashMap::new();
         let shown = source.path.display();
         source.sheets.lost().for_each(|lost| account.place(OTHER_SHEETS, || format!("{shown}: {lost}")));
         let mut take = |stretch: Stretch, account: &mut Account| -> Result<(), WriteError> {
-            let odometer = odometers.entry((stretch.unit.clone(), stretch.run.clone())).or_default();
+            let (odometer, ends) = before_by_run.entry((stretch.unit.clone(), stretch.run.clone())).or_default();
             for piece in stretch.pieces(&self.mapping.runs, odometer, account) {
                 let name = name_of(&source.path, &piece.run, names);
-                if overlaps.is_early(&piece) {
+                if ends.is_early(&piece) {
                     account.place(OVERLAPS, || format!("{shown}: {name}"));
                 }
                 let run = Staged::new(&piece, name, &source.path, folder);
