@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let recording = Recording::read(&file, BadRows::Refuse, line.as_ref(), DirectionChoice::Auto)?;
         let log: Vec<_> = recording.rows.iter().map(Sample::measurement).collect();
         let description = description(&train, &track, Config::default());
-        let same = compare(&settings, &description, recording.direction, &log)?;
+        let same = compare(&settings, &description, recording.direction, &[&log])?;
         println!(
             "{}: {} ticks, {} frames, {} bytes on the line: the same as on the host",
             recording.name, same.ticks, same.frames, same.line_bytes

@@ -3,8 +3,11 @@
 use crate::accuracy::{description, measurements};
 use crate::coasting::with_targets;
 use crate::prelude::*;
+use crate::target::{Same, compare};
+use emulator::Settings;
 use rundown::model::effects::*;
 use rundown_truth::line::Line;
+use std::error::Error;
 
 /// The description of a board, and its readings.
 pub struct Play {
@@ -12,12 +15,22 @@ pub struct Play {
     pub name: &'static str,
     /// Of train and track.
     pub description: Description,
-    /// The readings.
-    pub log: Vec<Measurement>,
+    /// The readings of each run.
+    pub runs: Vec<Vec<Measurement>>,
 }
 
-/// A run of the case study in a mode, with seven effects in the model, curves, limits and a stop.
-pub fn seven_effects(name: &'static str, mode: Mode) -> Play {
+/// A run of the case study with seven effects in the model, curves, limits and a stop.
+pub fn seven_effects() -> Play {
+    with_effects("seven_effects", Mode::Gated, [], 1)
+}
+
+/// Three such runs in the `measured` mode, with as many effects as a model has.
+pub fn measured() -> Play {
+    let starting = StartingResistance { amplitude: 0.04, decay_kmh: 3.6, standing_min: 10.0, cold_per_deg_c: 0.02 };
+    with_effects("measured", Mode::Measured, [Effect::StartingResistance(starting)], 3)
+}
+
+fn with_effects<const N: usize>(name: &'static str, mode: Mode, more: [Effect; N], runs: u64) -> Play {
     let scenario = Scenario::default();
     let curve = |from_m| Curve { from_m, to_m: from_m + 300.0, radius_m: 600.0 };
     let effects = [
@@ -34,10 +47,10 @@ pub fn seven_effects(name: &'static str, mode: Mode) -> Play {
     ];
     let description = Description {
         curves: (0..20).map(|i| curve(1000.0 * f64::from(i))).collect(),
-        effects: Effects::try_new(effects).expect("eight act at most"),
+        effects: Effects::try_new(effects.into_iter().chain(more)).expect("eight act at most"),
         ..with_targets(Config { mode, ..Config::default() }, &scenario)
     };
-    Play { name, description, log: measurements(&simulate(&scenario, 3)) }
+    Play { name, description, runs: (3..3 + runs).map(|seed| measurements(&simulate(&scenario, seed))).collect() }
 }
 
 /// Between two hops of the day, s.
@@ -78,5 +91,16 @@ pub fn day() -> Play {
         targets: stops.collect(),
         ..description(Config::default(), &scenario)
     };
-    Play { name: "day", description, log }
+    Play { name: "day", description, runs: vec![log] }
+}
+
+impl Play {
+    /// All of it, through the firmware in the emulator and the task on the host.
+    ///
+    /// # Errors
+    /// As [`compare`].
+    pub fn compare(&self, settings: &Settings) -> Result<Same, Box<dyn Error>> {
+        let runs: Vec<&[Measurement]> = self.runs.iter().map(Vec::as_slice).collect();
+        compare(settings, &self.description, Direction::Up, &runs)
+    }
 }

@@ -97,7 +97,7 @@ pub struct Same {
     pub messages: Vec<Vec<u8>>,
 }
 
-/// Plays a log to both. All frames must be the same, but for [`Body::Health`] and [`Body::Versions`], which tell of the
+/// Plays runs to both, one after another. All frames must be the same, but for [`Body::Health`] and [`Body::Versions`], which tell of the
 /// hardware and the build.
 ///
 /// # Errors
@@ -106,14 +106,15 @@ pub fn compare(
     settings: &Settings,
     description: &Description,
     direction: Direction,
-    log: &[Measurement],
+    runs: &[&[Measurement]],
 ) -> Result<Same, Box<dyn Error>> {
     let mut emulator = Emulator::start(settings)?;
     let mut target = on_target(&mut emulator)?;
     let mut host = on_host();
     host.prepare(description, direction, Pace::Lockstep)?;
     target.prepare(description, direction, Pace::Lockstep)?;
-    let mut same = Same { ticks: log.len(), frames: 0, line_bytes: 0, health: Health::default(), messages: Vec::new() };
+    let ticks = runs.iter().map(|log| log.len()).sum();
+    let mut same = Same { ticks, frames: 0, line_bytes: 0, health: Health::default(), messages: Vec::new() };
     let mut check = |what: &dyn Fn() -> String, expected: Vec<Heard>, found: Vec<Heard>| {
         for heard in &found {
             same.line_bytes += serial::encode(&heard.message).map_or(0, |frame| frame.len());
@@ -140,12 +141,19 @@ pub fn compare(
             None => format!("{}: {} frames of the host, {} of the firmware", what(), expected.len(), found.len()),
         })
     };
-    for (tick, measurement) in log.iter().enumerate() {
-        let (expected, found) = (host.measure(measurement)?, target.measure(measurement)?);
-        let what = || format!("tick {}, {} s", tick + 1, measurement.time_s);
-        check(&what, expected, found)?;
+    for (run, log) in runs.iter().enumerate() {
+        if run > 0 {
+            let command = Request::Command(Command::Begin { direction, track_id: description.track_id() });
+            let [expected, found] = [host.ask(command.clone(), "a run")?, target.ask(command, "a run")?];
+            check(&|| format!("begin of run {}", run + 1), expected, found)?;
+        }
+        for (tick, measurement) in log.iter().enumerate() {
+            let (expected, found) = (host.measure(measurement)?, target.measure(measurement)?);
+            let what = || format!("run {}, tick {}, {} s", run + 1, tick + 1, measurement.time_s);
+            check(&what, expected, found)?;
+        }
+        check(&|| format!("end of run {}", run + 1), host.end_run()?, target.end_run()?)?;
     }
-    check(&|| "end of the run".to_owned(), host.end_run()?, target.end_run()?)?;
     Ok(same)
 }
 

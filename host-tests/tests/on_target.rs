@@ -4,7 +4,7 @@
 use emulator::Settings;
 use host_tests::accuracy::{description, measurements};
 use host_tests::coasting::with_targets;
-use host_tests::plays::{Play, day, seven_effects};
+use host_tests::plays::{Play, day, measured, seven_effects};
 use host_tests::prelude::*;
 use host_tests::reference::{Logs, recording};
 use host_tests::target::{Same, compare, firmware};
@@ -21,7 +21,7 @@ fn simulated(what: &str, mode: Mode, scenario: &Scenario, seed: u64) {
 
 fn described(what: &str, settings: &Settings, description: &Description, scenario: &Scenario, seed: u64) {
     let log = measurements(&simulate(scenario, seed));
-    let same = compare(settings, description, Direction::Up, &log);
+    let same = compare(settings, description, Direction::Up, &[&log]);
     say(what, &same.unwrap_or_else(|error| panic!("{what}, seed {seed}: {error}")));
 }
 
@@ -70,8 +70,8 @@ fn a_hilly_line_with_wind() {
 #[test]
 #[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_model_with_effects() {
-    played(&seven_effects("seven_effects", Mode::Gated));
-    played(&seven_effects("measured", Mode::Measured));
+    played(&seven_effects());
+    played(&measured());
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn a_day_of_hops() {
 }
 
 fn played(play: &Play) {
-    let same = compare(&firmware().unwrap(), &play.description, Direction::Up, &play.log);
+    let same = play.compare(&firmware().unwrap());
     say(play.name, &same.unwrap_or_else(|error| panic!("{}: {error}", play.name)));
 }
 
@@ -105,6 +105,6 @@ fn a_recorded_run() {
     let recording = recording(&logs.set.files[0].path);
     let log: Vec<_> = recording.rows.iter().map(Sample::measurement).collect();
     let description = session::description(&train, &track, Config::default());
-    let same = compare(&firmware().unwrap(), &description, recording.direction, &log).unwrap();
+    let same = compare(&firmware().unwrap(), &description, recording.direction, &[&log]).unwrap();
     say(&recording.name, &same);
 }

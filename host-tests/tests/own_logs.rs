@@ -269,7 +269,7 @@ fn the_board_says_the_bytes_of_the_host() {
         let described = description(&replayed.core_train, &replayed.track, replayed.config);
         let description = Description { effects, ..described };
         let played = &run.measurements[..run.measurements.len().min(PLAYED)];
-        let same = compare(&firmware, &description, run.direction, played);
+        let same = compare(&firmware, &description, run.direction, &[played]);
         let same = same.unwrap_or_else(|error| panic!("{}: {error}", run.path.display()));
         println!("{}: {} ticks, {} frames the same", run.path.display(), same.ticks, same.frames);
         assert!(same.ticks == played.len() && same.frames > 3 * same.ticks, "{}", folder.display());

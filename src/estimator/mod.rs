@@ -90,6 +90,18 @@ impl RunSummary {
     };
 }
 
+/// What the readings of a tick were worth, for [`Estimator::observe`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Taken {
+    time_s: Real,
+    speed_mps: Option<Real>,
+}
+
+impl Taken {
+    /// At no tick.
+    pub(crate) const NOTHING: Self = Self { time_s: 0.0, speed_mps: None };
+}
+
 impl<T: Borrow<Track>> Estimator<T> {
     /// Checks the configuration. The model has no named effects yet.
     ///
@@ -263,6 +275,18 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     /// # Errors
     /// [`StepError`]: the measurement is dropped for its time and counted, nothing else changes.
     pub fn step(&self, run: &mut RunState, measurement: &Measurement) -> Result<Estimate, StepError> {
+        let (estimate, taken) = self.estimate(run, measurement)?;
+        self.observe(run, &estimate, &taken);
+        Ok(estimate)
+    }
+
+    /// Most of [`Estimator::step`]; the rest is [`Estimator::observe`], for a board that does no more at once than it
+    /// must.
+    pub(crate) fn estimate(
+        &self,
+        run: &mut RunState,
+        measurement: &Measurement,
+    ) -> Result<(Estimate, Taken), StepError> {
         let config = &self.config;
         let measurement = &self.corrected(run, measurement);
         let judged = run
@@ -295,12 +319,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             Mode::Paper => modes::paper_tick(config, run, &line, &acting, &judged, validity),
             Mode::Gated | Mode::Measured => modes::learning_tick(config, run, &line, &acting, &judged, validity),
         };
-        self.observe(run, &line, &acting, &judged, &estimate);
-        // What the regime is at this tick may be taken back at the next one; a brake is not.
-        if estimate.confirmed == Some(Regime::Brake) {
-            run.journey.brake();
-        }
-        Ok(estimate)
+        Ok((estimate, Taken { time_s: judged.time_s, speed_mps: judged.speed_mps.ok() }))
     }
 
     /// The readings as the effects put them right. A location without a speed is carried on by the last one.
@@ -338,8 +357,14 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
 
     /// As [`Estimator::end_run`], in the place of another summary: it takes 3 kB, which the board does not have on its
     /// stack.
-    #[inline(never)]
     pub fn end_run_in(&self, run: &mut RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
+        self.teach(run, vehicle, summary);
+        self.close(run, vehicle, summary);
+    }
+
+    /// The first half of [`Estimator::end_run_in`]: what the run said about the resistance goes into the memory.
+    #[inline(never)]
+    pub(crate) fn teach(&self, run: &RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
         summary.run_davis = run.davis();
         summary.gain = run.learner.gain();
         let column = match self.config.mode {
@@ -357,12 +382,17 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
                 summary.foresight = foresight;
             }
         }
+        vehicle.column = column;
+    }
+
+    /// The second half: the features, and what the run said about the speeds.
+    #[inline(never)]
+    pub(crate) fn close(&self, run: &mut RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
         if let Some(last) = run.unconfirmed.take() {
             run.features.observe(&self.config.features, &last);
         }
         run.features.end(&self.config.features);
         run.features.features_in(&self.config.features, &mut summary.features);
-        vehicle.column = column;
         let cut_off = self.cuts_off(vehicle);
         vehicle.offset.add(&self.config.sensor, &run.distances);
         if self.cuts_off(vehicle) != cut_off && self.config.mode != Mode::Paper {
@@ -400,8 +430,11 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         }
     }
 
-    /// Hands the last tick to the features, now that its regime is confirmed, and keeps this one.
-    fn observe(&self, run: &mut RunState, line: &Line<'_>, acting: &Acting<'_>, judged: &Judged, estimate: &Estimate) {
+    /// Hands the last tick to the features, now that its regime is confirmed, and keeps this one, with what was `taken`
+    /// at it.
+    pub(crate) fn observe(&self, run: &mut RunState, estimate: &Estimate, taken: &Taken) {
+        let line = Line { train: &self.train, track: self.track(), direction: run.direction };
+        let acting = Acting::new(self.effects.borrow(), run.journey);
         if let (Some(mut last), Some(regime)) = (run.unconfirmed, estimate.confirmed) {
             if last.regime != Regime::Standstill {
                 last.regime = regime;
@@ -410,31 +443,35 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         }
         let davis = estimate.davis();
         let now = Point {
-            time_s: judged.time_s,
+            time_s: taken.time_s,
             location_m: estimate.belief.mean[LOCATION],
             speed_mps: estimate.belief.mean[SPEED],
         };
         // Readings, not filtered speeds: the paper's filtered speed lags by a sample.
-        let reading = judged.speed_mps.ok().map(|speed_mps| Point { speed_mps, ..now });
+        let reading = taken.speed_mps.map(|speed_mps| Point { speed_mps, ..now });
         let effort = match (run.reading, reading) {
-            (Some(from), Some(to)) => Some(effort::over_interval(line, acting, &davis, &from, &to)),
+            (Some(from), Some(to)) => Some(effort::over_interval(&line, &acting, &davis, &from, &to)),
             _ => None,
         };
         run.reading = reading;
         run.unconfirmed = Some(Observation {
             time_s: now.time_s,
-            dt_s: judged.dt_s,
+            dt_s: estimate.dt_s,
             location_m: now.location_m,
-            speed_mps: judged.speed_mps.unwrap_or(now.speed_mps),
+            speed_mps: taken.speed_mps.unwrap_or(now.speed_mps),
             effort_n_per_kg: effort.map(|effort| effort.effort_n_per_kg),
             acceleration_mps2: effort.map(|effort| effort.acceleration_mps2),
             gradient_n_per_kg: estimate.gradient_n_per_kg,
             davis,
             // The paper's rule knows no standstill, but the features end their phases with one.
-            regime: match judged.speed_mps {
-                Ok(0.0) => Regime::Standstill,
+            regime: match taken.speed_mps {
+                Some(0.0) => Regime::Standstill,
                 _ => estimate.regime,
             },
         });
+        // What the regime is at this tick may be taken back at the next one; a brake is not.
+        if estimate.confirmed == Some(Regime::Brake) {
+            run.journey.brake();
+        }
     }
 }

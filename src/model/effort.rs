@@ -58,36 +58,55 @@ pub fn over_steps(
             speed_mps,
         }
     };
-    let mut begin = at(1.0);
-    let mut effort = over_interval(line, acting, davis, from, &begin);
-    for step in 2..=steps as u32 {
-        let end = at(step.into());
-        let more = over_interval(line, acting, davis, &begin, &end);
-        effort.effort_n_per_kg += more.effort_n_per_kg;
-        effort.resistance_n_per_kg += more.resistance_n_per_kg;
+    let mut begin = Spot::new(line, acting, davis, *from);
+    let (mut effort_n_per_kg, mut resistance_n_per_kg) = (0.0, 0.0);
+    for step in 1..=steps as u32 {
+        let end = Spot::new(line, acting, davis, at(step.into()));
+        let effort = between(line, acting, davis, [&begin, &end]);
+        effort_n_per_kg += effort.effort_n_per_kg;
+        resistance_n_per_kg += effort.resistance_n_per_kg;
         begin = end;
     }
     Effort {
-        effort_n_per_kg: effort.effort_n_per_kg / steps,
+        effort_n_per_kg: effort_n_per_kg / steps,
         acceleration_mps2: (to.speed_mps - from.speed_mps) / interval_s,
-        resistance_n_per_kg: effort.resistance_n_per_kg / steps,
+        resistance_n_per_kg: resistance_n_per_kg / steps,
     }
 }
 
 /// Of an interval that has no length to speak of.
 const MOST_STEPS: u32 = 100;
 
-/// Means over the interval from `from` to `to`, which is later; the gradient by Simpson's rule.
+/// Means over the interval from `from` to `to`, which is later; gradient and effects by Simpson's rule.
 pub fn over_interval(line: &Line<'_>, acting: &Acting<'_>, davis: &Davis, from: &Point, to: &Point) -> Effort {
-    let acceleration_mps2 = (to.speed_mps - from.speed_mps) / (to.time_s - from.time_s);
-    let midway_m = 0.5 * (from.location_m + to.location_m);
-    let gradient_n_per_kg = (line.gradient_n_per_kg(from.location_m)
-        + 4.0 * line.gradient_n_per_kg(midway_m)
-        + line.gradient_n_per_kg(to.location_m))
-        / 6.0;
-    let midway_mps = 0.5 * (from.speed_mps + to.speed_mps);
-    let resistance_n_per_kg =
-        davis.resistance_n_per_kg(midway_mps) + gradient_n_per_kg + acting.extra_over_n_per_kg(line, davis, from, to);
+    let [from, to] = [from, to].map(|at| Spot::new(line, acting, davis, *at));
+    between(line, acting, davis, [&from, &to])
+}
+
+/// A point, and the resistance there of all but the train itself, N/kg.
+#[derive(Clone, Copy)]
+struct Spot {
+    at: Point,
+    outside_n_per_kg: Real,
+}
+
+impl Spot {
+    fn new(line: &Line<'_>, acting: &Acting<'_>, davis: &Davis, at: Point) -> Self {
+        let gradient_n_per_kg = line.gradient_n_per_kg(at.location_m);
+        Self { at, outside_n_per_kg: gradient_n_per_kg + acting.extra_n_per_kg(line, davis, &at, 0.0) }
+    }
+}
+
+fn between(line: &Line<'_>, acting: &Acting<'_>, davis: &Davis, [from, to]: [&Spot; 2]) -> Effort {
+    let acceleration_mps2 = (to.at.speed_mps - from.at.speed_mps) / (to.at.time_s - from.at.time_s);
+    let midway = Point {
+        time_s: 0.5 * (from.at.time_s + to.at.time_s),
+        location_m: 0.5 * (from.at.location_m + to.at.location_m),
+        speed_mps: 0.5 * (from.at.speed_mps + to.at.speed_mps),
+    };
+    let midway = Spot::new(line, acting, davis, midway);
+    let outside_n_per_kg = (from.outside_n_per_kg + 4.0 * midway.outside_n_per_kg + to.outside_n_per_kg) / 6.0;
+    let resistance_n_per_kg = davis.resistance_n_per_kg(midway.at.speed_mps) + outside_n_per_kg;
     Effort {
         effort_n_per_kg: acting.effort_n_per_kg(acceleration_mps2 + resistance_n_per_kg),
         acceleration_mps2,

@@ -68,6 +68,8 @@ pub struct Outbox<const N: usize> {
     inside: bool,
     /// A frame was cut; its delimiter is still to be sent.
     owed: bool,
+    /// The front is the inside of a frame that goes unsent.
+    cutting: bool,
     dropped: u32,
 }
 
@@ -80,7 +82,7 @@ impl<const N: usize> Default for Outbox<N> {
 impl<const N: usize> Outbox<N> {
     /// An empty one.
     pub const fn new() -> Self {
-        Self { bytes: [0; N], first: 0, waiting: 0, inside: false, owed: false, dropped: 0 }
+        Self { bytes: [0; N], first: 0, waiting: 0, inside: false, owed: false, cutting: false, dropped: 0 }
     }
 
     /// Takes a whole frame.
@@ -93,7 +95,7 @@ impl<const N: usize> Outbox<N> {
         Ok(())
     }
 
-    /// One step of [`push`](Self::push): an old frame goes, or a piece comes. True when the frame is whole; only then
+    /// One step of [`push`](Self::push): a piece of an old frame goes, or one of this comes. True when the frame is whole; only then
     /// it counts as one that waits. Bytes may go meanwhile; a second frame must not come.
     ///
     /// # Errors
@@ -109,8 +111,8 @@ impl<const N: usize> Outbox<N> {
             self.dropped = self.dropped.saturating_add(1);
             return Err(NoRoom { found: frame.len(), room });
         }
-        if N - self.waiting < frame.len() {
-            self.drop_oldest();
+        if self.cutting || N - self.waiting < frame.len() {
+            self.drop_piece();
             return Ok(false);
         }
         let end = self.first + self.waiting + *there;
@@ -129,11 +131,17 @@ impl<const N: usize> Outbox<N> {
         Ok(whole)
     }
 
-    /// The bytes that go next, as far as they lie together; none where nothing waits.
+    /// The bytes that go next, as far as they lie together; none where nothing waits, or while an old frame goes.
     pub fn next(&self) -> &[u8] {
-        if self.owed {
-            return &[DELIMITER];
+        match (self.owed, self.cutting) {
+            (true, _) => &[DELIMITER],
+            (false, true) => &[],
+            (false, false) => self.front(),
         }
+    }
+
+    /// What waits, as far as it lies together.
+    fn front(&self) -> &[u8] {
         let end = (self.first + self.waiting).min(N);
         self.bytes.get(self.first..end).unwrap_or_default()
     }
@@ -151,6 +159,10 @@ impl<const N: usize> Outbox<N> {
             return;
         }
         self.inside = inside;
+        self.advance(count);
+    }
+
+    fn advance(&mut self, count: usize) {
         self.waiting -= count;
         self.first += count;
         if self.first == N {
@@ -165,9 +177,9 @@ impl<const N: usize> Outbox<N> {
         Some(byte)
     }
 
-    /// Nothing waits.
+    /// Nothing is to go now.
     pub fn is_empty(&self) -> bool {
-        self.waiting == 0 && !self.owed
+        self.next().is_empty()
     }
 
     /// Frames that went unsent, or were cut.
@@ -175,20 +187,18 @@ impl<const N: usize> Outbox<N> {
         self.dropped
     }
 
-    fn drop_oldest(&mut self) {
-        let owed = self.owed || self.inside;
-        self.owed = false;
-        loop {
-            let next = self.next();
-            let end = next.iter().position(|byte| *byte == DELIMITER);
-            let (count, last) = end.map_or((next.len(), next.is_empty()), |end| (end + 1, true));
-            self.gone(count);
-            if last {
-                break;
-            }
+    /// A piece of the oldest frame goes unsent. The line gets nothing of it meanwhile.
+    fn drop_piece(&mut self) {
+        self.owed |= core::mem::take(&mut self.inside);
+        let mut found = false;
+        // Up to its end, which is the last.
+        let inside = |byte: &&u8| !core::mem::replace(&mut found, **byte == DELIMITER);
+        let count = self.front().iter().take(PIECE).take_while(inside).count();
+        self.advance(count);
+        self.cutting = !found && count > 0;
+        if !self.cutting {
+            self.dropped = self.dropped.saturating_add(1);
         }
-        (self.owed, self.inside) = (owed, false);
-        self.dropped = self.dropped.saturating_add(1);
     }
 }
 
@@ -197,6 +207,7 @@ mod tests {
     use super::*;
     extern crate std;
     use std::collections::VecDeque;
+    use std::vec;
     use std::vec::Vec;
 
     fn drain<const N: usize>(outbox: &mut Outbox<N>) -> Vec<u8> {
@@ -336,6 +347,24 @@ mod tests {
         assert_eq!(outbox.dropped(), 0);
         gone.extend(drain(&mut outbox));
         assert_eq!(gone, [&old[100..], &new].concat());
+    }
+
+    #[test]
+    fn an_old_frame_goes_in_pieces_and_the_line_gets_none_of_its_rest() {
+        let frame = |byte: u8| -> Vec<u8> { core::iter::repeat_n(byte, 199).chain([0]).collect() };
+        let mut outbox = Outbox::<300>::new();
+        outbox.push(&frame(7), WhenFull::DropOldest).unwrap();
+        outbox.pop();
+        let new = frame(8);
+        let mut arriving = Arriving::new(&new, WhenFull::DropOldest);
+        let (mut gone, mut steps) = (Vec::new(), 0);
+        while !outbox.take(&mut arriving).unwrap() {
+            gone.extend(drain(&mut outbox));
+            steps += 1;
+        }
+        // Four pieces of each, and one more where the room ends; the last step is not counted.
+        assert_eq!((gone, steps, outbox.dropped()), (vec![0], 8, 1));
+        assert_eq!(drain(&mut outbox), new);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The effects at work in a run: their extra resistance wherever the estimator asks for a resistance.
 //!
-//! In: the effects, and what the run knows beside its motion ([`Journey`]). Out: extra resistance at a point or over an
-//! interval, and what effort a resultant asks for.
+//! In: the effects, and what the run knows beside its motion ([`Journey`]). Out: extra resistance at a point, and what
+//! effort a resultant asks for.
 //!
 //! ```text
 //! X = Σ extra (location, speed, effort, time, ...)           at the mean of the belief, the same for all sigma points
@@ -140,20 +140,6 @@ impl<'a> Acting<'a> {
             day: self.journey.surroundings.day,
         };
         self.effects.resistance_n_per_kg(line, davis, &moment)
-    }
-
-    /// Its mean over an interval at no effort, by Simpson's rule.
-    pub fn extra_over_n_per_kg(&self, line: &Line<'_>, davis: &Davis, from: &Point, to: &Point) -> Real {
-        if self.effects.is_empty() {
-            return 0.0;
-        }
-        let midway = Point {
-            time_s: 0.5 * (from.time_s + to.time_s),
-            location_m: 0.5 * (from.location_m + to.location_m),
-            speed_mps: 0.5 * (from.speed_mps + to.speed_mps),
-        };
-        let extra = |at| self.extra_n_per_kg(line, davis, at, 0.0);
-        (extra(from) + 4.0 * extra(&midway) + extra(to)) / 6.0
     }
 
     /// See [`Effects::limits_n_per_kg`].

@@ -4,14 +4,13 @@ use super::pieces::Due;
 use super::snapshots::SnapshotBuffer;
 use super::{Room, SLOT, Task};
 use crate::coast_ahead::Steady;
-use crate::estimator::Estimator;
 use crate::estimator::run_state::RunState;
+use crate::estimator::{Estimator, Taken};
 use crate::onboard::auth::{Provisioning, ProvisioningError, Verifier};
 use crate::onboard::event::Event;
 use crate::onboard::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use crate::onboard::store::{EpochError, Identity, Refused, Store};
 use crate::onboard::train_id::TrainId;
-use crate::tick::memory::{MemoryConfig, Vehicle};
 use crate::tick::published::Published;
 use crate::tick::snapshot::InPlace;
 use crate::uplink::Pace;
@@ -31,7 +30,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
     ) -> Self {
         run.reset();
         let estimator = Estimator::undescribed(&mut room.track, &mut room.effects);
-        let nominal = estimator.train().davis();
+        let vehicle = estimator.new_vehicle();
         let mut store = Store::mount(flash).ok();
         let train = provisioning.map(|provisioning| provisioning.train);
         let epoch = match (&mut store, train) {
@@ -49,13 +48,14 @@ impl<'a, F: NorFlash> Task<'a, F> {
             setup: 0,
             incoming: &mut room.incoming,
             incoming_id: 0,
-            vehicle: Vehicle::new(&MemoryConfig::default(), nominal),
+            vehicle,
             run,
             summary: &mut room.summary,
             kept_effects: &mut room.kept_effects,
             running: false,
             due: Due::Nothing,
             estimate: None,
+            taken: Taken::NOTHING,
             moved: false,
             standing_since_s: None,
             published: Published::default(),

@@ -31,7 +31,7 @@ mod snapshots;
 use crate::Real;
 use crate::coast_ahead::Steady;
 use crate::estimator::run_state::{MAX_SNAPSHOT, RunState};
-use crate::estimator::{Estimator, RunSummary, StepError};
+use crate::estimator::{Estimator, RunSummary, StepError, Taken};
 use crate::model::effects::Effects;
 use crate::model::track::Track;
 use crate::onboard::auth::Verifier;
@@ -131,6 +131,8 @@ pub struct Task<'a, F> {
     /// What of the last call is still to be done, and the estimate that it is about.
     due: Due,
     estimate: Option<Estimate>,
+    /// What of its readings was taken.
+    taken: Taken,
     /// The train has run since the run began.
     moved: bool,
     standing_since_s: Option<Real>,
@@ -223,7 +225,11 @@ impl<F: NorFlash> Task<'_, F> {
         }
         self.count_missed(uplink.sequence);
         let result = match &uplink.request {
-            Request::Measurement(measurement) => match self.measurement(measurement, port) {
+            Request::Measurement(measurement) => match self.measurement(measurement) {
+                Ok(()) if self.pace == Pace::Lockstep => {
+                    self.due = Due::Estimate(uplink.sequence, origin);
+                    return;
+                }
                 Ok(()) => return,
                 refused => refused,
             },
@@ -240,17 +246,11 @@ impl<F: NorFlash> Task<'_, F> {
     /// The first piece of [`Task::tick`]; the others by [`Task::go_on`].
     pub fn begin_tick(&mut self, port: &mut impl Port) {
         self.finish(port);
-        match self.newest.take() {
-            Some(measurement) => {
-                if let Err(refusal) = self.step(&measurement, port) {
-                    self.answer(0, Err(refusal), port);
-                }
-            }
-            None if self.pace == Pace::Clock => {
-                self.silent_ticks = self.silent_ticks.saturating_add(1);
-                self.send_status(port);
-            }
-            None => {}
+        if self.newest.is_some() {
+            self.due = Due::Estimate(0, Origin::Authentic);
+        } else if self.pace == Pace::Clock {
+            self.silent_ticks = self.silent_ticks.saturating_add(1);
+            self.send_status(port);
         }
     }
 
@@ -296,29 +296,27 @@ impl<F: NorFlash> Task<'_, F> {
         }
     }
 
-    fn measurement(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
+    /// Takes a measurement for the tick that comes, or refuses it.
+    fn measurement(&mut self, measurement: &Measurement) -> Result<(), Refusal> {
         if !self.described() {
             return Err(Refusal::NotDescribed);
         }
         if !self.running {
             return Err(Refusal::NotRunning);
         }
-        match self.pace {
-            Pace::Lockstep => self.step(measurement, port),
-            Pace::Clock => {
-                // A time that does not follow the last one waits only where none does that follows: the estimator
-                // judges it at the tick.
-                let waits = self.newest.filter(|newest| self.follows(newest.time_s));
-                let displaces =
-                    |newest: Measurement| measurement.time_s > newest.time_s && self.follows(measurement.time_s);
-                if !is_time(measurement.time_s) || waits.is_some_and(|newest| !displaces(newest)) {
-                    let out_of_range = is_out_of_range(self.last_time_s, measurement.time_s);
-                    return Err(if out_of_range { Refusal::OutOfRange } else { Refusal::TimeNotIncreasing });
-                }
-                self.newest = Some(*measurement);
-                Ok(())
+        if self.pace == Pace::Clock {
+            // A time that does not follow the last one waits only where none does that follows: the estimator judges it
+            // at the tick.
+            let waits = self.newest.filter(|newest| self.follows(newest.time_s));
+            let displaces =
+                |newest: Measurement| measurement.time_s > newest.time_s && self.follows(measurement.time_s);
+            if !is_time(measurement.time_s) || waits.is_some_and(|newest| !displaces(newest)) {
+                let out_of_range = is_out_of_range(self.last_time_s, measurement.time_s);
+                return Err(if out_of_range { Refusal::OutOfRange } else { Refusal::TimeNotIncreasing });
             }
         }
+        self.newest = Some(*measurement);
+        Ok(())
     }
 
     /// Whether a time comes after that of the last tick, and not by too much.
@@ -326,26 +324,21 @@ impl<F: NorFlash> Task<'_, F> {
         self.last_time_s.is_none_or(|last_s| follows(last_s, time_s, FAR_S))
     }
 
-    /// A tick with a measurement: the estimate, and its first frames.
+    /// The estimate of the newest measurement.
     #[inline(never)]
-    fn step(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
-        self.estimate(measurement)?;
+    fn step(&mut self) -> Result<(), Refusal> {
+        // There is one where this is due.
+        let Some(measurement) = self.newest.take() else {
+            return Ok(());
+        };
+        let (estimate, taken) = self.estimator.estimate(self.run, &measurement).map_err(|error| match error {
+            StepError::TimeNotIncreasing { .. } => Refusal::TimeNotIncreasing,
+            StepError::TimeOutOfRange { .. } => Refusal::OutOfRange,
+        })?;
+        (self.estimate, self.taken) = (Some(estimate), taken);
         self.last_time_s = Some(measurement.time_s);
         self.silent_ticks = 0;
         self.tick = self.tick.wrapping_add(1);
-        self.begin_report(port);
-        self.due = Due::Report;
-        Ok(())
-    }
-
-    // Of its own: what the estimator takes on the stack is given back before the frames are made.
-    #[inline(never)]
-    fn estimate(&mut self, measurement: &Measurement) -> Result<(), Refusal> {
-        let stepped = self.estimator.step(self.run, measurement);
-        self.estimate = Some(stepped.map_err(|error| match error {
-            StepError::TimeNotIncreasing { .. } => Refusal::TimeNotIncreasing,
-            StepError::TimeOutOfRange { .. } => Refusal::OutOfRange,
-        })?);
         Ok(())
     }
 

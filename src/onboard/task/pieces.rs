@@ -1,16 +1,16 @@
 //! What a tick and the end of a run do, piece by piece, so that no call takes long.
 //!
 //! ```text
-//! tick         estimate, parameters, effort -> coast ahead, features, status, snapshot -+-> estimate
-//! end of run   -+-> what it taught -> record, summary -> what it was ended for          |
-//!               +---------------------------------------------------- a long stop ------+
+//! tick         message -> estimate -> features, parameters, effort -> coast ahead, status, snapshot -+-> estimate
+//! end of run   -+-> what it taught -> record, summary -> what it was ended for                       |
+//!               +----------------------------------------------------------------- a long stop ------+
 //! ```
 //!
 //! In: what the last piece left behind. Out: frames, in the order in which they would come from one call. The next
 //! message or tick is taken up behind the last piece. Power that goes between two pieces costs what it costs just
 //! before the record is written.
 
-use super::{Port, Task};
+use super::{Origin, Port, Task};
 use crate::model::direction::Direction;
 use crate::onboard::event::Event;
 use crate::onboard::frames;
@@ -21,7 +21,11 @@ use rundown_wire::Body;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Due {
     Nothing,
-    /// The other frames of a tick.
+    /// The estimate of the newest measurement; a refusal answers this request.
+    Estimate(u16, Origin),
+    /// The features of a tick, and its first frames.
+    Frames,
+    /// The others.
     Report,
     /// What the run taught goes into the vehicle.
     End(Then),
@@ -53,12 +57,21 @@ impl<F: NorFlash> Task<'_, F> {
     pub fn go_on(&mut self, port: &mut impl Port) {
         match core::mem::replace(&mut self.due, Due::Nothing) {
             Due::Nothing => {}
+            Due::Estimate(to, origin) => match self.step() {
+                Ok(()) => self.due = Due::Frames,
+                Err(refusal) => self.refuse(to, refusal, origin, port),
+            },
+            Due::Frames => {
+                self.begin_report(port);
+                self.due = Due::Report;
+            }
             Due::Report => self.go_on_reporting(port),
             Due::End(then) => {
-                self.end();
+                self.estimator.teach(self.run, &mut self.vehicle, self.summary);
                 self.due = Due::Keep(then);
             }
             Due::Keep(then) => {
+                self.close();
                 self.keep();
                 self.send_summary(port);
                 self.due = Due::After(then);
@@ -104,10 +117,10 @@ impl<F: NorFlash> Task<'_, F> {
         }
     }
 
-    /// What the run taught goes into the vehicle.
+    /// What the run taught is complete.
     #[inline(never)]
-    fn end(&mut self) {
-        self.estimator.end_run_in(self.run, &mut self.vehicle, self.summary);
+    fn close(&mut self) {
+        self.estimator.close(self.run, &mut self.vehicle, self.summary);
         self.running = false;
         self.newest = None;
         self.note(Event::learned(self.summary.learned_s, &self.vehicle.davis()));

@@ -18,12 +18,13 @@ const MINUTE_TICKS: u32 = 6;
 const SNAPSHOT_TICKS: u32 = 12;
 
 impl<F: NorFlash> Task<'_, F> {
-    /// The first frames of a tick.
+    /// What a tick adds to the features, and its first frames.
     #[inline(never)]
     pub(super) fn begin_report(&mut self, port: &mut impl Port) {
         let Some(estimate) = self.estimate else {
             return;
         };
+        self.estimator.observe(self.run, &estimate, &self.taken);
         self.send_parameters(&estimate, port);
         let mean = &estimate.belief.mean;
         let limits = self.estimator.limits_n_per_kg(mean[LOCATION], mean[SPEED]);
