@@ -4,7 +4,7 @@
 use crate::estimator::run_state::RunState;
 use crate::link::Counters;
 use crate::link::serial::{self, Decoder};
-use crate::onboard::auth::{Provisioning, ProvisioningError};
+use crate::onboard::auth::{KeySource, Provisioning, ProvisioningError};
 use crate::onboard::event::Event;
 use crate::onboard::outbox::WhenFull;
 use crate::onboard::task::{Port, Room, Task};
@@ -34,23 +34,23 @@ impl<F: Fn() -> Health + Copy> Hardware for F {
 }
 
 /// State of the application.
-pub struct Application<'a, F> {
-    task: Task<'a, F>,
+pub struct Application<'a, F, K = Result<Provisioning, ProvisioningError>> {
+    task: Task<'a, F, K>,
     decoder: Decoder,
     messages: Counters,
 }
 
-impl<'a, F: NorFlash> Application<'a, F> {
+impl<'a, F: NorFlash, K: KeySource> Application<'a, F, K> {
     /// After the start of the board.
     pub fn new(
-        provisioning: Result<Provisioning, ProvisioningError>,
+        keys: K,
         flash: F,
         heartbeat_only: bool,
         run: &'a mut RunState,
         room: &'a mut Room,
     ) -> Self {
         Self {
-            task: Task::new(provisioning, flash, heartbeat_only, run, room),
+            task: Task::new(keys, flash, heartbeat_only, run, room),
             decoder: Decoder::new(),
             messages: Counters::ZERO,
         }

@@ -3,10 +3,11 @@
 
 use board_tests::flash::Flash;
 use rundown::onboard::auth::{
-    Freshness, Key, Provisioning, ProvisioningError, Refusal, SealError, Signer, TRAILER, Verifier,
+    Freshness, Key, KeySource, Provisioning, ProvisioningError, Refusal, SealError, Signer, TRAILER, Verifier,
 };
 use rundown::onboard::store::{AppendError, EpochError, Identity, Store};
 use rundown::onboard::train_id::TrainId;
+use std::cell::Cell;
 
 const TRACK: u16 = 2;
 const EFFECT: u16 = 3;
@@ -27,6 +28,29 @@ fn desk(board: &Verifier) -> Signer {
 fn sealed(desk: &mut Signer, message: &[u8]) -> Vec<u8> {
     let mut buffer = [0; 256];
     desk.seal(TRACK, message, &mut buffer).unwrap().to_vec()
+}
+
+/// A key that is kept beside its source would stand in the variables, where a probe reads it.
+#[test]
+fn the_key_is_read_each_time_it_is_used() {
+    struct Page<'a>(&'a Cell<Result<Provisioning, ProvisioningError>>);
+    impl KeySource for Page<'_> {
+        fn provisioning(&self) -> Result<Provisioning, ProvisioningError> {
+            self.0.get()
+        }
+    }
+    let page = Cell::new(Ok(provisioning()));
+    let mut board = Verifier::new(Page(&page), Ok(3));
+    let mut desk = Signer::new(&provisioning(), &board.announcement().unwrap()).unwrap();
+    let [before, after] = [b"before", b"after!"].map(|message| sealed(&mut desk, message));
+    assert_eq!(board.open(TRACK, &before), Ok(b"before".as_slice()));
+    page.set(Ok(Provisioning { key: Key::new([9; 16]), ..provisioning() }));
+    assert_eq!(board.open(TRACK, &after), Err(Refusal::WrongMac));
+    page.set(Err(ProvisioningError::Unreadable));
+    assert_eq!(board.open(TRACK, &after), Err(Refusal::Unprovisioned(ProvisioningError::Unreadable)));
+    assert_eq!(board.announcement(), None);
+    page.set(Ok(provisioning()));
+    assert_eq!(board.open(TRACK, &after), Ok(b"after!".as_slice()));
 }
 
 /// MACs by OpenSSL 3.0.19: `openssl mac -macopt cipher:AES-128-CBC -macopt hexkey:000102...0f -in FILE CMAC`, FILE made

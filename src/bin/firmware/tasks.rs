@@ -21,6 +21,7 @@ pub const PERIOD_S: u32 = 10;
 mod app {
     use super::PERIOD_S;
     use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
+    use crate::board::provisioning::KeyPage;
     use crate::board::{self, Metal, device::Interrupt, kept_ram};
     use crate::can;
     use core::mem::MaybeUninit;
@@ -30,7 +31,6 @@ mod app {
     use rundown::estimator::run_state::RunState;
     use rundown::link::Counters;
     use rundown::onboard::application::{Application, Hardware};
-    use rundown::onboard::auth::Provisioning;
     use rundown::onboard::board::{Board, FailurePoint, Started};
     use rundown::onboard::clock::Clock;
     use rundown::onboard::crash_loop::Operation;
@@ -79,7 +79,7 @@ mod app {
         #[lock_free]
         start: Start,
         #[lock_free]
-        application: &'static mut Application<'static, Flash>,
+        application: &'static mut Application<'static, Flash, KeyPage>,
     }
 
     #[local]
@@ -93,7 +93,7 @@ mod app {
         next_tick: u32,
     }
 
-    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: RunState = RunState::ZEROED, outbox: Outbox<OUTBOX> = Outbox::new(), room: Room = Room::EMPTY])]
+    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash, KeyPage>> = MaybeUninit::uninit(), run: RunState = RunState::ZEROED, outbox: Outbox<OUTBOX> = Outbox::new(), room: Room = Room::EMPTY])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the
         // answer.
@@ -242,14 +242,13 @@ mod app {
     /// In a frame of its own, so that the stack of the start is given back.
     #[inline(never)]
     fn place(
-        slot: &'static mut MaybeUninit<Application<'static, Flash>>,
+        slot: &'static mut MaybeUninit<Application<'static, Flash, KeyPage>>,
         flash: Flash,
         heartbeat_only: bool,
         run: &'static mut RunState,
         room: &'static mut Room,
-    ) -> &'static mut Application<'static, Flash> {
-        let provisioning = Provisioning::from_bytes(&board::provisioning::record());
-        slot.write(Application::new(provisioning, flash, heartbeat_only, run, room))
+    ) -> &'static mut Application<'static, Flash, KeyPage> {
+        slot.write(Application::new(KeyPage, flash, heartbeat_only, run, room))
     }
 
     /// Puts a frame into the outbox and starts the line.

@@ -49,6 +49,6 @@ mod verifier;
 
 pub use error::{Refusal, SealError};
 pub use mac::{Freshness, MAC, TRAILER};
-pub use provisioning::{Key, Provisioning, ProvisioningError};
+pub use provisioning::{Key, KeySource, Provisioning, ProvisioningError};
 pub use signer::Signer;
 pub use verifier::Verifier;

@@ -66,6 +66,23 @@ errors! {
     }
 }
 
+/// Where a board has its provisioning. A key that is read each time it is used stands in the flash, which a probe
+/// cannot read from `RDP` level 1 on, and for that time on the stack, not in the variables, which it can.
+pub trait KeySource {
+    /// What the board was given.
+    ///
+    /// # Errors
+    /// Why there is no key.
+    fn provisioning(&self) -> Result<Provisioning, ProvisioningError>;
+}
+
+/// Read once.
+impl KeySource for Result<Provisioning, ProvisioningError> {
+    fn provisioning(&self) -> Result<Provisioning, ProvisioningError> {
+        *self
+    }
+}
+
 impl Provisioning {
     /// Reads a record.
     ///

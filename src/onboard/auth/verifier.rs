@@ -2,7 +2,7 @@
 
 use super::error::Refusal;
 use super::mac::{Freshness, Recipient, TRAILER, Trailer};
-use super::provisioning::{Provisioning, ProvisioningError};
+use super::provisioning::{KeySource, Provisioning, ProvisioningError};
 use crate::onboard::store::EpochError;
 use crate::onboard::train_id::TrainId;
 
@@ -11,18 +11,21 @@ pub(super) const ANNOUNCEMENT: u16 = 0;
 
 /// Opens sealed messages; one for each boot.
 #[derive(Clone, Debug)]
-pub struct Verifier {
-    provisioning: Result<Provisioning, ProvisioningError>,
+pub struct Verifier<K = Result<Provisioning, ProvisioningError>> {
+    keys: K,
+    /// That the board is provisioned for.
+    train: Result<TrainId, ProvisioningError>,
     epoch: Result<u32, EpochError>,
     /// Counter that was accepted last; 0: none yet.
     last: u32,
 }
 
-impl Verifier {
+impl<K: KeySource> Verifier<K> {
     /// `epoch` is what [`Store::advance_epoch`](crate::onboard::store::Store::advance_epoch) gave at this boot.
     /// Without a key or an epoch every message is refused with that cause.
-    pub fn new(provisioning: Result<Provisioning, ProvisioningError>, epoch: Result<u32, EpochError>) -> Self {
-        Self { provisioning, epoch, last: 0 }
+    pub fn new(keys: K, epoch: Result<u32, EpochError>) -> Self {
+        let train = keys.provisioning().map(|provisioning| provisioning.train);
+        Self { keys, train, epoch, last: 0 }
     }
 
     /// The message inside a secured one, if it is of this kind, for this boot, and new.
@@ -30,7 +33,7 @@ impl Verifier {
     /// # Errors
     /// [`Refusal`]; nothing changes, only the caller's counters.
     pub fn open<'a>(&mut self, data_id: u16, secured: &'a [u8]) -> Result<&'a [u8], Refusal> {
-        let provisioning = self.provisioning.map_err(Refusal::Unprovisioned)?;
+        let provisioning = self.keys.provisioning().map_err(Refusal::Unprovisioned)?;
         let expected = self.epoch.map_err(Refusal::NoEpoch)?;
         let too_short = Refusal::WrongLength { least: TRAILER, found: secured.len() };
         let (message, trailer) = secured.split_last_chunk::<TRAILER>().ok_or(too_short)?;
@@ -51,12 +54,12 @@ impl Verifier {
 
     /// The train that the board is provisioned for.
     pub fn train(&self) -> Option<TrainId> {
-        self.provisioning.map(|provisioning| provisioning.train).ok()
+        self.train.ok()
     }
 
     /// Epoch and last counter; `None` while everything secured is refused.
     pub fn freshness(&self) -> Option<Freshness> {
-        let (Ok(_), Ok(epoch)) = (self.provisioning, self.epoch) else {
+        let (Ok(_), Ok(epoch)) = (self.train, self.epoch) else {
             return None;
         };
         Some(Freshness { epoch, counter: self.last })
@@ -64,7 +67,7 @@ impl Verifier {
 
     /// [`Verifier::freshness`] with a MAC, for the status frame: what [`Signer::new`](super::Signer::new) begins with.
     pub fn announcement(&self) -> Option<[u8; TRAILER]> {
-        let (provisioning, freshness) = (self.provisioning.ok()?, self.freshness()?);
+        let (provisioning, freshness) = (self.keys.provisioning().ok()?, self.freshness()?);
         let trailer = Trailer::sign(&provisioning, Recipient::Desk, ANNOUNCEMENT, freshness, &[]);
         Some(trailer.to_bytes())
     }

@@ -6,7 +6,7 @@ use super::{Room, SLOT, Task};
 use crate::coast_ahead::Steady;
 use crate::estimator::run_state::RunState;
 use crate::estimator::{Estimator, Taken};
-use crate::onboard::auth::{Provisioning, ProvisioningError, Verifier};
+use crate::onboard::auth::{KeySource, Verifier};
 use crate::onboard::event::Event;
 use crate::onboard::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use crate::onboard::store::{EpochError, Identity, Refused, Store};
@@ -18,11 +18,11 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::{Deque, Vec};
 use rundown_wire::{Memory, REFUSALS};
 
-impl<'a, F: NorFlash> Task<'a, F> {
+impl<'a, F: NorFlash, K: KeySource> Task<'a, F, K> {
     /// The task of a board that has just started. `heartbeat_only`: it has started too often in a short time, and only
     /// says how it is.
     pub fn new(
-        provisioning: Result<Provisioning, ProvisioningError>,
+        keys: K,
         flash: F,
         heartbeat_only: bool,
         run: &'a mut RunState,
@@ -32,7 +32,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
         let estimator = Estimator::undescribed(&mut room.track, &mut room.effects);
         let vehicle = estimator.new_vehicle();
         let mut store = Store::mount(flash).ok();
-        let train = provisioning.map(|provisioning| provisioning.train);
+        let train = keys.provisioning().map(|provisioning| provisioning.train);
         let epoch = match (&mut store, train) {
             (Some(store), Ok(train)) => next_epoch(store, train),
             _ => Err(EpochError::Lost { damaged_slots: 0 }),
@@ -77,7 +77,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             unproven_refusals: 0,
             open_status: false,
             heartbeat_only,
-            verifier: Verifier::new(provisioning, epoch),
+            verifier: Verifier::new(keys, epoch),
             store,
             lifetime: Lifetime::default(),
             memory,

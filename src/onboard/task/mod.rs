@@ -34,7 +34,7 @@ use crate::estimator::run_state::{MAX_SNAPSHOT, RunState};
 use crate::estimator::{Estimator, RunSummary, StepError, Taken};
 use crate::model::effects::Effects;
 use crate::model::track::Track;
-use crate::onboard::auth::Verifier;
+use crate::onboard::auth::{KeySource, Provisioning, ProvisioningError, Verifier};
 use crate::onboard::event::{self, Event};
 use crate::onboard::outbox::WhenFull;
 use crate::onboard::store::Store;
@@ -111,7 +111,7 @@ impl Room {
 }
 
 /// The state of the board's application.
-pub struct Task<'a, F> {
+pub struct Task<'a, F, K = Result<Provisioning, ProvisioningError>> {
     estimator: Estimator<&'a mut Track, &'a mut Effects>,
     train_id: Option<u64>,
     track_id: Option<u32>,
@@ -161,7 +161,7 @@ pub struct Task<'a, F> {
     open_status: bool,
     heartbeat_only: bool,
 
-    verifier: Verifier,
+    verifier: Verifier<K>,
     store: Option<Store<F, SLOT>>,
     lifetime: Lifetime,
     memory: Memory,
@@ -174,7 +174,7 @@ pub struct Task<'a, F> {
     events: Deque<Event, { event::WAITING }>,
 }
 
-impl<F: NorFlash> Task<'_, F> {
+impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     /// One message from the link, and all that it asks for.
     pub fn receive(&mut self, message: &[u8], port: &mut impl Port) {
         self.accept(message, port);

@@ -12,6 +12,7 @@
 
 use super::{Origin, Port, Task};
 use crate::model::direction::Direction;
+use crate::onboard::auth::KeySource;
 use crate::onboard::event::Event;
 use crate::onboard::frames;
 use embedded_storage::nor_flash::NorFlash;
@@ -47,7 +48,7 @@ pub(super) enum Then {
     Begin(u16, Direction),
 }
 
-impl<F: NorFlash> Task<'_, F> {
+impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     /// Something is still to be done.
     pub fn is_busy(&self) -> bool {
         self.due != Due::Nothing

@@ -5,6 +5,7 @@ use crate::coast_ahead::Outcome;
 use crate::estimator::config::Mode;
 use crate::filter::gaussian::Gaussian;
 use crate::model::state::{LOCATION, R0, SPEED};
+use crate::onboard::auth::KeySource;
 use crate::onboard::frames;
 use crate::onboard::outbox::WhenFull;
 use crate::onboard::versions::VERSIONS;
@@ -17,7 +18,7 @@ const MINUTE_TICKS: u32 = 6;
 /// Ticks from one snapshot to the next: a brown-out loses two minutes at most.
 const SNAPSHOT_TICKS: u32 = 12;
 
-impl<F: NorFlash> Task<'_, F> {
+impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     /// What a tick adds to the features, and its first frames.
     #[inline(never)]
     pub(super) fn begin_report(&mut self, port: &mut impl Port) {

@@ -10,6 +10,7 @@ use crate::model::state::SPEED;
 use crate::model::table::Table;
 use crate::model::track::Track;
 use crate::model::train::Train;
+use crate::onboard::auth::KeySource;
 use crate::onboard::event::Event;
 use crate::plain::{self, Plain as _};
 use crate::tick::estimate::Estimate;
@@ -18,7 +19,7 @@ use crate::uplink::{Command, Pace, Request, Setting, TrackPart, TrainFrame};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, Effect, Refusal};
 
-impl<F: NorFlash> Task<'_, F> {
+impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     #[inline(never)]
     pub(super) fn carry_out(&mut self, request: &Request, to: u16, port: &mut impl Port) -> Result<(), Refusal> {
         match request {

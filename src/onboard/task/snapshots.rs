@@ -9,6 +9,7 @@ use crate::tick::digest;
 use crate::tick::published::Published;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
+use crate::onboard::auth::KeySource;
 use rundown_wire::{Body, Refusal, SNAPSHOT_BYTES, SnapshotPart};
 
 /// Pieces in one tick: some 1 kB, a tenth of a second at 115 200 baud. The largest snapshot takes 14 ticks.
@@ -67,7 +68,7 @@ impl<'a> SnapshotBuffer<'a> {
     }
 }
 
-impl<F: NorFlash> Task<'_, F> {
+impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     /// A snapshot of this tick; one that is still on its way out goes first.
     pub(super) fn take_snapshot_of_the_run(&mut self) {
         let buffer = &mut self.snapshot;
