@@ -42,13 +42,7 @@ pub struct Application<'a, F, K = Result<Provisioning, ProvisioningError>> {
 
 impl<'a, F: NorFlash, K: KeySource> Application<'a, F, K> {
     /// After the start of the board.
-    pub fn new(
-        keys: K,
-        flash: F,
-        heartbeat_only: bool,
-        run: &'a mut RunState,
-        room: &'a mut Room,
-    ) -> Self {
+    pub fn new(keys: K, flash: F, heartbeat_only: bool, run: &'a mut RunState, room: &'a mut Room) -> Self {
         Self {
             task: Task::new(keys, flash, heartbeat_only, run, room),
             decoder: Decoder::new(),

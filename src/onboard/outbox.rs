@@ -190,12 +190,12 @@ impl<const N: usize> Outbox<N> {
     /// A piece of the oldest frame goes unsent. The line gets nothing of it meanwhile.
     fn drop_piece(&mut self) {
         self.owed |= core::mem::take(&mut self.inside);
-        let mut found = false;
-        // Up to its end, which is the last.
-        let inside = |byte: &&u8| !core::mem::replace(&mut found, **byte == DELIMITER);
-        let count = self.front().iter().take(PIECE).take_while(inside).count();
+        let front = self.front();
+        let piece = front.get(..PIECE).unwrap_or(front);
+        let end = piece.iter().position(|byte| *byte == DELIMITER);
+        let count = end.map_or(piece.len(), |end| end + 1);
         self.advance(count);
-        self.cutting = !found && count > 0;
+        self.cutting = end.is_none() && count > 0;
         if !self.cutting {
             self.dropped = self.dropped.saturating_add(1);
         }

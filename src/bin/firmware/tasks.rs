@@ -20,8 +20,8 @@ pub const PERIOD_S: u32 = 10;
 #[rtic::app(device = crate::board::device, peripherals = false)]
 mod app {
     use super::PERIOD_S;
-    use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
     use crate::board::provisioning::KeyPage;
+    use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
     use crate::board::{self, Metal, device::Interrupt, kept_ram};
     use crate::can;
     use core::mem::MaybeUninit;

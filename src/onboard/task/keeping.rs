@@ -21,13 +21,7 @@ use rundown_wire::{Memory, REFUSALS};
 impl<'a, F: NorFlash, K: KeySource> Task<'a, F, K> {
     /// The task of a board that has just started. `heartbeat_only`: it has started too often in a short time, and only
     /// says how it is.
-    pub fn new(
-        keys: K,
-        flash: F,
-        heartbeat_only: bool,
-        run: &'a mut RunState,
-        room: &'a mut Room,
-    ) -> Self {
+    pub fn new(keys: K, flash: F, heartbeat_only: bool, run: &'a mut RunState, room: &'a mut Room) -> Self {
         run.reset();
         let estimator = Estimator::undescribed(&mut room.track, &mut room.effects);
         let vehicle = estimator.new_vehicle();

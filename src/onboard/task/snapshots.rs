@@ -4,12 +4,12 @@ use super::{Port, Task};
 use crate::Real;
 use crate::coast_ahead::Steady;
 use crate::estimator::run_state::MAX_SNAPSHOT;
+use crate::onboard::auth::KeySource;
 use crate::plain::{self, Plain as _, plain};
 use crate::tick::digest;
 use crate::tick::published::Published;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
-use crate::onboard::auth::KeySource;
 use rundown_wire::{Body, Refusal, SNAPSHOT_BYTES, SnapshotPart};
 
 /// Pieces in one tick: some 1 kB, a tenth of a second at 115 200 baud. The largest snapshot takes 14 ticks.

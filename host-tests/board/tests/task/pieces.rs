@@ -32,13 +32,13 @@ fn a_tick_in_pieces_says_what_it_says_in_one_call() {
         whole.task.receive(&message, &mut whole.wire);
         apart.task.accept(&message, &mut apart.wire);
         let mut found: Vec<_> = apart.wire.messages.drain(..).collect();
-        assert!(!found.is_empty() && apart.task.is_busy(), "parameters and effort come first");
+        assert!(found.is_empty() && apart.task.is_busy(), "the estimate is a piece of its own");
         let pieces = pieces(&mut apart);
         most = most.max(pieces.len());
         found.extend(pieces.into_iter().flatten());
         assert_eq!(found, std::mem::take(&mut whole.wire.messages));
     }
-    assert_eq!(most, 4, "frames, the end, record and summary, estimate");
+    assert_eq!(most, 6, "estimate, first frames, the others, the end, record and summary, estimate frame");
 }
 
 #[test]
