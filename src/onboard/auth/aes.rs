@@ -35,7 +35,8 @@ impl RoundKeys {
                 *plane ^= *plane << 8 & 0xFF00_FF00;
             }
             *next = key;
-            constant = constant << 1 ^ if constant == 0x80 { 0x100 | REDUCED } else { 0 };
+            // Of it the lowest eight bits count.
+            constant = constant << 1 ^ if constant == 0x80 { REDUCED } else { 0 };
         }
         Self(keys)
     }
