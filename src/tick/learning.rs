@@ -245,8 +245,8 @@ impl Learner {
         self.believed().is_some()
     }
 
-    /// Share of what this run taught that it taught on short hops, below zero where the speeds of the last one were finer
-    /// than whole km/h.
+    /// Share of what this run taught that it taught on short hops, below zero where the speeds of the last one were
+    /// finer than whole km/h.
     pub fn hops_share(&self) -> Real {
         if self.learned_s > 0.0 { self.on_hops_s / self.learned_s } else { 0.0 }
     }

@@ -569,8 +569,8 @@ mod tests {
         assert_eq!(begins(&hops), begins(&[0.0; 40]));
     }
 
-    /// Standard deviation of r(v), share, that short hops leave after runs of so many coasts each, with speeds in tenths
-    /// of a km/h (share below zero) or in whole ones.
+    /// Standard deviation of r(v), share, that short hops leave after runs of so many coasts each, with speeds in
+    /// tenths of a km/h (share below zero) or in whole ones.
     fn hops_sd(share: Real, coasts: Real, squares: Real, runs: usize) -> Real {
         let config = MemoryConfig::default();
         let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
