@@ -185,6 +185,20 @@ fn short_coasts_teach_metros_trams_and_suburban_trains() {
     }
 }
 
+/// Read as whole km/h, speeds in tenths ended with 3.4, 1.2 and 15 % and half-widths of 13 to 28 %; what held speeds
+/// taught beside the coasts was not noticed.
+#[test]
+fn speeds_in_tenths_teach_short_hops_in_narrow_intervals() {
+    for (name, most_percent) in [("metro-tenths", 2.5), ("tram-tenths", 1.5), ("suburban-tenths", 3.5)] {
+        let fleet = fleets::all().into_iter().find(|fleet| fleet.name == name).unwrap();
+        let table = sim_harness::accuracy_bench::judge(&fleet, fleet.config(), 6, 20, 4000, || ()).unwrap();
+        table.print(name);
+        let errors = &table.vehicle[2];
+        assert!(errors.rmse_percent() < most_percent, "{name}");
+        assert!(errors.coverage() > 0.92, "{name}");
+    }
+}
+
 /// A recorder that cuts off whole km/h reads half of one too little; said in the configuration it costs nothing.
 #[test]
 fn truncated_speed_costs_nothing_when_configured() {

@@ -239,7 +239,11 @@ fn recognise(
         }
         return recognition;
     };
-    let evidence = evidence(config, line, acting, &belief, [&anchor, now], &effort);
+    let mut evidence = evidence(config, line, acting, &belief, [&anchor, now], &effort);
+    let speed_sd_mps = evidence.acceleration_sd_mps2 * evidence.interval_s;
+    if let Some(sd_mps) = short_hops.and_then(|pieces| pieces.speed_sd_mps) {
+        evidence.acceleration_sd_mps2 = (core::f32::consts::SQRT_2 * sd_mps / evidence.interval_s as f32).into();
+    }
     let recognised = run.recogniser.step(&config.recogniser, &evidence);
     run.regime = recognised.now.regime();
     recognition.coasted = recognised.coasted;
@@ -257,7 +261,7 @@ fn recognise(
         run.recogniser = recognised.now;
         run.anchor = Some(*now);
         if config.mode == Mode::Measured && anchor.speed_mps.min(now.speed_mps) > SLOWEST_MEASURED_MPS {
-            let sd = [evidence.acceleration_sd_mps2 * evidence.interval_s, evidence.resistance_sd_n_per_kg];
+            let sd = [speed_sd_mps, evidence.resistance_sd_n_per_kg];
             let effort = effort::over_steps(line, acting, &davis, [&anchor, now], config.learning.sub_step_s);
             run.effort_reading.compare(&config.effort_reading, evidence.interval_s, &effort, sd, run.learner.gain());
         } else {
@@ -373,7 +377,7 @@ fn is_powered(config: &Config, judged: &Judged, described_n_per_kg: Real) -> boo
 /// What of a segment counts, but on short hops: it was believed when it began.
 fn usual(config: &Config, least_change: LeastChange) -> Counts {
     let LearningConfig { end_cut_s, min_segment_s, .. } = config.learning;
-    Counts { believed: false, end_cut_s, min_segment_s, least_change, on_short_hops: false }
+    Counts { believed: false, end_cut_s, min_segment_s, least_change, on_short_hops: false, speed_sd_mps: None }
 }
 
 /// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or
@@ -409,9 +413,9 @@ fn learn_coasting(
     if !goes_on {
         run.learner.end();
     } else if run.learner.in_segment() {
-        let counts = if let Some(Pieces { end_cut_s, min_segment_s, least_change, .. }) = short_hops {
+        let counts = if let Some(Pieces { end_cut_s, min_segment_s, least_change, speed_sd_mps, .. }) = short_hops {
             let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
-            Counts { believed, end_cut_s, min_segment_s, least_change, on_short_hops: true }
+            Counts { believed, end_cut_s, min_segment_s, least_change, on_short_hops: true, speed_sd_mps }
         } else {
             usual(config, LeastChange::Share(learning::MIN_CHANGE_SHARE))
         };

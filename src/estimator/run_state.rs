@@ -122,7 +122,8 @@ impl RunState {
         self.learner.gain()
     }
 
-    /// Share of what it has taught that it taught on short hops.
+    /// Share of what it has taught that it taught on short hops, below zero where the speeds of the last one were finer
+    /// than whole km/h.
     pub fn hops_share(&self) -> Real {
         self.learner.hops_share()
     }

@@ -106,6 +106,12 @@ impl Trust {
         1.0 + self.coasts * (inflation - ORDINARY_SCATTER * ORDINARY_SCATTER).max(0.0) / inflation
     }
 
+    /// Share that one coast has in what all of them say, the more the more they scatter.
+    pub(crate) fn of_one(&self) -> f32 {
+        let coasts = self.coasts as f32 + EXPECTED_COASTS as f32;
+        (self.squares as f32 + EXPECTED_COASTS as f32).max(coasts) / (coasts * coasts)
+    }
+
     fn scatter(&self, squares: Real) -> Real {
         ((EXPECTED_COASTS + squares) / (EXPECTED_COASTS + self.coasts)).max(1.0)
     }

@@ -119,6 +119,8 @@ pub struct Counts {
     pub least_change: LeastChange,
     /// It is one of short hops.
     pub on_short_hops: bool,
+    /// Standard deviation of a speed, m/s, where it is less than the sensor's.
+    pub speed_sd_mps: Option<f32>,
 }
 
 /// How much the speed of a segment must change, so that it counts.
@@ -191,7 +193,7 @@ in_place! {
         constants: Gaussian<4> = (Gaussian::ZEROED);
         segment: Option<Segment> = (in place);
         learned_s: Real = (0.0);
-        /// Of these, on short hops.
+        /// Of these, on short hops, with the sign of the share.
         on_hops_s: Real = (0.0);
         foresight: Foresight = (Foresight::NONE);
     }
@@ -243,7 +245,8 @@ impl Learner {
         self.believed().is_some()
     }
 
-    /// Share of what this run taught that it taught on short hops.
+    /// Share of what this run taught that it taught on short hops, below zero where the speeds of the last one were
+    /// finer than whole km/h.
     pub fn hops_share(&self) -> Real {
         if self.learned_s > 0.0 { self.on_hops_s / self.learned_s } else { 0.0 }
     }
@@ -356,7 +359,7 @@ impl Learner {
         };
         segment.believed |= counts.believed;
         *goes_on = false;
-        let (innovation, believed) = segment.step(config, sensor, line, acting, tick)?;
+        let (innovation, believed) = segment.step(config, sensor, line, acting, tick, counts.speed_sd_mps)?;
         if believed {
             self.settle(counts, tick.time_s);
             *goes_on = true;
@@ -388,7 +391,8 @@ impl Learner {
                 let counted_s = reached.time_s - segment.settled_s;
                 self.learned_s += counted_s;
                 if counts.on_short_hops {
-                    self.on_hops_s += counted_s;
+                    let sum_s = self.on_hops_s.abs() + counted_s;
+                    self.on_hops_s = if counts.speed_sd_mps.is_some() { -sum_s } else { sum_s };
                 }
                 segment.settled_s = reached.time_s;
             }
@@ -441,6 +445,7 @@ impl Segment {
         line: &Line<'_>,
         acting: &Acting<'_>,
         tick: &Tick,
+        fine_sd_mps: Option<f32>,
     ) -> Result<(Innovation<2>, bool), NotPositiveDefinite> {
         let ukf = Ukf { spread: config.spread, gate: [Some(config.gate); 2], reuse_points: false };
         let sub_steps = pieces(tick.dt_s, config.sub_step_s, MOST_SUB_STEPS);
@@ -458,8 +463,11 @@ impl Segment {
             begin_s += h_s;
             ukf.predict(&mut self.belief, &motion.with_noise(noise_mps2))?;
         }
-        let staircase = (config.staircase_s / tick.dt_s).max(1.0);
-        let speed_sd_mps = sensor.speed_sd_mps();
+        // A coasting train crosses a fine step within a second.
+        let (speed_sd_mps, staircase) = match fine_sd_mps {
+            Some(sd_mps) => (sd_mps.into(), 1.0),
+            None => (sensor.speed_sd_mps(), (config.staircase_s / tick.dt_s).max(1.0)),
+        };
         let speed_variance = speed_sd_mps * speed_sd_mps * staircase + Real::from(tick.effort.unseen);
         let ends_mps = self.belief.mean[SPEED];
         // A measured effort has errors of its own, which would be taken for those of the resistance.

@@ -48,7 +48,14 @@ const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
 /// Standard deviation of r(v) that is common to all coasts of short hops, share: a coast of 10 to 40 s that begins or
 /// ends with a second of something else is off by several per cent, all of a driver's by the same, and their scatter
 /// does not say so. Judged by what other simulators' trams and suburban trains were off by (docs/limits.md).
-pub const SHORT_HOPS_SD: Real = 0.05;
+const SHORT_HOPS_SD: Real = 0.05;
+/// The same at least where speeds are finer than whole km/h, for which a second of something else is visible. Judged by
+/// trains of a third simulator (docs/measured.md).
+const FINE_HOPS_SD: f32 = 0.015;
+/// So many of these coasts may have been none, more where they scatter, and be off by all of r(v): a speed that a
+/// regulator or a notch holds falls for 7 s like a coast now and then. Where nobody coasts these few are all that there
+/// is; drivers who coast do so several times a run.
+const FALSE_COASTS: f32 = 3.0;
 /// Runs over which the share of short hops is a mean.
 const RUNS_OF_HOPS: u32 = 32;
 /// Share of what is known that is forgotten where it came from readings that were not what they seemed.
@@ -118,7 +125,8 @@ pub struct Vehicle {
     /// Of its speed readings.
     #[serde(default)]
     pub(crate) offset: SpeedOffset,
-    /// Share of what it was taught that short hops taught, of late.
+    /// Share of what it was taught that short hops taught, of late; below zero where the speeds of the last run were
+    /// finer than whole km/h.
     #[serde(default)]
     pub(crate) hops_share: f32,
 }
@@ -198,7 +206,18 @@ impl Vehicle {
 
     /// Share of what it was taught that short hops taught, of late.
     pub fn hops_share(&self) -> Real {
-        self.hops_share.into()
+        self.hops_share.abs().into()
+    }
+
+    /// Standard deviation of r(v) for that, share.
+    pub fn hops_sd(&self) -> Real {
+        self.hops_sd_of(self.hops_share.into()).abs()
+    }
+
+    fn hops_sd_of(&self, share: Real) -> Real {
+        let fine = || (FALSE_COASTS * self.trust.of_one()).max(FINE_HOPS_SD).into();
+        let sd = if share < 0.0 { fine() } else { SHORT_HOPS_SD };
+        sd * share
     }
 
     /// How far this may be trusted, by how it foresaw coasts.
@@ -212,7 +231,7 @@ impl Vehicle {
     pub fn widen(&self, found: &mut Gaussian<3>, run_share: Real) {
         self.trust.widen(found);
         let share = if self.runs == 0 { run_share } else { self.hops_share.into() };
-        let sd = SHORT_HOPS_SD * share;
+        let sd = self.hops_sd_of(share);
         // Two rows at once are a call of nalgebra, which the flash has no room for.
         for row in 0..3 {
             for column in 0..3 {
@@ -245,7 +264,9 @@ impl Vehicle {
             self.forget(config, &said.information, run.track_share());
             self.take_up(config, &said, gain - begin.mean[3], run);
             let among = self.runs.clamp(1, RUNS_OF_HOPS) as f32;
-            self.hops_share += (hops_share as f32 - self.hops_share) / among;
+            let before = self.hops_share.abs();
+            let run = hops_share as f32;
+            self.hops_share = (before + (run.abs() - before) / among).copysign(run);
         }
     }
 
@@ -546,6 +567,32 @@ mod tests {
         assert!(sd_share(&after(&[hops.as_slice(), &[0.0; 100]].concat())) < 0.012);
         let begins = |shares: &[Real]| after(shares).next_run(&config);
         assert_eq!(begins(&hops), begins(&[0.0; 40]));
+    }
+
+    /// Standard deviation of r(v), share, that short hops leave after runs of so many coasts each, with speeds in
+    /// tenths of a km/h (share below zero) or in whole ones.
+    fn hops_sd(share: Real, coasts: Real, squares: Real, runs: usize) -> Real {
+        let config = MemoryConfig::default();
+        let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
+        let trust = Trust { coasts, squares, ..Trust::NONE };
+        for _ in 0..runs {
+            let begin = vehicle.constants(&config, 0.03);
+            let mut end = begin;
+            end.covariance *= 0.1;
+            vehicle.learn(&config, [&begin, &end], Column::default(), &Foresight { trust, ..Foresight::NONE }, share);
+        }
+        assert!((vehicle.hops_share() - share.abs()).abs() < 1e-6);
+        vehicle.hops_sd()
+    }
+
+    #[test]
+    fn what_fine_speeds_taught_is_doubted_by_the_number_of_coasts_and_their_scatter() {
+        let (few, some, many) = (hops_sd(-1.0, 1.0, 1.0, 20), hops_sd(-1.0, 4.0, 4.0, 20), hops_sd(-1.0, 8.0, 8.0, 67));
+        assert!(few > 0.14, "{few}: a speed that is held now and then");
+        assert!((0.03..0.05).contains(&some) && (0.014..0.016).contains(&many), "{some} {many}");
+        assert!(hops_sd(-1.0, 8.0, 40.0, 67) > 4.0 * many);
+        assert_eq!(hops_sd(-0.5, 8.0, 8.0, 67), 0.5 * many);
+        assert!((hops_sd(1.0, 8.0, 8.0, 67) - SHORT_HOPS_SD).abs() < 1e-6, "whole km/h hide what a coast began with");
     }
 
     #[test]

@@ -47,20 +47,24 @@ pub struct Pieces {
     pub min_segment_s: Real,
     /// How its speed must change.
     pub least_change: LeastChange,
+    /// Standard deviation of a speed, m/s, where it is finer than whole km/h.
+    pub speed_sd_mps: Option<f32>,
 }
 
 impl ShortHopConfig {
     /// At most what is set, where the speeds are finer than whole km/h.
-    fn pieces(&self, speeds_are_fine: bool) -> Pieces {
+    fn pieces(&self, speed_sd_mps: Option<f32>) -> Pieces {
         let Self { interval_s, end_cut_s, min_segment_s, .. } = *self;
-        if !speeds_are_fine {
-            return Pieces { interval_s, end_cut_s, min_segment_s, least_change: LeastChange::Share(MIN_CHANGE_SHARE) };
+        if speed_sd_mps.is_none() {
+            let least_change = LeastChange::Share(MIN_CHANGE_SHARE);
+            return Pieces { interval_s, end_cut_s, min_segment_s, least_change, speed_sd_mps };
         }
         Pieces {
             interval_s: interval_s.min(FINE_INTERVAL_S),
             end_cut_s: end_cut_s.min(FINE_END_CUT_S),
             min_segment_s: min_segment_s.min(FINE_MIN_SEGMENT_S),
             least_change: LeastChange::Fall(LEAST_FALL_MPS2),
+            speed_sd_mps,
         }
     }
 }
@@ -75,13 +79,17 @@ const LEAST_FALL_MPS2: Real = 0.02;
 /// [`learning::MIN_CHANGE_SHARE`](crate::tick::learning::MIN_CHANGE_SHARE) of their coasts, which are shorter.
 const MIN_CHANGE_SHARE: Real = 0.02;
 
-/// A change of the change from one reading to the next that speeds in whole km/h (or mph) do not have unless it is
-/// none, m/s; noise of 0.1 m/s has more of them.
-const FINE_MPS: Real = 0.5 / 3.6;
-/// Half of all that are not none must be so small, and so many of them are no lapses.
-const LEAST_FINE: u16 = 10;
+/// Mean change of the change from one reading to the next below which speeds are fine, m/s, of those that are not none:
+/// in whole km/h (or mph) none is so small, and noise of 0.1 m/s has more.
+const FINE_MPS: f32 = 0.25 / 3.6;
+/// Beyond this a change counts no more, m/s: where a brake is applied it says nothing of the readings.
+const MOST_CHANGE_MPS: f32 = 0.4 / 3.6;
+/// Standard deviation of a reading over that mean: √(2/π) √6 of it are the mean of y₀ - 2 y₁ + y₂.
+const SD_SHARE: f32 = 0.5;
+/// So many of them are no lapses.
+const LEAST_CHANGES: u16 = 10;
 /// Equal but for the rounding of the numbers, m/s.
-const ROUNDING_MPS: Real = 0.01 / 3.6;
+const ROUNDING_MPS: f32 = 0.01 / 3.6;
 /// Changes that are counted at most.
 const MOST_CHANGES: u16 = 1000;
 
@@ -95,19 +103,18 @@ in_place! {
         moved: bool = (false);
         /// The last hop was short.
         last_short: bool = (false);
-        /// The last speed and its change, m/s; how often the change was another one than before, and how often by
-        /// little.
-        last_mps: Real = (0.0);
-        last_change_mps: Real = (0.0);
+        /// The last speed and its change, m/s; how often the change was another one than before, and by how much.
+        last_mps: f32 = (0.0);
+        last_change_mps: f32 = (0.0);
         changes: u16 = (0);
-        fine_changes: u16 = (0);
+        changed_mps: f32 = (0.0);
     }
 }
 
 impl Hops {
     /// A tick with a speed.
     pub fn observe(&mut self, config: &ShortHopConfig, time_s: Real, speed_mps: Real, standing: bool) {
-        self.compare(speed_mps);
+        self.compare(speed_mps as f32);
         if !standing {
             self.moved = true;
             return;
@@ -119,23 +126,26 @@ impl Hops {
         self.stood_s = Some(time_s);
     }
 
-    fn compare(&mut self, speed_mps: Real) {
+    // In single precision, in which the board's processor calculates itself.
+    fn compare(&mut self, speed_mps: f32) {
         let change_mps = speed_mps - core::mem::replace(&mut self.last_mps, speed_mps);
         let other_mps = (change_mps - core::mem::replace(&mut self.last_change_mps, change_mps)).abs();
         if other_mps > ROUNDING_MPS && self.changes < MOST_CHANGES {
             self.changes += 1;
-            self.fine_changes += u16::from(other_mps < FINE_MPS);
+            self.changed_mps += other_mps.min(MOST_CHANGE_MPS);
         }
     }
 
-    /// Neither coarse nor noisy.
-    const fn speeds_are_fine(&self) -> bool {
-        self.fine_changes >= LEAST_FINE && 2 * self.fine_changes >= self.changes
+    /// Standard deviation of a speed as it is read, m/s, if it is neither coarse nor noisy. The changes have those of
+    /// the train in them, so it is rather too large.
+    pub fn speed_sd_mps(&self) -> Option<f32> {
+        let mean_mps = self.changed_mps / f32::from(self.changes);
+        (self.changes >= LEAST_CHANGES && mean_mps < FINE_MPS).then_some(SD_SHARE * mean_mps)
     }
 
     /// What counts of coasts on short hops; `None` on longer ones.
     pub fn pieces(&self, config: &ShortHopConfig, time_s: Real) -> Option<Pieces> {
-        self.are_short(config, time_s).then(|| config.pieces(self.speeds_are_fine()))
+        self.are_short(config, time_s).then(|| config.pieces(self.speed_sd_mps()))
     }
 
     /// The last hop was short, and this one is not longer yet.
@@ -176,8 +186,8 @@ mod tests {
         assert!(!after(&[0.0, 120.0, 150.0, 900.0], 950.0), "the last one lasted");
     }
 
-    /// A train that starts, rolls and brakes, and speeds that are rounded to a step and noisy.
-    fn are_fine(step_kmh: Real, noise_kmh: Real) -> bool {
+    /// A train that starts, rolls and brakes, and speeds that are rounded to a step and noisy: what is found, km/h.
+    fn sd_kmh(step_kmh: Real, noise_kmh: Real) -> Option<Real> {
         let mut hops = Hops::default();
         for tick in 0..60 {
             let time_s = Real::from(tick);
@@ -186,12 +196,22 @@ mod tests {
             let kmh = libm::round(noisy_kmh / step_kmh) * step_kmh;
             hops.observe(&ShortHopConfig::default(), time_s, kmh / 3.6, tick == 0);
         }
-        hops.speeds_are_fine()
+        hops.speed_sd_mps().map(|sd_mps| 3.6 * Real::from(sd_mps))
     }
 
     #[test]
     fn speeds_of_whole_units_and_noisy_ones_are_not_fine() {
-        assert!(are_fine(0.1, 0.0) && are_fine(0.1, 0.1));
-        assert!(!are_fine(1.0, 0.0) && !are_fine(1.609_344, 0.0) && !are_fine(0.1, 0.5));
+        for (step_kmh, noise_kmh) in [(1.0, 0.0), (1.609_344, 0.0), (0.5, 0.0), (0.1, 0.5)] {
+            assert_eq!(sd_kmh(step_kmh, noise_kmh), None);
+        }
+    }
+
+    #[test]
+    fn the_noise_of_fine_speeds_is_found_from_them() {
+        for (step_kmh, amplitude_kmh) in [(0.1, 0.0), (0.1, 0.05), (0.01, 0.07)] {
+            let noise_kmh = libm::sqrt(amplitude_kmh * amplitude_kmh / 2.0 + step_kmh * step_kmh / 12.0);
+            let found_kmh = sd_kmh(step_kmh, amplitude_kmh).unwrap();
+            assert!((noise_kmh..3.0 * noise_kmh).contains(&found_kmh), "{step_kmh} {amplitude_kmh}: {found_kmh}");
+        }
     }
 }

@@ -77,6 +77,8 @@ pub struct ReplayedRun {
     pub trust: Trust,
     /// Share of what the vehicle was taught that short hops taught.
     pub hops_share: f64,
+    /// Standard deviation of r(v) for that, share.
+    pub hops_sd: f64,
     /// What it says went into the vehicle: not where most of it is invalid.
     pub is_used: bool,
     /// Half a step was added to its speeds: the runs before have shown that they are cut off.
@@ -144,6 +146,7 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         learned: estimator.published(vehicle).1,
         trust: *vehicle.trust(),
         hops_share: vehicle.hops_share(),
+        hops_sd: vehicle.hops_sd(),
         is_used,
         speeds_put_right,
         perturbed: recording.perturbed.clone(),

@@ -118,6 +118,10 @@ pub fn all() -> Vec<Fleet> {
         Fleet::new("tram", "tram, 50 km/h, 500 m between stops, 1 s", tram(1.0)).band([15.0, 50.0]),
         Fleet::new("suburban", "suburban, 120 km/h, 3 km between stops, 10 s", suburban(10.0)).band([20.0, 120.0]),
         Fleet::new("suburban-1s", "suburban, the same at 1 s", suburban(1.0)).band([20.0, 120.0]),
+        Fleet::new("metro-tenths", "metro, speeds in tenths of a km/h", tenths(metro(1.0))).band([20.0, 90.0]),
+        Fleet::new("tram-tenths", "tram, speeds in tenths of a km/h", tenths(tram(1.0))).band([15.0, 50.0]),
+        Fleet::new("suburban-tenths", "suburban, 1 s, speeds in tenths of a km/h", tenths(suburban(1.0)))
+            .band([20.0, 120.0]),
         Fleet::new("suburban-effort", "suburban, 1 s, effort column: mean, 2 % noise, unknown gain", suburban(1.0))
             .measured()
             .band([20.0, 120.0]),
@@ -140,6 +144,12 @@ fn stopping(length_m: f64, hop_m: f64, limit_kmh: f64) -> Line {
 fn hops(driver: DriverKind, train: TrainTruth, line: Line, sampling_s: f64) -> Scenario {
     let sensors = Sensors { sampling_s, ..Sensors::default() };
     Scenario { train, line, driver, sensors, ..Scenario::default() }
+}
+
+/// The same with speeds in tenths of a km/h.
+fn tenths(mut scenario: Scenario) -> Scenario {
+    scenario.sensors.speed_quantum_kmh = 0.1;
+    scenario
 }
 
 fn metro(sampling_s: f64) -> Scenario {

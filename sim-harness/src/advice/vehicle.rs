@@ -11,7 +11,6 @@ use rundown::estimator::Estimator;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::tick::foresight::Trust;
-use rundown::tick::memory::SHORT_HOPS_SD;
 use rundown::tick::published::{LEAST_RISE, rises};
 use rundown_check::gradients::{CONVERSIONS, converted};
 use rundown_files::replay::ReplayedRun;
@@ -49,6 +48,7 @@ pub struct After {
     pub(super) learned: Learned,
     trust: Trust,
     hops_share: f64,
+    hops_sd: f64,
     /// Speeds that the last run taught the resistance at, m/s.
     taught_mps: Range<f64>,
     /// The same of all runs; none where none did.
@@ -61,8 +61,8 @@ impl After {
         let own_mps = taught_mps(core::slice::from_ref(run));
         let all_mps = before.and_then(|before| before.all_taught_mps).into_iter().chain(own_mps.clone());
         let all_taught_mps = all_mps.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
-        let ReplayedRun { vehicle_after: davis, learned, trust, hops_share, .. } = *run;
-        Self { davis, learned, trust, hops_share, taught_mps: own_mps.unwrap_or(USUAL_MPS), all_taught_mps }
+        let ReplayedRun { vehicle_after: davis, learned, trust, hops_share, hops_sd, .. } = *run;
+        Self { davis, learned, trust, hops_share, hops_sd, taught_mps: own_mps.unwrap_or(USUAL_MPS), all_taught_mps }
     }
 
     /// What is known of the units after their last runs.
@@ -119,9 +119,9 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
     }
     if after.learned == Learned::Learned && after.hops_share >= MANY_HOPS {
         say(format!(
-            "learned on short hops, from coasts of 10 to 40 s, which are off by several per cent together: the interval of r(v) \
-             has ± {:.0} % for that, however many runs there are",
-            200.0 * SHORT_HOPS_SD * after.hops_share
+            "learned on short hops, from coasts of 10 to 40 s, which may be off together: the interval of r(v) has ± {:.0} % \
+             for that",
+            200.0 * after.hops_sd
         ));
     }
     let away = deviations(estimator, &after.davis);
@@ -214,6 +214,7 @@ mod tests {
             learned: Learned::Learned,
             trust: Trust::NONE,
             hops_share: 1.0,
+            hops_sd: 0.05,
             taught_mps: taught_kmh.start / 3.6..taught_kmh.end / 3.6,
             all_taught_mps: None,
         };

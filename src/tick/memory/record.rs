@@ -126,7 +126,7 @@ impl Vehicle {
         if offset.is_sound() {
             self.offset = offset;
         }
-        if (0.0..=1.0).contains(&hops_share) {
+        if hops_share.abs() <= 1.0 {
             self.hops_share = hops_share;
         }
     }
