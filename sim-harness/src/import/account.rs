@@ -35,7 +35,8 @@ impl Account {
         self.counts.get(what).copied().unwrap_or(0)
     }
 
-    /// What was left out or changed; NaN is what tables write into empty fields, and to bring runs onto one chainage is what an import is for.
+    /// What was left out or changed. NaN is what tables write into empty fields, and to bring runs onto one chainage is
+    /// what an import is for.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         self.but(&[ROWS, SHIFTED, INVERTED, NO_NUMBER])
     }
