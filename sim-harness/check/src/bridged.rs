@@ -12,8 +12,9 @@
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
+use crate::places::{self, StuckRows};
 use crate::row_step::next_row_s;
-use crate::{places, steps};
+use crate::steps;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 
@@ -40,6 +41,8 @@ const HELD_MPS: f64 = 0.25;
 /// It stays there: a wheel that slips comes back within seconds. Rows, and the share of the leap.
 const STAYS: usize = 10;
 const STAYS_SHARE: f64 = 0.5;
+/// A train takes so many rows to go over from its speed to that of a line.
+const GOES_OVER: usize = 2;
 /// Locations scatter where the median of their third differences is so many steps, and this, m: changes of the
 /// acceleration are less in rows so near, s.
 const SCATTER: f64 = 5.0;
@@ -55,6 +58,8 @@ struct LineRow {
     time_s: f64,
     at_m: f64,
     mps: Option<f64>,
+    /// The speed stands still here: number of the first and of the last row that has it.
+    stuck: Option<[usize; 2]>,
 }
 
 /// What one line bridges.
@@ -66,12 +71,20 @@ struct Bridge {
     has_speeds: bool,
 }
 
-/// Leaves out what lies between two readings on a straight line. Out: how many rows, and for how long.
-pub(crate) fn leave_out(rows: &mut [Sample], usual_s: f64, findings: &mut Vec<Finding>) -> Option<String> {
+/// Leaves out what lies between two readings on a straight line, but for what the speeds that stand still, `stuck`,
+/// explain. Out: how many rows, and for how long.
+pub(crate) fn leave_out(
+    rows: &mut [Sample],
+    (usual_s, stuck): (f64, &[StuckRows]),
+    findings: &mut Vec<Finding>,
+) -> Option<String> {
     let step_m = steps::of_location_m(rows.iter()).unwrap_or_else(|| written_m(rows));
     let sign = places::heading(rows);
+    let stuck =
+        |row: usize| stuck.iter().map(|stuck| [stuck.from, stuck.to]).find(|[from, to]| (*from..=*to).contains(&row));
     let of = |(row, sample): (usize, &Sample)| {
-        Some(LineRow { row, time_s: sample.time_s, at_m: sign * sample.location_m?, mps: sample.speed_mps })
+        let (time_s, at_m, mps) = (sample.time_s, sign * sample.location_m?, sample.speed_mps);
+        Some(LineRow { row, time_s, at_m, mps, stuck: stuck(row) })
     };
     let located: Vec<LineRow> = rows.iter().enumerate().filter_map(of).collect();
     if step_m > MOST_STEP_M {
@@ -163,16 +176,25 @@ fn bridge(rows: &[LineRow], [from, to]: [usize; 2], step_m: f64, next_s: f64, sc
     };
     match equal {
         Some((first, last)) => {
-            let is_bridge = scatters || next_s <= next_row_s(MOST_STEP_S) && leaps(rows, [first, last], next_s);
+            let leaps = || next_s <= next_row_s(MOST_STEP_S) && leaps(rows, [first, last], next_s);
+            let is_bridge = scatters || !goes_over(rows, [from, to]) && leaps();
             is_bridge.then(|| bridge([first, last], between_m(rows, [first, last])))
         }
         None => {
             let off_m = beside_m(&rows[from..=to]);
             let least_m = LEAST_BESIDE_M.max(HELD_MPS * (rows[to].time_s - rows[from].time_s));
             let is_off = off_m > least_m.max(LEAST_BESIDE_STEPS * step_m);
-            (is_off || scatters).then(|| bridge([from + 1, to - 1], off_m))
+            (scatters || is_off && !goes_over(rows, [from, to])).then(|| bridge([from + 1, to - 1], off_m))
         }
     }
+}
+
+/// A train goes over to the line, or from it, beside a speed that stands still; a receiver's last speed stands still as
+/// long as its line.
+fn goes_over(rows: &[LineRow], [from, to]: [usize; 2]) -> bool {
+    let [begins, ends] = [rows[from].row, rows[to].row];
+    let is_beyond = |[first, last]: [usize; 2]| first + GOES_OVER <= begins || ends + GOES_OVER <= last;
+    rows[from..=to].iter().filter_map(|row| row.stuck).any(is_beyond)
 }
 
 /// The speed leaps to that of the line, or from it, as that of no train.
@@ -257,7 +279,7 @@ mod tests {
 
     fn left_out(rows: &mut [Sample]) -> Vec<Finding> {
         let mut findings = Vec::new();
-        leave_out(rows, 1.0, &mut findings);
+        leave_out(rows, (1.0, &[]), &mut findings);
         findings
     }
 

@@ -10,6 +10,7 @@
 //! | are rows stamped when they arrive, several at once? | `bursts` |
 //! | does it lose seconds? | [`lost_seconds`] |
 //! | did the location wrap, begin again, stand still? | [`places`] |
+//! | and the speed? | `stuck_speeds` |
 //! | how far may a train go between two rows? | `reach` |
 //! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
@@ -103,6 +104,7 @@ pub mod same;
 mod smoothed;
 mod stairs;
 pub mod steps;
+mod stuck_speeds;
 mod trailing;
 mod wheel_change;
 

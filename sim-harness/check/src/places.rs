@@ -1,4 +1,4 @@
-//! Locations and speeds that a sensor made wrong: wraps, resets, spikes, sensors that stand still, two directions.
+//! Locations that a sensor made wrong: wraps, resets, spikes, sensors that stand still, two directions.
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
@@ -23,28 +23,20 @@ const BEGINS_AGAIN_M: (f64, f64) = (1000.0, 100.0);
 const OFTEN: usize = 3;
 const ZERO_M: f64 = 10.0;
 /// A sensor that stands still over less is not said to, m.
-const LEAST_STUCK_M: f64 = 150.0;
+pub(crate) const LEAST_STUCK_M: f64 = 150.0;
 /// ... nor over less than this share of the distance.
-const STUCK_SHARE: f64 = 0.2;
-/// A wheel is off by less.
-const MOST_WHEEL: f64 = 0.06;
+pub(crate) const STUCK_SHARE: f64 = 0.2;
 /// Rows in a row that say the same.
-const LEAST_STUCK: usize = 4;
+pub(crate) const LEAST_STUCK: usize = 4;
 /// Fewer show it where the location then makes up for what it missed but for this share.
 const MADE_UP: f64 = 0.5;
+/// A train that comes to a stand beside a speed that stands still goes in so many seconds less than this share of the
+/// way by that speed, s; and the speed stands still for this share of what the location seems to miss.
+const SLOWS_S: f64 = 5.0;
+const SLOWED: f64 = 0.6;
+const MOST_OF_IT: f64 = 0.8;
 /// Locations scatter by less, m.
 const LEAST_OLD_M: f64 = 15.0;
-/// A speed that stood still for so long shows it as well by the leap with which it goes on: so many rows, s, and
-/// distance that it misses, m.
-const LEAST_LEAPT: usize = 8;
-const LEAST_LEAPT_S: f64 = 10.0;
-const LEAST_LEAPT_M: f64 = 15.0;
-/// A leap is more than any train's acceleration makes between two rows, m/s², and no less than this, m/s.
-const LARGEST_MPS2: f64 = 1.4;
-const LEAST_LEAP_MPS: f64 = 0.6;
-/// The distance that it misses, as a share of that of the whole leap over all of the time: a half where the train
-/// changed its speed evenly.
-const LEAPT_SHARE: core::ops::Range<f64> = 0.15..1.1;
 /// Of a receiver that holds its location between fixes this share of the rows that show it say the same as the row
 /// before, and so many rows.
 const HELD_SHARE: f64 = 0.2;
@@ -120,7 +112,7 @@ fn begins_often(rows: &[Sample]) -> bool {
 }
 
 /// The largest speed that was read, m/s.
-fn fastest_mps(rows: &[Sample]) -> f64 {
+pub(crate) fn fastest_mps(rows: &[Sample]) -> f64 {
     rows.iter().filter_map(|row| row.speed_mps).fold(0.0, f64::max)
 }
 
@@ -194,8 +186,9 @@ pub(crate) fn wild(read: &[usize], far: impl Fn([usize; 4]) -> Option<f64>) -> V
     found
 }
 
-/// Locations far from both neighbours, which agree with each other: left out.
-pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+/// Locations far from both neighbours, which agree with each other: left out. Beside speeds that stand still, `stuck`,
+/// they seem to be.
+pub(crate) fn spikes(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding>) {
     let sign = heading(rows);
     let located: Vec<usize> = (0..rows.len()).filter(|i| rows[*i].location_m.is_some()).collect();
     let fastest_mps = fastest_mps(rows);
@@ -209,7 +202,11 @@ pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
             (reach.start() - way_m).max(way_m - reach.end()).max(0.0)
         })
     };
+    let is_stuck = |[from, to]: [usize; 2]| stuck.iter().any(|stuck| stuck.from <= to && from <= stuck.to);
     let found = wild(&located, |[before, first, last, after]| {
+        if is_stuck([before, after]) {
+            return None;
+        }
         let calm_m = off_m(before, after);
         let least_m = off_m(before, first).min(off_m(last, after));
         (least_m > 80.0 && least_m > 5.0 * calm_m).then(|| off_m(before, first))
@@ -230,8 +227,11 @@ pub fn stuck_locations(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         None if stuck.count >= LEAST_STUCK => stuck.metres > LEAST_STUCK_M,
         None => stuck.metres > few_m && makes_up(rows, stuck, sign),
     };
-    let tells = |stuck: &StuckRows| stuck.metres > STUCK_SHARE * stuck.way_m && is_far(stuck);
-    let mut places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, tells, 2);
+    let tells = |stuck: &StuckRows| {
+        stuck.metres > STUCK_SHARE * stuck.way_m && is_far(stuck) && !comes_to_a_stand(rows, stuck, sign)
+    };
+    let mut places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, 2);
+    places.retain(tells);
     places.iter_mut().for_each(|stuck| stuck.begins_old = last_new(rows, stuck.from, sign) < stuck.from);
     leave_out(rows, &places, Kind::StuckLocation, findings);
 }
@@ -239,13 +239,36 @@ pub fn stuck_locations(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 /// The location leaps to where the train is by then: one that stood still for few rows may else be that of a train that
 /// stands beside a wrong speed.
 fn makes_up(rows: &[Sample], stuck: &StuckRows, sign: f64) -> bool {
-    let Some(next) = (stuck.to + 1..rows.len()).find(|i| rows[*i].location_m.is_some()) else { return false };
-    let from = last_new(rows, stuck.from, sign);
-    let [way_m, by_speed_m] = ways_m(rows, from..=next, sign);
+    let Some((between, ways_m)) = to_next(rows, stuck, sign) else { return false };
     // The speed may stand still, too, while the train brakes.
-    let fastest_mps = fastest_mps(rows);
-    let is_reached = reaches(&rows[from], &rows[next], fastest_mps).is_some_and(|reach| reach.contains(&way_m));
-    (way_m - by_speed_m).abs() < MADE_UP * stuck.metres || is_reached
+    let [from, next] = between.map(|i| rows[i]);
+    let is_reached = reaches(&from, &next, fastest_mps(rows)).is_some_and(|reach| reach.contains(&ways_m[0]));
+    is_made_up(ways_m, stuck) || is_reached
+}
+
+/// From the last new location to the next one: these rows, and the ways by location and by speed, m.
+fn to_next(rows: &[Sample], stuck: &StuckRows, sign: f64) -> Option<([usize; 2], [f64; 2])> {
+    let next = (stuck.to + 1..rows.len()).find(|i| rows[*i].location_m.is_some())?;
+    let from = last_new(rows, stuck.from, sign);
+    Some(([from, next], ways_m(rows, from..=next, sign)))
+}
+
+fn is_made_up([way_m, by_speed_m]: [f64; 2], stuck: &StuckRows) -> bool {
+    (way_m - by_speed_m).abs() < MADE_UP * stuck.metres
+}
+
+/// It is the speed that stands still: the train slows down by its locations before they stand, and goes on from there.
+fn comes_to_a_stand(rows: &[Sample], stuck: &StuckRows, sign: f64) -> bool {
+    let Some(stays_mps) = rows[stuck.from].speed_mps else { return false };
+    let slows_s = rows[stuck.from].time_s - SLOWS_S;
+    let slows = (0..stuck.from).rev().find(|i| rows[*i].location_m.is_some() && rows[*i].time_s <= slows_s);
+    let Some(slows) = slows else { return false };
+    let stays = |i: &usize| rows[*i].speed_mps.is_none_or(|mps| mps == stays_mps);
+    let last = (slows..=stuck.to).take_while(stays).last().unwrap_or(slows).max(stuck.from);
+    let [way_m, by_speed_m] = ways_m(rows, slows..=stuck.from, sign);
+    let stuck_m = stays_mps * (rows[last].time_s - rows[stuck.from].time_s);
+    let goes_on = to_next(rows, stuck, sign).is_some_and(|(_, ways_m)| !is_made_up(ways_m, stuck));
+    way_m < SLOWED * by_speed_m && stuck_m > MOST_OF_IT * stuck.metres && goes_on
 }
 
 /// The row before one whose location is no new one: the way to it is too short. Else that row.
@@ -274,42 +297,7 @@ fn least_held_m(rows: &[Sample]) -> Option<f64> {
     (held >= LEAST_HELD && held as f64 > HELD_SHARE * f64::from(asked)).then_some(least_m)
 }
 
-/// Speeds that stand still while the locations say otherwise: left out.
-pub fn stuck_speeds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let step_mps = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6;
-    // A wheel and a step make a held speed miss so much of the distance.
-    let far = |row: &Sample| match row.speed_mps {
-        Some(mps) if mps > 0.0 => MOST_WHEEL + step_mps / mps,
-        _ => STUCK_SHARE,
-    };
-    let tells = |stuck: &StuckRows| {
-        let metres = stuck.metres.abs();
-        metres > LEAST_STUCK_M && metres > far(&rows[stuck.from]) * stuck.way_m || leaps(rows, stuck, step_mps)
-    };
-    let speeds =
-        stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, tells, LEAST_STUCK);
-    leave_out(rows, &speeds, Kind::StuckSpeed, findings);
-}
-
-/// The speed that stood still goes on with a leap that no train makes, and the distance that it misses is that of a
-/// train which changed its speed by so much meanwhile.
-fn leaps(rows: &[Sample], StuckRows { from, to, metres, .. }: &StuckRows, step_mps: f64) -> bool {
-    let (held, Some(next)) = (&rows[*from..=*to], rows.get(to + 1)) else { return false };
-    let (Some(stays_mps), Some(next_mps)) = (held[0].speed_mps, next.speed_mps) else { return false };
-    let (long_s, then_s) = (rows[*to].time_s - held[0].time_s, next.time_s - rows[*to].time_s);
-    let leap_mps = next_mps - stays_mps;
-    let leaps = leap_mps.abs() > step_mps + (LARGEST_MPS2 * then_s).max(LEAST_LEAP_MPS);
-    let misses = LEAPT_SHARE.contains(&(metres / (leap_mps * long_s)));
-    // A zero is a stand, or that of a sensor with a threshold.
-    stays_mps > 0.0
-        && held.len() >= LEAST_LEAPT
-        && long_s >= LEAST_LEAPT_S
-        && leaps
-        && misses
-        && metres.abs() > LEAST_LEAPT_M
-}
-
-fn leave_out(rows: &mut [Sample], stretches: &[StuckRows], kind: Kind, findings: &mut Vec<Finding>) {
+pub(crate) fn leave_out(rows: &mut [Sample], stretches: &[StuckRows], kind: Kind, findings: &mut Vec<Finding>) {
     let Some(first) = stretches.first() else {
         return;
     };
@@ -326,25 +314,24 @@ fn leave_out(rows: &mut [Sample], stretches: &[StuckRows], kind: Kind, findings:
 }
 
 /// Rows in which a reading stays the same, and the distance that it misses.
-struct StuckRows {
-    from: usize,
-    to: usize,
+pub(crate) struct StuckRows {
+    pub(crate) from: usize,
+    pub(crate) to: usize,
     /// How many of them have the reading.
-    count: usize,
+    pub(crate) count: usize,
     /// The first has an old one already.
     begins_old: bool,
-    metres: f64,
+    pub(crate) metres: f64,
     /// The distance in these rows, by speed or by location.
-    way_m: f64,
+    pub(crate) way_m: f64,
 }
 
-/// Stretches of so many rows at least in which a reading stays the same, and the `missing` of distance by speed and by
-/// location tells. Where rows are missing a train may have stopped, and the reading be a new one.
-fn stretches(
+/// Stretches of so many rows at least in which a reading stays the same, with the `missing` of distance by speed and by
+/// location. Where rows are missing a train may have stopped, and the reading be a new one.
+pub(crate) fn stretches(
     rows: &[Sample],
     reading: fn(&Sample) -> Option<f64>,
     missing: fn(f64, f64) -> f64,
-    tells: impl Fn(&StuckRows) -> bool,
     least: usize,
 ) -> Vec<StuckRows> {
     let mut found = Vec::new();
@@ -368,7 +355,7 @@ fn stretches(
             let by_location = rows[first].location_m.zip(rows[last].location_m).map_or(0.0, |(a, b)| (b - a).abs());
             let metres = missing(by_speed, by_location);
             let (begins_old, way_m) = (false, by_speed.max(by_location));
-            found.extend(Some(StuckRows { from, to, count: same, begins_old, metres, way_m }).filter(&tells));
+            found.push(StuckRows { from, to, count: same, begins_old, metres, way_m });
         }
         from = to + 1;
     }
@@ -474,10 +461,10 @@ mod tests {
         };
         for phase in [0, 13, 29, 47] {
             let (mut rows, mut findings) = (log(phase), Vec::new());
-            spikes(&mut rows, &mut findings);
+            spikes(&mut rows, &[], &mut findings);
             assert_eq!(findings, [], "{phase}");
             rows[20].location_m = rows[20].location_m.map(|m| m + 4000.0);
-            spikes(&mut rows, &mut findings);
+            spikes(&mut rows, &[], &mut findings);
             assert_eq!(findings.len(), 1, "{phase}");
         }
     }
@@ -559,50 +546,5 @@ mod tests {
         let mut rows = read_at(|_| 20.0);
         rows[150..].iter_mut().for_each(|row| row.time_s += 30.0);
         assert_eq!(joined(rows).1.len(), 1);
-    }
-
-    /// A second, and what the train does in it: 30 m/s, then this acceleration from second 100 on.
-    fn driven(acceleration_mps2: f64) -> Vec<Sample> {
-        let (mut mps, mut at_m) = (30.0_f64, 0.0);
-        let row = |second: u32| {
-            let change = if second < 100 { 0.0 } else { acceleration_mps2 };
-            let before_mps = mps;
-            mps = (mps + change).max(0.0);
-            at_m += 0.5 * (before_mps + mps);
-            let read = (36.0 * mps).round() / 36.0;
-            Sample { time_s: f64::from(second), location_m: Some(at_m), speed_mps: Some(read), ..Sample::default() }
-        };
-        (0..400).map(row).collect()
-    }
-
-    #[test]
-    fn a_speed_that_stands_still_in_a_coast_is_seen_by_the_leap_with_which_it_goes_on() {
-        let mut rows = driven(-0.03);
-        let stays = rows[150].speed_mps;
-        rows[150..210].iter_mut().for_each(|row| row.speed_mps = stays);
-        let mut findings = Vec::new();
-        stuck_speeds(&mut rows, &mut findings);
-        assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::StuckSpeed]);
-        assert!(rows[152..210].iter().all(|row| row.speed_mps.is_none()) && rows[215].speed_mps.is_some());
-        // Held, then braked as hard as trains do.
-        for acceleration_mps2 in [-0.03, -1.2] {
-            stuck_speeds(&mut driven(acceleration_mps2), &mut findings);
-            assert_eq!(findings.len(), 1);
-        }
-    }
-
-    /// The distance between two rows without a speed was taken to be none, so the locations of a steady train ran away
-    /// from it.
-    #[test]
-    fn a_steady_speed_that_stands_in_every_fifth_row_is_no_sensor_that_stands_still() {
-        let mut rows = read_at(|_| 20.0);
-        rows.iter_mut().enumerate().filter(|(i, _)| i % 5 != 0).for_each(|(_, row)| row.speed_mps = None);
-        let mut findings = Vec::new();
-        stuck_speeds(&mut rows, &mut findings);
-        assert_eq!(findings, []);
-        // One that is off by a half is found as in full columns.
-        rows.iter_mut().for_each(|row| row.speed_mps = row.speed_mps.map(|mps| 0.5 * mps));
-        stuck_speeds(&mut rows, &mut findings);
-        assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::StuckSpeed]);
     }
 }

@@ -7,7 +7,7 @@ use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
 use crate::{
     bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs,
-    wheel_change,
+    stuck_speeds, wheel_change,
 };
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -190,14 +190,16 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     let mut evidence = BTreeMap::new();
     if is_usable(&findings) {
         let usual_s = row_step::usual_step_s(rows);
-        evidence.extend(bridged::leave_out(rows, usual_s, &mut findings).map(|text| (Kind::Bridged, text)));
+        // They accuse the locations beside them.
+        let stuck = if speed_is_computed { Vec::new() } else { stuck_speeds::found(rows) };
+        evidence.extend(bridged::leave_out(rows, (usual_s, &stuck), &mut findings).map(|text| (Kind::Bridged, text)));
         readings::speed_spikes(rows, &mut findings);
         places::stuck_locations(rows, &mut findings);
-        places::spikes(rows, &mut findings);
+        places::spikes(rows, &stuck, &mut findings);
         places::join(rows, &mut findings);
         if !speed_is_computed {
             // Only beside locations that are right is a speed known to stand still.
-            places::stuck_speeds(rows, &mut findings);
+            stuck_speeds::leave_out(rows, &mut findings);
             stairs::leave_out(rows, &mut findings);
         }
         effort_stairs::put_right(rows, &mut findings);

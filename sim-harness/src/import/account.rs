@@ -35,9 +35,10 @@ impl Account {
         self.counts.get(what).copied().unwrap_or(0)
     }
 
-    /// What was left out or changed; to bring runs onto one chainage is what an import is for.
+    /// What was left out or changed. NaN is what tables write into empty fields, and to bring runs onto one chainage is
+    /// what an import is for.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
-        self.but(&[ROWS, SHIFTED, INVERTED])
+        self.but(&[ROWS, SHIFTED, INVERTED, NO_NUMBER])
     }
 
     /// Rows are no loss.
@@ -79,6 +80,7 @@ pub const FIELDS: &[[&str; 4]] = &[
 ];
 
 pub const ROWS: &str = "rows";
+pub const NO_NUMBER: &str = "fields with NaN, taken as empty";
 pub const ROWS_TOO_SHORT: &str = "rows of pieces too short, left out";
 pub const SHIFTED: &str = "runs shifted onto the chainage";
 pub const INVERTED: &str = "runs inverted";

@@ -235,10 +235,7 @@ fn places_on(runs: &[Staged], line: &[CentreLinePoint]) -> Vec<Placing> {
     let place = |run: &Staged| {
         let fixes = line::fixes(run);
         let mut state = MatchState::default();
-        let on = fixes
-            .iter()
-            .enumerate()
-            .filter(|(i, fix)| matcher.locate(&mut state, *i as f64, Some(fix.0), Some(fix.1)).is_ok());
+        let on = fixes.iter().filter(|fix| fix.on(&matcher, &mut state).is_some());
         let share = on.count() as f64 / fixes.len().max(1) as f64;
         if fixes.len() < 2 {
             Placing::Out("it has no positions".to_owned())

@@ -1,8 +1,8 @@
 //! A centre line from the positions of many runs: the longest run as the first guess, then the median of all across it.
 
 use super::geo::{self, Fix};
-use super::staged::Staged;
-use rundown_files::map_matching::{CentreLine, MatchState};
+use super::staged::{Mark, Staged};
+use rundown_files::map_matching::{CentreLine, Match, MatchState};
 use rundown_files::statistics::median;
 use rundown_files::track_file::CentreLinePoint;
 
@@ -12,6 +12,10 @@ const STEP_M: f64 = 50.0;
 const NEAR_M: f64 = 80.0;
 /// Ends of other runs that are longer go on the line, m.
 const LEAST_END_M: f64 = 300.0;
+/// Least time from mark to mark, s, and a speed that trains are not slower than for the way between them, m/s: half of
+/// the fastest that a match allows, as the way bends.
+const LEAST_MARK_S: f64 = 1.0;
+const SLOW_MPS: f64 = 60.0;
 /// Times that the line may grow by the runs.
 const MOST_GROWTH: usize = 50;
 
@@ -19,7 +23,7 @@ const MOST_GROWTH: usize = 50;
 pub fn centre_line(runs: &[&Staged]) -> Option<Vec<CentreLinePoint>> {
     let mut order: Vec<&&Staged> = runs.iter().filter(|run| run.fixes > 1).collect();
     order.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()).then_with(|| a.name.cmp(&b.name)));
-    let mut line = measured(&thinned(&fixes(order.first()?)));
+    let mut line = measured(&thinned(places(&fixes(order.first()?))));
     // The guess grows at its ends by what other runs went further, those that begin where others end one after the
     // other.
     for _ in 0..MOST_GROWTH {
@@ -52,10 +56,8 @@ fn stops_on(run: &Staged, line: &[CentreLinePoint]) -> Vec<f64> {
     let Some(matcher) = CentreLine::new(line) else { return Vec::new() };
     let mut state = MatchState::default();
     let mut located: Vec<(f64, f64)> = Vec::new();
-    for (i, mark) in run.marks().iter().enumerate() {
-        let Some(fix) = mark.fix else { continue };
-        let found = matcher.locate(&mut state, i as f64, Some(fix.0), Some(fix.1));
-        located.extend(found.ok().map(|found| (mark.at_m, found.location_m)));
+    for fix in fixes(run) {
+        located.extend(fix.on(&matcher, &mut state).map(|found| (fix.at_m, found.location_m)));
     }
     let nearest = |own_m: f64| located.iter().min_by(|a, b| (a.0 - own_m).abs().total_cmp(&(b.0 - own_m).abs()));
     run.stops.iter().filter_map(|(own_m, _)| nearest(*own_m)).map(|found| found.1).collect()
@@ -69,16 +71,45 @@ pub fn counted(line: &[CentreLinePoint], sign: f64, offset_m: f64) -> Vec<Centre
     points
 }
 
-pub fn fixes(run: &Staged) -> Vec<Fix> {
-    run.marks().iter().filter_map(|mark| mark.fix).collect()
+/// A position of a run, its own location there, m, and a time by which a line finds it again behind the one before, s.
+#[derive(Clone, Copy, Debug)]
+pub struct TimedFix {
+    pub time_s: f64,
+    pub at_m: f64,
+    pub fix: Fix,
+    pub altitude_m: Option<f64>,
+}
+
+impl TimedFix {
+    /// Where it lies on a line.
+    pub fn on(&self, line: &CentreLine, state: &mut MatchState) -> Option<Match> {
+        line.locate(state, self.time_s, Some(self.fix.0), Some(self.fix.1)).ok()
+    }
+}
+
+/// The positions of a run. From mark to mark a second passes, also where marks have none, so that the line is found
+/// again behind a tunnel; where they are far apart as long as a slow train takes.
+pub fn fixes(run: &Staged) -> Vec<TimedFix> {
+    let (mut time_s, mut last): (f64, Option<Fix>) = (0.0, None);
+    let timed = |mark: &Mark| {
+        let Some(fix) = mark.fix else {
+            time_s += LEAST_MARK_S;
+            return None;
+        };
+        let way_m = last.map_or(0.0, |last| geo::distance_m(last, fix));
+        time_s += LEAST_MARK_S.max(way_m / SLOW_MPS);
+        last = Some(fix);
+        Some(TimedFix { time_s, at_m: mark.at_m, fix, altitude_m: mark.altitude_m })
+    };
+    run.marks().iter().filter_map(timed).collect()
 }
 
 /// Points at least a step from each other.
-fn thinned(fixes: &[Fix]) -> Vec<Fix> {
+fn thinned(fixes: impl IntoIterator<Item = Fix>) -> Vec<Fix> {
     let mut kept: Vec<Fix> = Vec::new();
     for fix in fixes {
-        if kept.last().is_none_or(|last| geo::distance_m(*last, *fix) >= STEP_M) {
-            kept.push(*fix);
+        if kept.last().is_none_or(|last| geo::distance_m(*last, fix) >= STEP_M) {
+            kept.push(fix);
         }
     }
     kept
@@ -103,24 +134,18 @@ const fn fix_of(point: &CentreLinePoint) -> Fix {
     (point.latitude_deg, point.longitude_deg)
 }
 
-fn lengthened(line: &[CentreLinePoint], fixes: &[Fix]) -> Vec<Fix> {
+fn places(fixes: &[TimedFix]) -> impl DoubleEndedIterator<Item = Fix> {
+    fixes.iter().map(|timed| timed.fix)
+}
+
+fn lengthened(line: &[CentreLinePoint], fixes: &[TimedFix]) -> Vec<Fix> {
     let points: Vec<Fix> = line.iter().map(fix_of).collect();
     let Some((matcher, last)) = CentreLine::new(line).zip(line.last()) else { return points };
     let mut state = MatchState::default();
     // A run that begins at the station where another ended begins some metres beyond the line.
     let inside = |m: f64| (-NEAR_M..=last.at_m + NEAR_M).contains(&m);
-    // One mark a second: fast enough to find the line again behind a tunnel.
-    let matched: Vec<Option<f64>> = fixes
-        .iter()
-        .enumerate()
-        .map(|(i, fix)| matcher.locate(&mut state, i as f64, Some(fix.0), Some(fix.1)))
-        .map(|found| {
-            found
-                .ok()
-                .filter(|found| found.distance_m < NEAR_M && inside(found.location_m))
-                .map(|found| found.location_m)
-        })
-        .collect();
+    let near = |found: Match| (found.distance_m < NEAR_M && inside(found.location_m)).then_some(found.location_m);
+    let matched: Vec<Option<f64>> = fixes.iter().map(|fix| fix.on(&matcher, &mut state).and_then(near)).collect();
     let (Some(first), Some(end)) =
         (matched.iter().position(Option::is_some), matched.iter().rposition(Option::is_some))
     else {
@@ -128,8 +153,8 @@ fn lengthened(line: &[CentreLinePoint], fixes: &[Fix]) -> Vec<Fix> {
     };
     let length_m = |part: &[Fix]| part.windows(2).map(|pair| geo::distance_m(pair[0], pair[1])).sum::<f64>();
     let (mut before, mut after): (Vec<Fix>, Vec<Fix>) = (Vec::new(), Vec::new());
-    let head: Vec<Fix> = fixes[..first].iter().rev().copied().collect();
-    let tail: Vec<Fix> = fixes[end + 1..].to_vec();
+    let head: Vec<Fix> = places(&fixes[..first]).rev().collect();
+    let tail: Vec<Fix> = places(&fixes[end + 1..]).collect();
     for (part, at) in [(head, matched[first]), (tail, matched[end])] {
         let at = at.unwrap_or(0.5 * last.at_m);
         if length_m(&part) < LEAST_END_M {
@@ -140,7 +165,7 @@ fn lengthened(line: &[CentreLinePoint], fixes: &[Fix]) -> Vec<Fix> {
         }
     }
     before.reverse();
-    thinned(&[before, points, after].concat())
+    thinned([before, points, after].concat())
 }
 
 /// Each point moved across the line to the middle of the runs that pass it.
@@ -150,12 +175,12 @@ fn moved(line: &[CentreLinePoint], runs: &[&&Staged]) -> Vec<Fix> {
     for run in runs {
         let mut own: Vec<Vec<f64>> = vec![Vec::new(); line.len()];
         let mut state = MatchState::default();
-        for (i, fix) in fixes(run).into_iter().enumerate() {
-            let Ok(found) = matcher.locate(&mut state, i as f64, Some(fix.0), Some(fix.1)) else { continue };
+        for fix in fixes(run) {
+            let Some(found) = fix.on(&matcher, &mut state) else { continue };
             if found.distance_m < NEAR_M {
                 let index = line.partition_point(|point| point.at_m <= found.location_m).clamp(1, line.len() - 1);
                 let (north, east) = along(line, index);
-                let from = geo::offset_m(fix_of(&line[index - 1]), fix);
+                let from = geo::offset_m(fix_of(&line[index - 1]), fix.fix);
                 own[index].push(from.1 * north - from.0 * east);
             }
         }

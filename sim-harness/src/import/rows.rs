@@ -1,6 +1,6 @@
 //! Fields of a row as one sample in SI units, with all that cannot be read counted.
 
-use super::account::Account;
+use super::account::{Account, NO_NUMBER};
 use super::clock::{self, ClockKind, WrittenTime};
 use super::columns::Columns;
 use super::evidence;
@@ -155,7 +155,10 @@ impl<'a> Converter<'a> {
         let (value, unit) = match fields.get(column.index)? {
             RowField::Empty => return None,
             RowField::Number(value) => (*value, unit),
-            RowField::Text(text) if is_missing(text) => return None,
+            RowField::Text(text) if is_missing(text) => {
+                account.count(NO_NUMBER, u64::from(text.trim().eq_ignore_ascii_case("nan")));
+                return None;
+            }
             RowField::Text(text) if let Some((value, is_whole)) = angle(text) => {
                 return Some(if is_whole { value } else { unit.to_si(value) });
             }
@@ -259,10 +262,7 @@ impl<'a> Converter<'a> {
 }
 
 /// What recorders write for nothing. `#N/A` of a table calculation is none of it: it stands where a formula found no
-/// value.
+/// value; nor is what a division by zero leaves.
 fn is_missing(text: &str) -> bool {
-    matches!(
-        text.trim().to_ascii_lowercase().as_str(),
-        "" | "-" | "--" | "na" | "n/a" | "nan" | "null" | "none" | "?" | "inf" | "-inf"
-    )
+    matches!(text.trim().to_ascii_lowercase().as_str(), "" | "-" | "--" | "na" | "n/a" | "nan" | "null" | "none" | "?")
 }

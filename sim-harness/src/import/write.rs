@@ -2,8 +2,9 @@
 
 use super::chainage::{Placed, Placing};
 use super::cut::STOP_S;
+use super::line::{self, TimedFix};
 use super::skeleton::Passed;
-use super::staged::Staged;
+use super::staged::{Mark, Staged};
 use crate::output::files::failed;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, MANIFEST};
@@ -104,18 +105,17 @@ fn short(name: &str, value: f64) -> String {
 
 fn passed(run: &Staged, place: &Placing, line: Option<&CentreLine>, ends_m: (f64, f64)) -> Passed {
     let mut state = MatchState::default();
-    let located: Vec<(f64, f64, Option<f64>)> = run
-        .marks()
-        .iter()
-        .enumerate()
-        .filter_map(|(i, mark)| {
-            let at_m = match place {
-                Placing::Shift { factor, offset_m, .. } => offset_m + factor * mark.at_m,
-                _ => line?.locate(&mut state, i as f64, Some(mark.fix?.0), Some(mark.fix?.1)).ok()?.location_m,
-            };
-            Some((mark.at_m, at_m, mark.altitude_m))
-        })
-        .collect();
+    let located: Vec<(f64, f64, Option<f64>)> = match (place, line) {
+        (Placing::Shift { factor, offset_m, .. }, _) => {
+            let of = |mark: &Mark| (mark.at_m, offset_m + factor * mark.at_m, mark.altitude_m);
+            run.marks().iter().map(of).collect()
+        }
+        (_, Some(line)) => {
+            let of = |fix: &TimedFix| Some((fix.at_m, fix.on(line, &mut state)?.location_m, fix.altitude_m));
+            line::fixes(run).iter().filter_map(of).collect()
+        }
+        (_, None) => Vec::new(),
+    };
     let nearest = |own_m: f64| {
         located.iter().min_by(|a, b| (a.0 - own_m).abs().total_cmp(&(b.0 - own_m).abs())).map(|found| found.1)
     };

@@ -307,3 +307,20 @@ fn positions_count_as_a_track_without_a_centre_line_by_its_stops_or_it_is_said_t
     let strict = folder.rundown(&[&others[..], &["--strict"]].concat());
     assert!(strict.code == Some(1) && strict.err.contains("its stops are not used"), "{strict:?}");
 }
+
+/// From one to the next they were further apart than a train was thought to get.
+#[test]
+fn positions_far_apart_are_on_the_line_that_is_made_of_them() {
+    let ride = drive(&[0.0, 15_000.0], 45.0);
+    for (step, names) in [(10, ["a.gpx", "b.gpx", "c.gpx", "d.gpx"]), (20, ["e.gpx", "f.gpx", "g.gpx", "h.gpx"])] {
+        let mut folder = Folder::new();
+        for (i, name) in names.iter().enumerate() {
+            let rows: Vec<_> = ride.iter().copied().skip(3 * i).step_by(step).collect();
+            let (beside_m, from_m) = ([4.0, -4.0, 1.0, -2.0][i], if i % 2 == 0 { 0.0 } else { 15_000.0 });
+            folder = folder.with(name, &gpx(&rows, 0.0, beside_m, from_m));
+        }
+        let said = folder.done(&[&["import"], &names[..]].concat());
+        assert!(!said.err.contains("of its positions lie on the centre line"), "{step}: {said:?}");
+        assert_eq!(folder.read("runs/runs.csv").lines().count(), 1 + names.len(), "{step}: {said:?}");
+    }
+}

@@ -684,3 +684,25 @@ fn files_of_other_kinds_in_a_folder_are_said_and_read_where_they_are_named() {
     let said = folder.done(&["import", "raw/b.gps", "--out", "other"]);
     assert!(!said.err.contains("skipped") && folder.read("other/runs.csv").lines().count() == 2, "{}", said.err);
 }
+
+/// Both were left out without a word, as if the fields were empty.
+#[test]
+fn fields_that_hold_no_number_are_counted() {
+    let rows = drive(&STOPS_M, 25.0);
+    let text = table("time_s,location_m,speed_kmh", &rows, |t, x, v| match t as u32 % 100 {
+        7 => format!("{t},{x:.1},inf"),
+        17 => format!("{t},-Infinity,{:.1}", 3.6 * v),
+        27 | 37 => format!("{t},{x:.1},NaN"),
+        _ => format!("{t},{x:.1},{:.1}", 3.6 * v),
+    });
+    let count = |field: &str| text.lines().filter(|line| line.split(',').any(|read| read == field)).count();
+    let folder = Folder::new().with("a.csv", &text);
+    let said = folder.done(&["import", "a.csv"]);
+    let counts = &folder.json("runs/import.json")["counts"];
+    assert_eq!(counts["fields that cannot be read, taken as missing"], count("inf") + count("-Infinity"));
+    assert_eq!(counts["fields with NaN, taken as empty"], count("NaN"));
+    assert!(said.out.contains(&format!("fields with NaN, taken as empty: {}", count("NaN"))), "{said:?}");
+    // Tables write NaN into empty fields: nothing is warned of.
+    let folder = Folder::new().with("a.csv", &text.replace("-Infinity", "NaN").replace("inf", "NaN"));
+    folder.done(&["import", "--strict", "a.csv"]);
+}

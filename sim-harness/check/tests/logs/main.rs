@@ -17,5 +17,6 @@ mod sensors;
 mod simulated;
 mod single_runs;
 mod smoothed;
+mod stuck_speeds;
 mod trailing;
 mod wheel_changes;

@@ -54,7 +54,9 @@ impl Ticks {
 }
 
 fn field(value: &Value, ticks: Option<Ticks>) -> RowField {
-    let number = |number: f64| if number.is_finite() { RowField::Number(number) } else { RowField::Empty };
+    // As a table of text has it: it is counted.
+    let wrong = |number: f64| RowField::Text(number.to_string());
+    let number = |number: f64| if number.is_finite() { RowField::Number(number) } else { wrong(number) };
     match value {
         Value::Byte(n) => number((*n).into()),
         Value::Short(n) => number((*n).into()),
