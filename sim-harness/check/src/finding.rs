@@ -88,6 +88,10 @@ kinds! {
     HeldSpeeds "the speed repeats its last value in some rows and catches up after them";
     Stairs "the speed stands still from row to row and then changes at once, by"
         => "record the speed of each row; of a coast a few readings are left";
+    Slips "the wheels slip while the train powers: the speed reads too much, by"
+        => "look at the wheel slide protection, or take the speed from an axle that is not driven";
+    Slides "the wheels slide while the train brakes: the speed reads too little, by"
+        => "look at the wheel slide protection, or take the speed from an axle that is not braked";
     EffortStairs "the effort stands still from row to row and then changes at once, by" => "record the effort of each row";
     OutOfOrder "rows are out of order";
     Bursts "rows are stamped when they arrive, so many at once" => "write the time of the reading";

@@ -85,7 +85,7 @@ pub(crate) fn of(
     let mut judged = |i: &usize| {
         let mut of_speed = of_speeds[*i].clone()?;
         if sought.moved || behind.is_some() {
-            of_speed = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s)?;
+            of_speed = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, of_speed.taken_s2)?;
         }
         of_one(of_speed, &recordings[*i].rows, &mut runs[*i], step_kmh, known)
     };
@@ -161,7 +161,7 @@ fn of_one(
         grown.after = Some((change.time_s, change.ratio.value));
         let mut undone = rows.to_vec();
         grown.undo(&mut undone);
-        of_speed = OfSpeed::of(&undone, run.step_s)?;
+        of_speed = OfSpeed::of(&undone, run.step_s, of_speed.taken_s2)?;
     }
     Some((of_speed.agreement.with_rounding(rounding_mps, run.step_s), grown))
 }

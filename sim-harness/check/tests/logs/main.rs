@@ -16,6 +16,7 @@ mod same_rows;
 mod sensors;
 mod simulated;
 mod single_runs;
+mod slips;
 mod smoothed;
 mod trailing;
 mod wheel_changes;
