@@ -88,6 +88,8 @@ pub struct Agreement {
     usual_bends: Matrix2<f64>,
     /// By how much the speeds were moved before they were compared, s: the skew is what is left of it.
     moved_s: f64,
+    /// What an error that all runs of a recorder share makes of 1/s - 1 and o/s, standard deviation.
+    shared: Vector2<f64>,
 }
 
 impl Compared {
@@ -126,6 +128,7 @@ impl Compared {
             equations: Equations::of(self, self.independent()),
             usual_bends: Matrix2::zeros(),
             moved_s: 0.0,
+            shared: Vector2::zeros(),
             with_other_bends: self
                 .with_other_bends()
                 .map(|all| all.map(|other| Equations::of(&other, self.independent()))),
@@ -153,6 +156,21 @@ impl Agreement {
     /// The speeds were moved by so much, s, before they were compared.
     pub(crate) fn after_moving(self, moved_s: f64) -> Self {
         Self { moved_s, ..self }
+    }
+
+    /// By so much, s.
+    pub(crate) fn moved_s(&self) -> f64 {
+        self.moved_s
+    }
+
+    /// By how much the speed is older than the location, s.
+    pub(crate) fn age_s(&self) -> f64 {
+        self.moved_s + self.values[2]
+    }
+
+    /// An error that all runs of the recorder share makes so much of 1/s - 1 and o/s, standard deviation.
+    pub(crate) fn doubted(self, shared: Vector2<f64>) -> Self {
+        Self { shared, ..self }
     }
 
     /// What it is once the speeds are divided by so much.
@@ -299,7 +317,9 @@ pub fn pooled(runs: &[Agreement]) -> Option<Pooled> {
     let own = all.cholesky()?.inverse();
     let by_scatter = own * scatter * own * (n / (n - 1.0).max(1.0));
     let few = 1.0 + FEW_RUNS / (n * n);
-    Some(Pooled { values, covariance: larger(covariance, by_scatter) * few, by_bends, runs: runs.len() })
+    let shared = runs.iter().map(|run| run.shared).sum::<Vector2<f64>>() / n;
+    let covariance = larger(covariance, by_scatter) * few + shared * shared.transpose();
+    Some(Pooled { values, covariance, by_bends, runs: runs.len() })
 }
 
 /// In each direction the larger of two covariances.

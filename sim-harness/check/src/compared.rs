@@ -78,6 +78,8 @@ pub(crate) struct Differences {
     /// What that adds to a variance, in units of the location's white noise.
     doubt: Vec<f64>,
     dv: Vec<f64>,
+    /// Change of the acceleration, m/s².
+    pub(crate) turns_mps2: Vec<f64>,
     /// Time of the later row, s.
     pub(crate) end_s: Vec<f64>,
     /// The difference before shares a row with this one.
@@ -120,6 +122,7 @@ impl Differences {
         let shares = held_shares(part);
         let mut held: Vec<HeldTime> = Vec::new();
         let mut from = None;
+        let mut from_mps2 = 0.0;
         let mut way = Way::default();
         let mut linked = false;
         for (i, row) in part.iter().enumerate() {
@@ -129,6 +132,7 @@ impl Differences {
             }
             let Some((begin, more)) = from.zip(i.checked_sub(1).and_then(|_| Way::between(part, i))) else {
                 (from, way, linked) = (Some(*row), Way::default(), false);
+                from_mps2 = slope_at(part, i);
                 held.clear();
                 continue;
             };
@@ -145,6 +149,9 @@ impl Differences {
                 self.at_once_m.push(way.at_once_m);
                 self.doubt.push(0.0);
                 self.dv.push(row.speed_mps - begin.speed_mps);
+                let mps2 = slope_at(part, i);
+                self.turns_mps2.push(mps2 - from_mps2);
+                from_mps2 = mps2;
                 self.end_s.push(row.time_s);
                 self.linked.push(linked);
                 self.held.append(&mut held);
@@ -152,6 +159,13 @@ impl Differences {
             }
         }
     }
+}
+
+/// Acceleration around a row, m/s².
+fn slope_at(rows: &[Row], i: usize) -> f64 {
+    let (before, after) = (rows[i.saturating_sub(1)], rows[(i + 1).min(rows.len() - 1)]);
+    let dt = after.time_s - before.time_s;
+    if dt > 0.0 { (after.speed_mps - before.speed_mps) / dt } else { 0.0 }
 }
 
 /// Beside a start or a stop rows farther apart are not compared: a bend of 1 m/s² makes a third of a metre in 2 s, 8 m
@@ -312,6 +326,12 @@ impl Compared {
         }
         let straight: f64 = differences.straight(fit.ratio, LESS_OF_BENDS).iter().sum();
         if straight < LEAST_STRAIGHT { None } else { Self::of(differences, fit) }
+    }
+
+    /// With noises of which none is fitted.
+    pub(crate) fn roughly(differences: Differences) -> Option<Self> {
+        let fit = if differences.are_enough() { fit(&differences, 1.0)? } else { return None };
+        Self::of(differences, fit)
     }
 
     /// The same where ways that are bent count less, and where all are bent steadily: what that changes is a doubt.

@@ -47,7 +47,7 @@ kinds! {
     SteppedSpeed "speeds have a step; rounded or truncated is not known";
     ComputedSpeed "speeds were computed from the locations, and say nothing beyond them";
     SpeedOffset "the speed is off by the same everywhere: true less read"
-        => "r(v) is learned at speeds that are off by as much";
+        => "look at the zero of its sensor; where it is not changed r(v) is learned at speeds that are off by as much";
     SpeedScale "the speed is off by a factor: read over true"
         => "compare the wheel diameter of the recorder, or the length of the track";
     WheelChange "the speed's scale changes: after over before"
@@ -88,6 +88,10 @@ kinds! {
     HeldSpeeds "the speed repeats its last value in some rows and catches up after them";
     Stairs "the speed stands still from row to row and then changes at once, by"
         => "record the speed of each row; of a coast a few readings are left";
+    Slips "the wheels slip while the train powers: the speed reads too much, by"
+        => "look at the wheel slide protection, or take the speed from an axle that is not driven";
+    Slides "the wheels slide while the train brakes: the speed reads too little, by"
+        => "look at the wheel slide protection, or take the speed from an axle that is not braked";
     EffortStairs "the effort stands still from row to row and then changes at once, by" => "record the effort of each row";
     OutOfOrder "rows are out of order";
     Bursts "rows are stamped when they arrive, so many at once" => "write the time of the reading";

@@ -22,11 +22,13 @@
 //! | does the speed change in stairs? | `stairs` |
 //! | and the effort? | `effort_stairs` |
 //! | do whole km/h come late? | `dead_band` |
+//! | do the wheels slip or slide? | `slips` |
 //! | are rows no readings, but between them? | `interpolated` |
 //! | does a straight line bridge what was not received? | `bridged` |
 //! | does the effort stand still? | `effort_held` |
 //! | do speeds trail behind the train in a filter? | `trailing` |
 //! | are speeds means over some seconds? | `smoothed` |
+//! | what does an age of the speed add to the way besides? | `second_order` |
 //! | is the effort older than the speed? | `effort_age` |
 //! | is the effort of a run unlike that of the others? | `effort_unlike` |
 //! | is its zero one? | `effort_zero` |
@@ -101,6 +103,8 @@ mod rounding;
 pub mod row_step;
 mod run;
 pub mod same;
+mod second_order;
+mod slips;
 mod smoothed;
 mod stairs;
 pub mod steps;
@@ -108,6 +112,7 @@ mod stuck_speeds;
 mod trailing;
 mod wheel_change;
 
+use agreement::Figure;
 use finding::{Done, Kind};
 use line_scale::RunStops;
 use run::OfSpeed;
@@ -172,13 +177,17 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let (mut runs, mut of_speeds): (Vec<RunCheck>, Vec<Option<OfSpeed>>) =
         recordings.iter_mut().map(|recording| run::beside(recording, seen)).unzip();
     let units = units(&runs);
-    let mut drifts = vec![None; units.len()];
-    for (unit, drift) in units.iter().zip(&mut drifts) {
+    let mut before = vec![(None, Vec::new()); units.len()];
+    for (unit, (drift, slipping)) in units.iter().zip(&mut before) {
         let usable = read_of(unit, &runs);
         *drift = drifting::put_right(recordings, &usable);
-        if drift.is_some() {
-            usable.iter().for_each(|i| of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s));
+        let moved = |i: &usize| Some((*i, of_speeds[*i].as_ref()?.agreement.moved_s()));
+        *slipping = slips::leave_out(recordings, &usable.iter().filter_map(moved).collect::<Vec<_>>());
+        if drift.is_some() || !slipping.is_empty() {
+            compare(recordings, &runs, &usable, &mut of_speeds);
         }
+        let compared: Vec<(usize, f64)> = usable.iter().map(|i| (*i, runs[*i].step_s)).collect();
+        second_order::take_off(recordings, &compared, &mut of_speeds);
     }
     let described_m = if known.scale { &[] } else { known.stops_m.as_slice() };
     let stops_of = |(run, recording): (&mut RunCheck, &Recording)| {
@@ -189,27 +198,36 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         Some(stops)
     };
     let stops: Vec<Option<RunStops>> = runs.iter_mut().zip(recordings.iter()).map(stops_of).collect();
-    let of_unit = |(unit, drift): (String, Option<drifting::Drift>)| {
+    let of_unit = |(unit, (drift, slipping)): (String, (Option<drifting::Drift>, Vec<slips::Slips>))| {
         let usable = usable_of(&unit, &runs);
         let scaled = line_scale::put_right(recordings, &usable, &stops, described_m);
         if scaled.is_some() {
-            usable.iter().for_each(|i| of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s));
+            compare(recordings, &runs, &usable, &mut of_speeds);
         }
         let located = scaled.map(|scaled| scaled.scale);
         let mut recorder = recorder::of(unit, (located, drift), recordings, &mut runs, &of_speeds, known);
         if let Some(scaled) = scaled {
             recorder.found_by(Kind::LocationScale, scaled.scale, "", Done::PutRight, scaled.evidence());
         }
+        slipping.iter().for_each(|slips| slips.say(&mut recorder));
         recorder.efforts(recordings, &mut runs, known);
         recorder
     };
-    let recorders = units.into_iter().zip(drifts).map(of_unit).collect();
+    let recorders = units.into_iter().zip(before).map(of_unit).collect();
     let is_usable: Vec<bool> = runs.iter().map(RunCheck::is_usable).collect();
     for (run, off) in runs.iter_mut().zip(chainage::find(recordings, &is_usable, &known.stops_m)) {
         off.into_iter().for_each(|off| run.is_off(off));
     }
     let not_compared = held_up(recordings, &mut runs, &known.stops_m);
     Check { recorders, runs, not_compared, ..Check::default() }
+}
+
+/// Compares speed and location of these runs again, once their readings are others.
+fn compare(recordings: &[Recording], runs: &[RunCheck], usable: &[usize], of_speeds: &mut [Option<OfSpeed>]) {
+    for i in usable {
+        let taken_s2 = of_speeds[*i].as_ref().map_or(Figure::default(), |of_speed| of_speed.taken_s2);
+        of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, taken_s2);
+    }
 }
 
 /// In the order in which they appear.

@@ -9,6 +9,7 @@ use crate::{
     bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs,
     stuck_speeds, wheel_change,
 };
+use nalgebra::Vector2;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::units;
@@ -17,6 +18,9 @@ use std::collections::BTreeMap;
 
 /// A log that has more of its rows in common with another one teaches the same again.
 const MOST_SHARED: f64 = 0.8;
+/// In rows farther apart the acceleration is not known, s.
+const MOST_NEAR_S: f64 = 2.5;
+
 /// What is the matter with one run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct RunCheck {
@@ -170,6 +174,11 @@ fn is_usable(findings: &[Finding]) -> bool {
 pub(crate) struct OfSpeed {
     pub(crate) agreement: Agreement,
     pub(crate) change: Option<wheel_change::Change>,
+    /// What was taken off of the second order, and what is left of it.
+    pub(crate) taken_s2: Figure,
+    pub(crate) second_order_s2: Option<Figure>,
+    /// What one more of it makes of 1/s - 1 and o/s.
+    by_second_order: Vector2<f64>,
 }
 
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
@@ -209,20 +218,40 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     let step_s = row_step::usual_step_s(rows);
     // Times that are those of the arrival make an age and lost seconds of their own.
     let is_timed = findings.iter().all(|found| found.kind != Kind::Bursts || found.done != Done::Said);
-    let of_speed =
-        if is_usable(&findings) && is_timed && !speed_is_computed { OfSpeed::of(rows, step_s) } else { None };
+    let of_speed = if is_usable(&findings) && is_timed && !speed_is_computed {
+        OfSpeed::of(rows, step_s, Figure::default())
+    } else {
+        None
+    };
     let location_noise_m = of_speed.as_ref().map(|found| found.agreement.location_noise_m);
     (RunCheck { location_noise_m, evidence, ..RunCheck::of(recording, step_s, findings) }, of_speed)
 }
 
 impl OfSpeed {
-    pub(crate) fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
+    /// With so much of the second order taken off.
+    pub(crate) fn of(rows: &[Sample], step_s: f64, taken_s2: Figure) -> Option<Self> {
         if step_s > row_step::MOST_MEAN_S {
             return None;
         }
         let parts = parts(rows, step_s);
-        let (compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(Differences::of(&parts))?)?;
-        Some(Self { agreement: compared.agreement().after_moving(moved_s), change: wheel_change::within(&compared) })
+        let (mut compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(Differences::of(&parts))?)?;
+        let turns_mps2 = compared.differences.turns_mps2.clone();
+        if taken_s2.value != 0.0 {
+            compared = compared.without(&turns_mps2.iter().map(|turn| taken_s2.value * turn).collect::<Vec<_>>())?;
+        }
+        let beside = compared.beside(&turns_mps2).filter(|_| step_s < MOST_NEAR_S);
+        let correlated = compared.independent().sqrt();
+        let second_order_s2 = beside.map(|(left, _)| Figure { sd: left.sd / correlated, ..left });
+        let by_second_order = compared.taken_up(&turns_mps2).0.xy();
+        let change = wheel_change::within(&compared);
+        let agreement = compared.agreement().after_moving(moved_s).doubted(by_second_order * taken_s2.sd);
+        Some(Self { agreement, change, taken_s2, second_order_s2, by_second_order })
+    }
+
+    /// It is known to so much, standard deviation, in all runs alike.
+    pub(crate) fn doubted(self, sd_s2: f64) -> Self {
+        let agreement = self.agreement.doubted(self.by_second_order * sd_s2);
+        Self { agreement, taken_s2: Figure { sd: sd_s2, ..self.taken_s2 }, ..self }
     }
 }
 

@@ -49,3 +49,22 @@ fn a_run_too_short_to_say_how_late_its_speeds_are_has_those_of_its_recorder() {
         assert!((moved_s - 10.0).abs() < 1.0, "{moved_s}");
     }
 }
+
+/// A filter of 3 s is as late as it is long, and no delay: as one it was given wheels of 0.96 to 0.99 and offsets.
+#[test]
+fn speeds_behind_a_filter_of_first_order_have_no_wheel() {
+    let exact = Recorder { quantum_kmh: 0.1, noise_m: 0.0, odometer_m: 1.0, ..Recorder::default() };
+    for mut runs in [exact.trams(35_001, 8, 15), exact.hopping(35_002, 8, 6)] {
+        for recording in &mut runs {
+            let mut behind_mps = 0.0;
+            for row in &mut recording.rows {
+                behind_mps += (1.0 - (-1.0_f64 / 3.0).exp()) * (row.speed_mps.unwrap() - behind_mps);
+                row.speed_mps = Some((36.0 * behind_mps).round() / 36.0);
+            }
+        }
+        let found = check_beside(&mut runs, &Known::default());
+        assert!(!kinds(&found).iter().any(|kind| WRONG.contains(kind)), "{:?}", all(&found));
+        let skew = found.recorders[0].skew_s.unwrap();
+        assert!((skew.value - 2.5).abs() < 0.2, "{skew:?}");
+    }
+}

@@ -16,6 +16,7 @@ mod same_rows;
 mod sensors;
 mod simulated;
 mod single_runs;
+mod slips;
 mod smoothed;
 mod stuck_speeds;
 mod trailing;

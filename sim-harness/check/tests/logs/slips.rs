@@ -1,0 +1,69 @@
+//! Are wheels that slip or slide named, and taken for no wheel, no offset and no age of the speed?
+
+use crate::simulated::{Recorder, all, check_for_replay, find, found, kinds};
+use rundown_check::finding::{Done, Kind};
+use rundown_files::recording::Recording;
+
+/// Each slip, s.
+const LONG_S: usize = 6;
+
+/// In every second place where the speed changes as `acts` says for as long as a slip, the wheel turns by `factor` of the
+/// train. Out: how many slips.
+fn slip(recordings: &mut [Recording], factor: f64, acts: impl Fn(f64) -> bool) -> usize {
+    let mut count = 0;
+    for recording in recordings {
+        let speeds: Vec<f64> = recording.rows.iter().map(|row| row.speed_mps.unwrap()).collect();
+        let (mut at, mut places) = (0, 0);
+        while at + LONG_S + 2 < speeds.len() {
+            let window = &speeds[at..at + LONG_S + 2];
+            if window[0] > 3.0 && window[LONG_S + 1] > 3.0 && window.windows(2).all(|two| acts(two[1] - two[0])) {
+                if places % 2 == 0 {
+                    let rows = &mut recording.rows[at + 1..=at + LONG_S];
+                    rows.iter_mut().for_each(|row| row.speed_mps = row.speed_mps.map(|mps| mps * factor));
+                    count += 1;
+                }
+                (at, places) = (at + 40, places + 1);
+            }
+            at += 1;
+        }
+    }
+    count
+}
+
+const WRONG: [Kind; 5] = [Kind::SpeedScale, Kind::SpeedOffset, Kind::Skew, Kind::WheelChange, Kind::LostSeconds];
+
+fn sets(seed: u64) -> Vec<Vec<Recording>> {
+    let fine = Recorder { quantum_kmh: 0.1, noise_m: 3.0, ..Recorder::default() };
+    let whole = Recorder { noise_m: 3.0, ..Recorder::default() };
+    vec![
+        fine.trams(seed, 8, 16),
+        whole.trams(seed + 1, 8, 16),
+        fine.hopping(seed + 2, 8, 6),
+        whole.hopping(seed + 3, 8, 6),
+    ]
+}
+
+#[test]
+fn slips_of_wheels_that_power_and_slides_of_wheels_that_brake_are_named_and_teach_nothing() {
+    for (kind, factor, sign) in [(Kind::Slips, 1.2, 1.0), (Kind::Slides, 0.8, -1.0)] {
+        for (i, mut runs) in sets(91_000).into_iter().enumerate() {
+            let count = slip(&mut runs, factor, |dv| sign * dv > 0.15);
+            let check = check_for_replay(&mut runs);
+            let one = found(&check, kind);
+            assert!(one.done == Done::LeftOut && one.count * 5 > count * 2, "{i} {one}, of {count}");
+            let off = (one.figure.value - 100.0 * (factor - 1.0)).abs();
+            assert!(off < 2.5 * one.figure.sd && off < 8.0, "{i} {one}");
+            assert!(!kinds(&check).iter().any(|kind| WRONG.contains(kind)), "{i} {:?}", all(&check));
+        }
+    }
+}
+
+#[test]
+fn trains_that_do_not_slip_are_not_accused_of_it() {
+    for i in 0..4 {
+        for mut runs in sets(92_000 + 10 * i) {
+            let check = check_for_replay(&mut runs);
+            assert!(find(&check, Kind::Slips).or(find(&check, Kind::Slides)).is_none(), "{i} {:?}", all(&check));
+        }
+    }
+}
