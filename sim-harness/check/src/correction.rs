@@ -9,7 +9,7 @@ use serde::Serialize;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Correction {
-    /// True less read speed, m/s: half a step where the recorder truncates.
+    /// True less read speed, m/s: half a step where the recorder truncates, or what all its readings are off by.
     pub offset_mps: f64,
     /// Measured over true speed.
     pub scale: f64,
@@ -19,9 +19,9 @@ impl Correction {
     /// Nothing is put right.
     pub const NONE: Self = Self { offset_mps: 0.0, scale: 1.0 };
 
-    /// The true speed from a reading, m/s. A standing train reads zero, whatever the recorder does.
+    /// The true speed from a reading, m/s. A standing train reads zero, or what its recorder is off by.
     pub fn true_mps(&self, read_mps: f64) -> f64 {
-        if read_mps > 0.0 { (read_mps + self.offset_mps) / self.scale } else { read_mps }
+        if read_mps > 0.0 { ((read_mps + self.offset_mps) / self.scale).max(0.0) } else { read_mps }
     }
 
     /// The reading of a true speed, m/s.

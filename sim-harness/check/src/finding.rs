@@ -47,7 +47,7 @@ kinds! {
     SteppedSpeed "speeds have a step; rounded or truncated is not known";
     ComputedSpeed "speeds were computed from the locations, and say nothing beyond them";
     SpeedOffset "the speed is off by the same everywhere: true less read"
-        => "r(v) is learned at speeds that are off by as much";
+        => "look at the zero of its sensor; where it is not changed r(v) is learned at speeds that are off by as much";
     SpeedScale "the speed is off by a factor: read over true"
         => "compare the wheel diameter of the recorder, or the length of the track";
     WheelChange "the speed's scale changes: after over before"

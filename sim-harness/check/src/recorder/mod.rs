@@ -38,6 +38,16 @@ enum Shown {
     NotKnown,
 }
 
+/// An offset of all readings that is put right: it is larger than what places of the location on the train make, and
+/// further from zero.
+const LEAST_OFFSET_KMH: f64 = 0.5;
+const OFFSET_SURE: f64 = 8.0;
+const LEAST_OFFSET_RUNS: usize = 4;
+
+fn is_beyond(offset_kmh: Figure) -> bool {
+    offset_kmh.value.abs() > LEAST_OFFSET_KMH && offset_kmh.away_from(0.0) > OFFSET_SURE
+}
+
 fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
     let Some(step_kmh) = step_kmh else {
         return Shown::Exact;
@@ -252,14 +262,16 @@ impl RecorderCheck {
         let scale = self.beside_the_line(beside_locations);
         self.scale = (!is_vague).then_some(scale);
         let odd = !decided && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
-        if odd && !self.has(Kind::SpeedOffset) {
-            self.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
-        }
         // Where one wheel gives both, the stops have decided: the speeds follow the locations.
         let sure = if self.has_one_wheel(scale) { beside_locations } else { scale };
         let matters = !is_vague && (scale.value - 1.0).abs() > LEAST_SCALE && sure.away_from(1.0) > SURE;
-        // No recorder has such an offset: the model does not fit, and its scale is no wheel.
+        // An offset beside a scale is none of a recorder: the model does not fit, and its scale is no wheel.
         self.is_wheel = matters && !odd;
+        let is_plain = odd && !matters && all.runs >= LEAST_OFFSET_RUNS && is_beyond(offset_kmh) && !known.truncates;
+        if odd && !self.has(Kind::SpeedOffset) {
+            self.found(Kind::SpeedOffset, offset_kmh, "km/h", put_right(is_plain));
+        }
+        let offset_mps = if is_plain { offset_kmh.value / 3.6 } else { offset_mps };
         if matters {
             self.found(Kind::SpeedScale, scale, "", put_right(!known.scale && self.is_wheel));
             if let Some(sd_s) = self.lost_second_sd_s.filter(|_| self.hides_lost_seconds()) {

@@ -77,13 +77,18 @@ fn an_offset_of_one_run_is_said_and_is_no_wheel() {
 }
 
 #[test]
-fn an_offset_that_no_rounding_explains_leaves_the_wheel_alone() {
+fn an_offset_that_no_rounding_explains_is_put_right_and_is_no_wheel() {
     let mut recordings = Recorder::default().runs(21_500, 6, 5);
     recordings.iter_mut().for_each(speeds(1.0, 2.0 / 3.6));
     let before: Vec<Option<f64>> = recordings[0].rows.iter().map(|row| row.speed_mps).collect();
     let found = check(&mut recordings);
-    assert!(kinds(&found).contains(&Kind::SpeedOffset), "{:?}", all(&found));
-    assert!(recordings[0].rows.iter().map(|row| row.speed_mps).eq(before));
+    let offset = all(&found).into_iter().find(|finding| finding.kind == Kind::SpeedOffset).unwrap();
+    assert!((offset.figure.value + 2.0).abs() < 0.15 && offset.done == Done::PutRight, "{offset}");
+    assert!(!kinds(&found).contains(&Kind::SpeedScale), "{:?}", all(&found));
+    for (row, before) in recordings[0].rows.iter().zip(before) {
+        let expected = before.map(|mps| (mps + offset.figure.value / 3.6).max(0.0));
+        assert!((row.speed_mps.unwrap() - expected.unwrap()).abs() < 1e-9 || before == Some(0.0));
+    }
 }
 
 /// Root mean square of the distance between locations.

@@ -12,7 +12,8 @@ use crate::replaying::CHUNK;
 use crate::study::Refused;
 use crate::study::source::RunSource;
 use rundown::model::train::Train;
-use rundown_check::{Check, Known, same::Seen};
+use rundown_check::finding::Kind;
+use rundown_check::{Check, Known, RecorderCheck, same::Seen};
 use rundown_files::recording::Recording;
 use rundown_pages::numbers::counted;
 use rundown_truth::sensors::SpeedReading;
@@ -96,11 +97,16 @@ fn recorder(found: &Check) -> Recorder {
     let largest = found.recorders.iter().max_by_key(|recorder| recorder.compared);
     let skew_s = largest.and_then(|recorder| recorder.skew_s.as_ref()).map_or(0.0, |skew| skew.value);
     let speed = match largest {
-        Some(recorder) if recorder.correction.offset_mps > 0.0 => SpeedReading::Truncated,
+        Some(recorder) if recorder.correction.offset_mps > 0.0 && truncates(recorder) => SpeedReading::Truncated,
         Some(recorder) if recorder.speed_step_kmh.is_some() => SpeedReading::Rounded,
         _ => SpeedReading::Exact,
     };
     Recorder { skew_s: (skew_s / SKEW_STEP_S).round() * SKEW_STEP_S + 0.0, speed }
+}
+
+/// An offset that is put right may be another one.
+fn truncates(recorder: &RecorderCheck) -> bool {
+    recorder.findings.iter().any(|finding| finding.kind == Kind::TruncatedSpeed)
 }
 
 /// Remarks of which the runs say nothing: the band of r0 is the paper's train's, and lower speeds are those below 80
