@@ -16,7 +16,8 @@ use rundown_files::statistics::median;
 
 /// A smaller one does not matter, s².
 const LEAST_S2: f64 = 0.1;
-/// A smaller age is none, s. Without an age there is none of it: what the rounding of a held speed does looks like 2.4 s².
+/// A smaller age is none, s. Without an age there is none of it: what the rounding of a held speed does looks like
+/// 2.4 s².
 const LEAST_AGE_S: f64 = 0.3;
 /// The noise is less without it, and it is better known then.
 const PASSES: usize = 2;
@@ -24,8 +25,8 @@ const PASSES: usize = 2;
 /// A row's share of what a filter makes that is computed from row to row.
 const OF_ROW: f64 = 0.5;
 
-/// Compares speed and location of these runs again without it, where it is beyond doubt, or an age makes it likely; what
-/// is not known of it is a doubt of scale and offset. `runs`: places and times between rows.
+/// Compares speed and location of these runs again without it, where it is beyond doubt, or an age makes it likely;
+/// what is not known of it is a doubt of scale and offset. `runs`: places and times between rows.
 pub(crate) fn take_off(recordings: &[Recording], runs: &[(usize, f64)], of_speeds: &mut [Option<OfSpeed>]) {
     let compare = |of_speeds: &mut [Option<OfSpeed>], more_s2: f64| {
         for (i, step_s) in runs {

@@ -7,8 +7,8 @@ use rundown_files::recording::Recording;
 /// Each slip, s.
 const LONG_S: usize = 6;
 
-/// In every second place where the speed changes as `acts` says for as long as a slip, the wheel turns by `factor` of the
-/// train. Out: how many slips.
+/// In every second place where the speed changes as `acts` says for as long as a slip, the wheel turns by `factor` of
+/// the train. Out: how many slips.
 fn slip(recordings: &mut [Recording], factor: f64, acts: impl Fn(f64) -> bool) -> usize {
     let mut count = 0;
     for recording in recordings {
