@@ -363,7 +363,6 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     }
 
     /// The first half of [`Estimator::end_run_in`]: what the run said about the resistance goes into the memory.
-    #[inline(never)]
     pub(crate) fn teach(&self, run: &RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
         summary.run_davis = run.davis();
         summary.gain = run.learner.gain();
@@ -375,7 +374,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             Mode::Paper => vehicle.replace(&summary.run_davis),
             Mode::Gated | Mode::Measured => {
                 let foresight = run.learner.foresight();
-                let hops_share = run.learner.hops_share();
+                let hops_share = run.hops_share();
                 let end = run.learner.constants();
                 vehicle.learn(&self.memory_config(), [&run.begin, end], column, &foresight, hops_share);
                 vehicle.widen(&mut summary.run_davis, hops_share);
@@ -386,7 +385,6 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     }
 
     /// The second half: the features, and what the run said about the speeds.
-    #[inline(never)]
     pub(crate) fn close(&self, run: &mut RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
         if let Some(last) = run.unconfirmed.take() {
             run.features.observe(&self.config.features, &last);

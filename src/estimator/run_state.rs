@@ -122,10 +122,10 @@ impl RunState {
         self.learner.gain()
     }
 
-    /// Share of what it has taught that it taught on short hops, below zero where the speeds of the last one were finer
-    /// than whole km/h.
+    /// Share of what it has taught that it taught on short hops, below zero where its speeds are finer than whole km/h.
     pub fn hops_share(&self) -> Real {
-        self.learner.hops_share()
+        let share = self.learner.hops_share();
+        if self.hops.speed_sd_mps().is_some() { -share } else { share }
     }
 
     /// Half a step is added to each speed that is read: the recorder cuts them off, as the runs before have shown.

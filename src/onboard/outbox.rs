@@ -193,9 +193,10 @@ impl<const N: usize> Outbox<N> {
         let front = self.front();
         let piece = front.get(..PIECE).unwrap_or(front);
         let end = piece.iter().position(|byte| *byte == DELIMITER);
+        let whole = end.is_some() || piece.is_empty();
         let count = end.map_or(piece.len(), |end| end + 1);
         self.advance(count);
-        self.cutting = end.is_none() && count > 0;
+        self.cutting = !whole;
         if !self.cutting {
             self.dropped = self.dropped.saturating_add(1);
         }

@@ -107,9 +107,8 @@ impl Trust {
     }
 
     /// Share that one coast has in what all of them say, the more the more they scatter.
-    pub(crate) fn of_one(&self) -> f32 {
-        let coasts = self.coasts as f32 + EXPECTED_COASTS as f32;
-        (self.squares as f32 + EXPECTED_COASTS as f32).max(coasts) / (coasts * coasts)
+    pub(crate) fn of_one(&self) -> Real {
+        self.scatter(self.squares) / (EXPECTED_COASTS + self.coasts)
     }
 
     fn scatter(&self, squares: Real) -> Real {

@@ -193,7 +193,7 @@ in_place! {
         constants: Gaussian<4> = (Gaussian::ZEROED);
         segment: Option<Segment> = (in place);
         learned_s: Real = (0.0);
-        /// Of these, on short hops, with the sign of the share.
+        /// Of these, on short hops.
         on_hops_s: Real = (0.0);
         foresight: Foresight = (Foresight::NONE);
     }
@@ -245,8 +245,7 @@ impl Learner {
         self.believed().is_some()
     }
 
-    /// Share of what this run taught that it taught on short hops, below zero where the speeds of the last one were
-    /// finer than whole km/h.
+    /// Share of what this run taught that it taught on short hops.
     pub fn hops_share(&self) -> Real {
         if self.learned_s > 0.0 { self.on_hops_s / self.learned_s } else { 0.0 }
     }
@@ -391,8 +390,7 @@ impl Learner {
                 let counted_s = reached.time_s - segment.settled_s;
                 self.learned_s += counted_s;
                 if counts.on_short_hops {
-                    let sum_s = self.on_hops_s.abs() + counted_s;
-                    self.on_hops_s = if counts.speed_sd_mps.is_some() { -sum_s } else { sum_s };
+                    self.on_hops_s += counted_s;
                 }
                 segment.settled_s = reached.time_s;
             }

@@ -51,11 +51,11 @@ const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
 const SHORT_HOPS_SD: Real = 0.05;
 /// The same at least where speeds are finer than whole km/h, for which a second of something else is visible. Judged by
 /// trains of a third simulator (docs/measured.md).
-const FINE_HOPS_SD: f32 = 0.015;
+const FINE_HOPS_SD: Real = 0.015;
 /// So many of these coasts may have been none, more where they scatter, and be off by all of r(v): a speed that a
 /// regulator or a notch holds falls for 7 s like a coast now and then. Where nobody coasts these few are all that there
 /// is; drivers who coast do so several times a run.
-const FALSE_COASTS: f32 = 3.0;
+const FALSE_COASTS: Real = 3.0;
 /// Runs over which the share of short hops is a mean.
 const RUNS_OF_HOPS: u32 = 32;
 /// Share of what is known that is forgotten where it came from readings that were not what they seemed.
@@ -215,8 +215,11 @@ impl Vehicle {
     }
 
     fn hops_sd_of(&self, share: Real) -> Real {
-        let fine = || (FALSE_COASTS * self.trust.of_one()).max(FINE_HOPS_SD).into();
-        let sd = if share < 0.0 { fine() } else { SHORT_HOPS_SD };
+        let sd = if share.is_sign_negative() {
+            (FALSE_COASTS * self.trust.of_one()).max(FINE_HOPS_SD)
+        } else {
+            SHORT_HOPS_SD
+        };
         sd * share
     }
 

@@ -55,17 +55,15 @@ impl ShortHopConfig {
     /// At most what is set, where the speeds are finer than whole km/h.
     fn pieces(&self, speed_sd_mps: Option<f32>) -> Pieces {
         let Self { interval_s, end_cut_s, min_segment_s, .. } = *self;
-        if speed_sd_mps.is_none() {
-            let least_change = LeastChange::Share(MIN_CHANGE_SHARE);
-            return Pieces { interval_s, end_cut_s, min_segment_s, least_change, speed_sd_mps };
+        let least_change = LeastChange::Share(MIN_CHANGE_SHARE);
+        let mut pieces = Pieces { interval_s, end_cut_s, min_segment_s, least_change, speed_sd_mps };
+        if speed_sd_mps.is_some() {
+            pieces.interval_s = interval_s.min(FINE_INTERVAL_S);
+            pieces.end_cut_s = end_cut_s.min(FINE_END_CUT_S);
+            pieces.min_segment_s = min_segment_s.min(FINE_MIN_SEGMENT_S);
+            pieces.least_change = LeastChange::Fall(LEAST_FALL_MPS2);
         }
-        Pieces {
-            interval_s: interval_s.min(FINE_INTERVAL_S),
-            end_cut_s: end_cut_s.min(FINE_END_CUT_S),
-            min_segment_s: min_segment_s.min(FINE_MIN_SEGMENT_S),
-            least_change: LeastChange::Fall(LEAST_FALL_MPS2),
-            speed_sd_mps,
-        }
+        pieces
     }
 }
 

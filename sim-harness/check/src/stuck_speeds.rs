@@ -170,9 +170,13 @@ impl Away {
         let first = rows[stuck.from];
         let stays_mps = first.speed_mps?;
         let missed_mps = usual.missed_mps(stays_mps);
+        // A train that goes back in the same log reads speeds above zero.
+        let mut read_m = rows[stuck.from..=stuck.to].iter().filter_map(|row| row.location_m);
+        let runs_m = read_m.next().zip(read_m.next_back()).map_or(0.0, |(first, last)| last - first);
+        let sign = if runs_m == 0.0 { usual.sign } else { runs_m.signum() };
         let off = |row: &Sample| {
             let run_s = row.time_s - first.time_s;
-            Some((run_s, usual.sign * row.location_m? - stays_mps * run_s))
+            Some((run_s, sign * row.location_m? - stays_mps * run_s))
         };
         let offs: Vec<(f64, f64)> = rows[stuck.from..=stuck.to].iter().filter_map(off).collect();
         let mut away = Self { most_m: 0.0, ends_m: 0.0, leap_m: 0.0, is_wild: false };

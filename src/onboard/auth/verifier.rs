@@ -14,7 +14,7 @@ pub(super) const ANNOUNCEMENT: u16 = 0;
 pub struct Verifier<K = Result<Provisioning, ProvisioningError>> {
     keys: K,
     /// That the board is provisioned for.
-    train: Result<TrainId, ProvisioningError>,
+    train: Option<TrainId>,
     epoch: Result<u32, EpochError>,
     /// Counter that was accepted last; 0: none yet.
     last: u32,
@@ -24,7 +24,7 @@ impl<K: KeySource> Verifier<K> {
     /// `epoch` is what [`Store::advance_epoch`](crate::onboard::store::Store::advance_epoch) gave at this boot.
     /// Without a key or an epoch every message is refused with that cause.
     pub fn new(keys: K, epoch: Result<u32, EpochError>) -> Self {
-        let train = keys.provisioning().map(|provisioning| provisioning.train);
+        let train = keys.provisioning().map(|provisioning| provisioning.train).ok();
         Self { keys, train, epoch, last: 0 }
     }
 
@@ -33,12 +33,13 @@ impl<K: KeySource> Verifier<K> {
     /// # Errors
     /// [`Refusal`]; nothing changes, only the caller's counters.
     pub fn open<'a>(&mut self, data_id: u16, secured: &'a [u8]) -> Result<&'a [u8], Refusal> {
-        let provisioning = self.keys.provisioning().map_err(Refusal::Unprovisioned)?;
+        let provisioning = self.keys.provisioning();
+        let provisioning = provisioning.as_ref().map_err(|error| Refusal::Unprovisioned(*error))?;
         let expected = self.epoch.map_err(Refusal::NoEpoch)?;
         let too_short = Refusal::WrongLength { least: TRAILER, found: secured.len() };
         let (message, trailer) = secured.split_last_chunk::<TRAILER>().ok_or(too_short)?;
         let trailer = Trailer::from_bytes(trailer).ok_or(too_short)?;
-        if !trailer.is_of(&provisioning, Recipient::Board, data_id, message) {
+        if !trailer.is_of(provisioning, Recipient::Board, data_id, message) {
             return Err(Refusal::WrongMac);
         }
         let Freshness { epoch, counter } = trailer.freshness;
@@ -54,22 +55,27 @@ impl<K: KeySource> Verifier<K> {
 
     /// The train that the board is provisioned for.
     pub fn train(&self) -> Option<TrainId> {
-        self.train.ok()
+        self.train
     }
 
     /// Epoch and last counter; `None` while everything secured is refused.
     pub fn freshness(&self) -> Option<Freshness> {
-        let (Ok(_), Ok(epoch)) = (self.train, self.epoch) else {
+        let (Some(_), Ok(epoch)) = (self.train, self.epoch) else {
             return None;
         };
         Some(Freshness { epoch, counter: self.last })
     }
 
     /// [`Verifier::freshness`] with a MAC, for the status frame: what [`Signer::new`](super::Signer::new) begins with.
+    #[inline(never)]
     pub fn announcement(&self) -> Option<[u8; TRAILER]> {
-        let (provisioning, freshness) = (self.keys.provisioning().ok()?, self.freshness()?);
-        let trailer = Trailer::sign(&provisioning, Recipient::Desk, ANNOUNCEMENT, freshness, &[]);
-        Some(trailer.to_bytes())
+        let freshness = self.freshness()?;
+        match &self.keys.provisioning() {
+            Ok(provisioning) => {
+                Some(Trailer::sign(provisioning, Recipient::Desk, ANNOUNCEMENT, freshness, &[]).to_bytes())
+            }
+            Err(_) => None,
+        }
     }
 }
 

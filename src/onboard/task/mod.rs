@@ -217,8 +217,6 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         }
     }
 
-    // Of its own: the bytes that a message is read from are gone from the stack.
-    #[inline(never)]
     fn take(&mut self, uplink: &Uplink, origin: Origin, port: &mut impl Port) {
         if let Err(refusal) = self.permit(uplink) {
             return self.refuse(0, refusal, origin, port);

@@ -119,7 +119,6 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     }
 
     /// What the run taught is complete.
-    #[inline(never)]
     fn close(&mut self) {
         self.estimator.close(self.run, &mut self.vehicle, self.summary);
         self.running = false;

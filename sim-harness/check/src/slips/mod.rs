@@ -166,6 +166,9 @@ fn judged(parts: &[Vec<Row>], sign: f64) -> Vec<Slip> {
     let Some(noise) = Noise::of(parts) else { return Vec::new() };
     let of_part = |(part, bumps): (&Vec<Row>, &Vec<Bump>)| -> Vec<Slip> {
         let of = |bump: &Bump| {
+            if unknown::is_leap(&part[bump.rows.start..=bump.rows.end]) {
+                return None;
+            }
             let unknown = unknown::share(part, &bump.rows, &noise)?;
             let [from_s, to_s] = [bump.rows.start, bump.rows.end].map(|at| part[at].time_s);
             let long_s = part[bump.rows.end - 1].time_s - from_s;

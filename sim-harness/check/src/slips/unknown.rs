@@ -21,6 +21,9 @@ const BELIEVED: [f64; 4] = [0.3, 0.02, 2.0, 3.0];
 /// No locations are known better, m.
 const LEAST_NOISE_M: f64 = 0.3;
 
+/// Of a slip each of its seconds makes a part.
+const MOST_OF_LEAP: f64 = 0.9;
+
 /// What the locations of a run are off by.
 pub(super) struct Noise {
     /// White, variance, m².
@@ -48,6 +51,14 @@ impl Noise {
 fn apart_m(rows: &[Row]) -> f64 {
     let dt = rows[1].time_s - rows[0].time_s;
     rows[1].location_m - rows[0].location_m - 0.5 * dt * (rows[0].speed_mps + rows[1].speed_mps)
+}
+
+/// Two neighbours make most of what speed and location are apart by: a clock that loses a second, or a location that
+/// leaps.
+pub(super) fn is_leap(rows: &[Row]) -> bool {
+    let apart_m: Vec<f64> = rows.windows(2).map(apart_m).collect();
+    let most_m = apart_m.iter().fold(0.0, |most: f64, apart_m| most.max(apart_m.abs()));
+    most_m >= MOST_OF_LEAP * apart_m.iter().sum::<f64>().abs()
 }
 
 /// Which part of a bump the locations do not know.
