@@ -22,7 +22,7 @@ const BELIEVED: [f64; 4] = [0.3, 0.02, 2.0, 3.0];
 const LEAST_NOISE_M: f64 = 0.3;
 
 /// Of a slip each of its seconds makes a part.
-const MOST_OF_LEAP: f64 = 0.9;
+const MOST_OF_LEAP: f64 = 0.97;
 
 /// What the locations of a run are off by.
 pub(super) struct Noise {
