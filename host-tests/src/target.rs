@@ -97,8 +97,8 @@ pub struct Same {
     pub messages: Vec<Vec<u8>>,
 }
 
-/// Plays runs to both, one after another. All frames must be the same, but for [`Body::Health`] and [`Body::Versions`], which tell of the
-/// hardware and the build.
+/// Plays runs to both, one after another. All frames must be the same, but for [`Body::Health`] and [`Body::Versions`],
+/// which tell of the hardware and the build.
 ///
 /// # Errors
 /// The first tick whose frames differ, with both; or why a session ended.

@@ -95,8 +95,8 @@ impl<const N: usize> Outbox<N> {
         Ok(())
     }
 
-    /// One step of [`push`](Self::push): a piece of an old frame goes, or one of this comes. True when the frame is whole; only then
-    /// it counts as one that waits. Bytes may go meanwhile; a second frame must not come.
+    /// One step of [`push`](Self::push): a piece of an old frame goes, or one of this comes. True when the frame is
+    /// whole; only then it counts as one that waits. Bytes may go meanwhile; a second frame must not come.
     ///
     /// # Errors
     /// [`NoRoom`], with its first step: not in an empty outbox, or not without dropping another. Nothing changes but

@@ -16,7 +16,8 @@ use embedded_hal_nb::serial::{ErrorKind, ErrorType, Read, Write};
 
 /// Bytes of the circular buffer: 44 ms at 115 200 bit/s.
 pub const RECEIVE: usize = 512;
-/// Bytes that go as one transfer, 2.8 ms; collecting them takes the processor 11 to 18 µs, in which its interrupt waits.
+/// Bytes that go as one transfer, 2.8 ms; collecting them takes the processor 11 to 18 µs, in which its interrupt
+/// waits.
 pub const SEND: usize = 32;
 
 /// Registers, by block: those of the USART, those of the DMA controller.
