@@ -75,7 +75,8 @@ struct Bridge {
 /// explain. Out: how many rows, and for how long.
 pub(crate) fn leave_out(
     rows: &mut [Sample],
-    (usual_s, stuck): (f64, &[StuckRows]),
+    usual_s: f64,
+    stuck: &[StuckRows],
     findings: &mut Vec<Finding>,
 ) -> Option<String> {
     let step_m = steps::of_location_m(rows.iter()).unwrap_or_else(|| written_m(rows));
@@ -279,7 +280,7 @@ mod tests {
 
     fn left_out(rows: &mut [Sample]) -> Vec<Finding> {
         let mut findings = Vec::new();
-        leave_out(rows, (1.0, &[]), &mut findings);
+        leave_out(rows, 1.0, &[], &mut findings);
         findings
     }
 

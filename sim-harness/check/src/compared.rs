@@ -330,7 +330,10 @@ impl Compared {
 
     /// With noises of which none is fitted.
     pub(crate) fn roughly(differences: Differences) -> Option<Self> {
-        let fit = if differences.are_enough() { fit(&differences, 1.0)? } else { return None };
+        if !differences.are_enough() {
+            return None;
+        }
+        let fit = fit(&differences, 1.0)?;
         Self::of(differences, fit)
     }
 

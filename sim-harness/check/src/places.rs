@@ -425,7 +425,7 @@ fn middle(rows: &[(u64, f64)]) -> (u64, f64) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// 20 m/s, a row every 5 s.
@@ -525,7 +525,7 @@ mod tests {
     }
 
     /// A row a second of a train with this speed, m/s.
-    fn read_at(speed_mps: impl Fn(f64) -> f64) -> Vec<Sample> {
+    pub(crate) fn read_at(speed_mps: impl Fn(f64) -> f64) -> Vec<Sample> {
         let mut at_m = 0.0;
         let row = |second: u32| {
             let time_s = f64::from(second);

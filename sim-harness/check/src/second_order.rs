@@ -21,7 +21,6 @@ const LEAST_S2: f64 = 0.1;
 const LEAST_AGE_S: f64 = 0.3;
 /// The noise is less without it, and it is better known then.
 const PASSES: usize = 2;
-
 /// A row's share of what a filter makes that is computed from row to row.
 const OF_ROW: f64 = 0.5;
 

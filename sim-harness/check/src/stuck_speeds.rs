@@ -212,17 +212,7 @@ impl Away {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A row a second of a train with this speed, m/s.
-    fn read_at(speed_mps: impl Fn(f64) -> f64) -> Vec<Sample> {
-        let mut at_m = 0.0;
-        let row = |second: u32| {
-            let time_s = f64::from(second);
-            at_m += speed_mps(time_s - 0.5);
-            Sample { time_s, location_m: Some(at_m), speed_mps: Some(speed_mps(time_s)), ..Sample::default() }
-        };
-        (0..300).map(row).collect()
-    }
+    use crate::places::tests::read_at;
 
     /// A second, and what the train does in it: 30 m/s, then this acceleration from second 100 on.
     fn driven(acceleration_mps2: f64) -> Vec<Sample> {

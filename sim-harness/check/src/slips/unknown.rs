@@ -20,7 +20,6 @@ const AROUND_S: f64 = 16.0;
 const BELIEVED: [f64; 4] = [0.3, 0.02, 2.0, 3.0];
 /// No locations are known better, m.
 const LEAST_NOISE_M: f64 = 0.3;
-
 /// Of a slip each of its seconds makes a part.
 const MOST_OF_LEAP: f64 = 0.97;
 
