@@ -1,10 +1,14 @@
 //! Clock and units by what the readings say: the units whose distance by speed agrees with the distance by location.
 
 mod exchanged;
+mod kind;
 mod ratios;
 mod signed;
+mod stretches;
+mod written;
 
-use self::ratios::{Passing, longest, ratios, usual};
+pub use written::{text, written};
+
 use super::clock::{self, ClockKind, DateOrder, Orders, WrittenTime};
 use super::columns::{Columns, How};
 use super::mapping::{SAY_IT, SourceMapping, line};
@@ -13,28 +17,18 @@ use super::number;
 use super::source::SourceFile;
 use super::source::row::{Event, RowField};
 use super::units::{self, Unit};
+use kind::kind_of;
 use rundown_files::refusal::ReadError;
-use rundown_files::statistics::median;
-use rundown_pages::numbers::counted;
 use std::collections::BTreeMap;
+use stretches::{FASTEST_MPS, LEAST_ALIKE, Stretches, Tried, ratio_of, stretches};
+use written::{WrittenRow, is_plain, unit_behind, value};
 
 /// Rows of a file that are looked at.
 const ROWS: usize = 20_000;
-/// Steps that make a stretch over which distances are compared, and stretches that decide.
-const STEPS: usize = 20;
-/// The same where rows are far apart and stops near.
-const FEW_STEPS: usize = 5;
-const LEAST_STRETCHES: usize = 4;
-/// Speed and location are of one train where so many stretches have the usual ratio within that.
-const LEAST_ALIKE: f64 = 0.8;
-const ALIKE: f64 = 0.2;
 /// A wheel may be off by so much; the units that are closest lie 10 % apart.
 const NEAR: f64 = 0.06;
 /// Named units are believed where the distances agree so.
 const MAY_BE: std::ops::Range<f64> = 0.8..1.25;
-/// What trains do, m/s, and how often recorders write, s.
-const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
-const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 
 /// Rows as they are written.
 #[derive(Debug, Default)]
@@ -349,104 +343,6 @@ fn is_said(columns: &Columns) -> bool {
     [Meaning::Location, Meaning::Speed].iter().any(said)
 }
 
-/// Distance by location over distance by speed in the units that were decided.
-fn ratio_of(rows: &[WrittenRow], columns: &Columns) -> Option<f64> {
-    let stretches = stretches(rows, columns).ok()?;
-    stretches.tried(columns, &[]).first().map(|(ratio, _)| *ratio)
-}
-
-/// Distances by location over those by speed, in the units of the file.
-///
-/// # Errors
-/// Why they cannot be compared.
-fn stretches(all: &[WrittenRow], columns: &Columns) -> Result<Stretches, String> {
-    let pieces = pieces(all, columns);
-    let together = pieces.iter().flatten().count();
-    let (mut long, mut short) = (None, None);
-    if let Some((fastest, step)) = usual(&pieces).filter(|_| columns.has(Meaning::Speed)) {
-        let longest = longest(&pieces, step);
-        let counted = |steps, of_place| {
-            Stretches::new(ratios(&pieces, columns, [fastest, longest], (steps, of_place)), fastest, step)
-        };
-        let of = |steps| counted(steps, true);
-        long = of(STEPS);
-        // A few steps of a location with few digits say nothing.
-        let alike = |found: &Stretches| found.alike >= LEAST_ALIKE;
-        short = long.is_none().then(|| of(FEW_STEPS)).flatten().filter(alike);
-        // Between near stops a place in large steps hardly takes so many.
-        short = short.or_else(|| long.is_none().then(|| counted(STEPS, false)).flatten().filter(alike));
-    }
-    long.or(short).ok_or_else(|| match without_numbers(all, columns) {
-        Some(header) => format!("column {header:?} holds no number that can be read"),
-        None if !columns.has(Meaning::Speed) => "no column has a speed".to_owned(),
-        None if together < STEPS * LEAST_STRETCHES => {
-            format!("time, speed and location stand together in {} only", counted(together, "row", "rows"))
-        }
-        None => format!(
-            "in {together} rows with speed and location the train hardly ever keeps moving for {FEW_STEPS} locations on end"
-        ),
-    })
-}
-
-/// Rows of each file that have time, place and speed: where columns are sparse others stand between them.
-fn pieces(all: &[WrittenRow], columns: &Columns) -> Vec<Vec<Passing>> {
-    let begins = |row: &WrittenRow| row.time.is_none() && row.numbers[0].is_none();
-    let of_file = |rows: &[WrittenRow]| rows.iter().filter_map(|row| row.passing(columns)).collect();
-    all.split(begins).map(of_file).collect()
-}
-
-/// A column that says where the train is or how fast, without a number in any row.
-fn without_numbers<'a>(rows: &[WrittenRow], columns: &'a Columns) -> Option<&'a str> {
-    let is_empty = |position: usize| rows.iter().all(|row| row.numbers[position].is_none());
-    let mut numbered = EXPECTED.iter().enumerate().skip(1);
-    let found = numbered.find(|(position, meaning)| columns.has(**meaning) && is_empty(*position));
-    found.map(|(_, meaning)| columns.header(*meaning))
-}
-
-#[derive(Debug, Default)]
-struct WrittenRow {
-    /// Time as a number, location, speed, latitude, longitude.
-    numbers: [Option<f64>; 5],
-    time: Option<String>,
-    date: Option<String>,
-}
-
-impl WrittenRow {
-    fn passing(&self, columns: &Columns) -> Option<Passing> {
-        let [_, location, speed, latitude, longitude] = self.numbers;
-        let degrees = |meaning, value: Option<f64>| Some(columns.unit(meaning)?.to_si(value?));
-        let place = if columns.has(Meaning::Location) {
-            (location?, 0.0)
-        } else if latitude.zip(longitude) == Some((0.0, 0.0)) {
-            // The receiver had no fix.
-            return None;
-        } else {
-            (degrees(Meaning::Latitude, latitude)?, degrees(Meaning::Longitude, longitude)?)
-        };
-        Some(Passing { time: self.time(columns)?, place, speed: speed? })
-    }
-
-    fn time(&self, columns: &Columns) -> Option<f64> {
-        if columns.kind.has_unit() {
-            return self.numbers[0];
-        }
-        let written = match columns.kind {
-            ClockKind::Hhmmss | ClockKind::Excel => clock::of_number(columns.kind, self.numbers[0]?),
-            kind => clock::of_text(kind, self.time.as_deref()?, columns.order),
-        };
-        match written? {
-            WrittenTime::Instant(seconds) => Some(seconds),
-            WrittenTime::Civil(civil) => clock::in_zone(civil, &columns.zone, None),
-            WrittenTime::OfDay(seconds) => {
-                let date = self.date.as_deref();
-                let date = date.and_then(|date| clock::parse_date(clock::day_of(date), columns.order));
-                let midnight = date.and_then(|day| clock::in_zone(day.at(0, 0, 0, 0), &columns.zone, None));
-                Some(seconds + midnight.unwrap_or(0.0))
-            }
-        }
-    }
-}
-
 /// What a row says of where the train is.
 const EXPECTED: [Meaning; 5] =
     [Meaning::Time, Meaning::Location, Meaning::Speed, Meaning::Latitude, Meaning::Longitude];
@@ -454,100 +350,8 @@ const EXPECTED: [Meaning; 5] =
 /// What evidence decides.
 const DECIDED: [Meaning; 3] = [Meaning::Time, Meaning::Location, Meaning::Speed];
 
-/// Distance by location over distance by speed with these units.
-type Tried = (f64, [Unit; 3]);
-
-/// What the moving stretches of some files say.
-struct Stretches {
-    ratio: f64,
-    /// Share of them that have it.
-    alike: f64,
-    fastest: f64,
-    step: f64,
-}
-
-/// The kind of a clock, by its fields as numbers and as texts. With a unit of time they are numbers.
-fn kind_of(times: &[f64], texts: &[&String], has_unit: bool, beside_dates: bool) -> ClockKind {
-    if 2 * times.len() > texts.len() || texts.is_empty() {
-        let is_dated = |text: &&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::Civil(_)));
-        return match median(times.iter().copied()) {
-            _ if !has_unit
-                && texts.len() > 1
-                && texts.iter().take(1000).all(|text| text.len() >= 14 && is_dated(text)) =>
-            {
-                ClockKind::DateTime
-            }
-            _ if !has_unit && are_digits(times) => ClockKind::Hhmmss,
-            Some(time) if !has_unit && SHEET_DAYS.contains(&time) && are_days(times) => ClockKind::Excel,
-            Some(time) if time > 3e8 => ClockKind::Unix,
-            _ => ClockKind::Number,
-        };
-    }
-    let of_day = |text: &&&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::OfDay(_)));
-    let looked = texts.len().min(1000);
-    let count = texts[..looked].iter().filter(of_day).count();
-    let is_of_day = 2 * count > looked || clock::are_dotted(&texts[..looked], beside_dates);
-    if is_of_day { ClockKind::TimeOfDay } else { ClockKind::DateTime }
-}
-
-/// Dates of a sheet from 1954 to 2119, and how far apart its rows may be, days.
-const SHEET_DAYS: std::ops::Range<f64> = 20_000.0..80_000.0;
-const SHEET_STEP: std::ops::Range<f64> = 1e-7..7e-3;
-
-/// Numbers that go forward by seconds, if they are days: a clock in seconds would be read a hundred times a second and
-/// more.
-fn are_days(times: &[f64]) -> bool {
-    let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
-    median(steps).is_some_and(|step| SHEET_STEP.contains(&step))
-}
-
-/// Numbers of which none ends on 60 to 99, and whose last two digits begin again while those before go on: `hhmmss`.
-fn are_digits(times: &[f64]) -> bool {
-    let minutes = times.windows(2).filter(|pair| pair[0] % 100.0 > pair[1] % 100.0 && pair[1] > pair[0]).count();
-    minutes >= 2 && times.iter().all(|time| clock::of_digits(*time).is_some())
-}
-
 fn figure(ratio: f64) -> String {
     format!("distance by location over distance by speed is {ratio:.4} with these units")
-}
-
-impl Stretches {
-    /// None where they are too few.
-    fn new(mut ratios: Vec<f64>, fastest: f64, step: f64) -> Option<Self> {
-        // A train that stands where its speed is large denies the speed.
-        let tried = ratios.len();
-        ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
-        let ratio = median(ratios.iter().copied()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
-        let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / tried as f64;
-        Some(Self { ratio, alike, fastest, step })
-    }
-
-    /// All units that are known or possible, at speeds of trains and steps of recorders where something is unknown.
-    fn tried(&self, columns: &Columns, unknown: &[Meaning]) -> Vec<Tried> {
-        // A column that is not there is in SI: text gives seconds, positions give metres.
-        let units = |meaning, si: &str| -> Vec<Unit> {
-            if unknown.contains(&meaning) {
-                return units::candidates(meaning).to_vec();
-            }
-            columns.unit(meaning).or_else(|| units::by_name(meaning, si)).into_iter().collect()
-        };
-        let is_text = !columns.kind.has_unit();
-        let second = || units::by_name(Meaning::Time, "s").into_iter().collect();
-        let times: Vec<Unit> = if is_text { second() } else { units(Meaning::Time, "s") };
-        let mut tried = Vec::new();
-        for time in times {
-            for length in units(Meaning::Location, "m") {
-                for speed in units(Meaning::Speed, "m/s") {
-                    let factor = length.factor() / (speed.factor() * time.factor());
-                    let of_trains = FASTEST_MPS.contains(&speed.to_si(self.fastest));
-                    if unknown.is_empty() || (of_trains && STEP_S.contains(&time.to_si(self.step))) {
-                        tried.push((factor * self.ratio, [time, length, speed]));
-                    }
-                }
-            }
-        }
-        tried
-    }
 }
 
 fn not_decided(columns: &Columns, unknown: &[Meaning], agree: &[Tried], why: &str) -> String {
@@ -574,45 +378,4 @@ fn not_decided(columns: &Columns, unknown: &[Meaning], agree: &[Tried], why: &st
         keys.join(" and "),
         line(said)
     )
-}
-
-/// A field as it is written.
-pub fn text(field: &RowField) -> Option<String> {
-    match field {
-        RowField::Empty => None,
-        RowField::Text(text) => Some(text.clone()),
-        RowField::Number(number) => Some(number.to_string()),
-    }
-}
-
-/// A time that has no unit.
-pub fn written(kind: ClockKind, field: &RowField, columns: &Columns) -> Option<WrittenTime> {
-    match kind {
-        ClockKind::Hhmmss | ClockKind::Excel => clock::of_number(kind, value(Some(field), columns.decimal)?),
-        _ => clock::of_text(kind, &text(field)?, columns.order),
-    }
-}
-
-/// A number, with nothing but a unit of time behind it.
-fn is_plain(field: &RowField, decimal: char) -> bool {
-    let RowField::Text(text) = field else { return true };
-    let parsed = number::parse(text, decimal);
-    parsed.is_some_and(|(_, rest)| rest.is_empty() || units::by_name(Meaning::Time, rest).is_some())
-}
-
-/// `km/h` of `80 km/h`.
-fn unit_behind(meaning: Meaning, field: Option<&RowField>, decimal: char) -> Option<Unit> {
-    let RowField::Text(text) = field? else { return None };
-    let (_, rest) = number::parse(text, decimal)?;
-    if rest.is_empty() { None } else { units::by_name(meaning, rest) }
-}
-
-fn value(field: Option<&RowField>, decimal: char) -> Option<f64> {
-    match field? {
-        RowField::Empty => None,
-        RowField::Number(number) => Some(*number),
-        RowField::Text(text) => number::parse(text, decimal)
-            .filter(|(_, rest)| !rest.starts_with([':', '/', 'T']))
-            .map(|(number, _)| number),
-    }
 }

@@ -52,7 +52,8 @@ pub const PERIOD: &str = "expected a number of seconds above 0, at most 600";
 
 /// Speed at which the doubt of the efforts is said, km/h.
 const DOUBTED_KMH: f64 = 60.0;
-/// After a longer pause the estimator restarts.
+
+/// Whether a [`Tick::Period`] may have this length: after a longer pause the estimator restarts.
 pub fn is_period(seconds: f64) -> bool {
     seconds > 0.0 && seconds <= 600.0
 }

@@ -12,13 +12,6 @@ const DAY_S: f64 = 86_400.0;
 /// Trains run from 6 to 22 h UTC.
 const SERVICE_S: [f64; 2] = [6.0 * 3600.0, 22.0 * 3600.0];
 
-impl Turn {
-    /// In files.
-    pub fn name(self) -> String {
-        format!("driver{:02}", self.number)
-    }
-}
-
 /// One run before it is driven.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunPlan {
@@ -45,6 +38,13 @@ pub struct Turn {
     pub number: usize,
     /// Feeds the draws of this driver's style.
     pub seed: u64,
+}
+
+impl Turn {
+    /// In files.
+    pub fn name(self) -> String {
+        format!("driver{:02}", self.number)
+    }
 }
 
 impl RunPlan {

@@ -43,12 +43,6 @@ pub(super) fn standouts(
     found
 }
 
-/// What another effort of a unit means.
-pub(super) fn meaning(share: f64) -> String {
-    let (heavier, high) = if share > 0.0 { ("heavier", "high") } else { ("lighter", "low") };
-    format!("it is {heavier} by about as much, or its effort column reads too {high}; these data cannot tell which")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,9 @@
 //! Latitude and longitude under each other's name.
 
 use super::ratios::usual;
-use super::{FASTEST_MPS, NEAR, SeenRows, WrittenRow, pieces};
+use super::stretches::{FASTEST_MPS, pieces};
+use super::written::WrittenRow;
+use super::{NEAR, SeenRows};
 use crate::import::columns::Columns;
 use crate::import::geo;
 use crate::import::mapping::{SAY_IT, SourceMapping, line};

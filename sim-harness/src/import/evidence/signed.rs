@@ -1,7 +1,9 @@
 //! Speeds that are signed by the direction of travel.
 
+use super::SeenRows;
 use super::ratios::{MOVES, Passing, longest, ratios, usual};
-use super::{ALIKE, FEW_STEPS, LEAST_ALIKE, STEPS, SeenRows, Stretches, WrittenRow, pieces};
+use super::stretches::{ALIKE, FEW_STEPS, LEAST_ALIKE, STEPS, Stretches, pieces};
+use super::written::WrittenRow;
 use crate::import::columns::Columns;
 use crate::import::mapping::{SAY_IT, SourceMapping, line};
 use crate::import::meaning::Meaning;
