@@ -253,6 +253,29 @@ fn the_newest_payload_stays_when_every_other_page_is_worn_out() {
     }
 }
 
+/// They are the same at each start: what comes behind them must be reached, or no start would have an epoch again.
+#[test]
+fn pages_that_are_worn_out_side_by_side_end_neither_storing_nor_the_epochs() {
+    const BOARD_PAGES: usize = 8;
+    for first_worn in 0..BOARD_PAGES {
+        for worn in 1..=BOARD_PAGES / 2 - 1 {
+            let mut store = Ring::mount(Flash::erased(BOARD_PAGES)).unwrap();
+            let mut epoch = store.advance_epoch(identity(), b"").unwrap();
+            let word = |page: usize| (first_worn + page) % BOARD_PAGES * PAGE / WORD;
+            store.flash_mut().stuck_words = (0..worn).map(word).collect();
+            for number in 0..3 * BOARD_PAGES as u32 {
+                store = boot(store.release());
+                let context = format!("{worn} from {first_worn} on, boot {number}");
+                let next = store.advance_epoch(identity(), b"").unwrap_or_else(|error| panic!("{context}: {error}"));
+                assert!(next > epoch, "{context}");
+                epoch = next;
+                store.append(identity(), &payload(number)).unwrap_or_else(|error| panic!("{context}: {error}"));
+                assert_eq!(newest(&mut store), Some(payload(number)), "{context}");
+            }
+        }
+    }
+}
+
 /// A record that was torn by a cut can fail one read and pass a later one.
 #[test]
 fn a_record_that_can_be_read_again_later_does_not_hide_what_was_stored_meanwhile() {
@@ -337,6 +360,51 @@ fn an_epoch_is_never_granted_twice() {
         }
         assert!(granted > 20, "seed {seed}: {granted}");
     }
+}
+
+/// Whatever was cut at the first start, there is an epoch at the next one, and none that was given out before.
+#[test]
+fn a_first_start_that_is_cut_leaves_a_board_that_has_epochs() {
+    let operations = {
+        let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
+        store.advance_epoch(identity(), b"").unwrap();
+        store.flash().operations
+    };
+    for torn_reads in [TornReads::Stable, TornReads::Unstable, TornReads::Fail] {
+        for (mode, operation) in CUT_MODES.into_iter().flat_map(|mode| (0..operations).map(move |at| (mode, at))) {
+            let mut flash = Flash::erased(PAGES);
+            // The second start is cut there, too.
+            for seed in 0..2 {
+                flash.torn_reads = torn_reads;
+                flash.power_up();
+                flash.cut_before(operation, mode, seed);
+                let mut store = Ring::mount(flash).unwrap();
+                assert!(store.advance_epoch(identity(), b"").is_err());
+                flash = store.release();
+            }
+            let mut last = 0;
+            for _ in 0..3 {
+                let mut store = boot(flash);
+                let epoch = store.advance_epoch(identity(), b"");
+                let context = format!("{torn_reads:?}, {mode:?} at {operation}");
+                let epoch = epoch.unwrap_or_else(|error| panic!("{context}: {error}"));
+                assert!(epoch > last, "{context}");
+                last = epoch;
+                flash = store.release();
+            }
+        }
+    }
+}
+
+/// Both records of the first epoch rot: it may have been given out, and is not given out again.
+#[test]
+fn the_epoch_of_the_first_start_is_not_given_out_again_when_its_records_are_gone() {
+    let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
+    assert_eq!(store.advance_epoch(identity(), b""), Ok(1));
+    let mut flash = store.release();
+    flash.flip(8 * 10);
+    flash.flip(8 * (SLOT + 10));
+    assert_eq!(boot(flash).advance_epoch(identity(), b""), Ok(2));
 }
 
 #[test]

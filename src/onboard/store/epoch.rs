@@ -3,7 +3,9 @@
 //! It stands in the header of every record. An epoch is given out only when **two** records with it were stored and
 //! read back: if one of them rots, the other still keeps it from being given out again. The next one is above the
 //! highest epoch of *any* whole record. Where records were stored but none with an epoch is left, there is no new epoch
-//! (fail closed): a board in that state has to be provisioned again, with its store erased and a new key.
+//! (fail closed): a board in that state has to be provisioned again, with its store erased and a new key. Damage to the
+//! first page alone is no such state: the first start was cut while it wrote there, and the next epoch is 2, whether 1
+//! was given out or not.
 
 use super::record::Identity;
 use super::{EpochError, Store};

@@ -9,7 +9,7 @@ errors! {
     #[derive(Eq)]
     pub struct TooFewPages { least: u32, found: u32 } => "store: expected at least {least} flash pages, found {found}";
 
-    /// Why a payload was not stored, after the second attempt. What was stored before is kept.
+    /// Why a payload was not stored, after the last attempt. What was stored before is kept.
     #[derive(Eq)]
     #[non_exhaustive]
     pub enum AppendError {
