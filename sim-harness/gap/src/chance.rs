@@ -4,7 +4,8 @@
 use crate::config::{EvidenceConfig, GapConfig};
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::Base;
-use crate::noise::calibrate::Calibrated;
+use crate::noise::calibrate::{Calibrated, flexible};
+use crate::noise::habit_sizes::Habits;
 use crate::noise::habits;
 use crate::noise::whitening::Whitening;
 use crate::search::fits::sensors;
@@ -130,12 +131,30 @@ fn within(run: &core::ops::Range<usize>, a: &DVector<f64>, b: &DVector<f64>) -> 
 
 impl<'a> Ground<'a> {
     /// For the evidence: what drivers do alike is drawn beside the signs, so no probe is more than it.
-    pub fn of_probes(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
+    pub fn of_probes(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated, sizes: [f64; 2]) -> Self {
         let whitening = steady(context, rows, calibrated).for_probes(context, rows);
-        let habits = habits::forces(rows, &calibrated.driven_n_per_kg, &context.config.evidence);
-        let drawn = |(column, sd): &(Vec<f64>, f64)| whitening.whiten(column) * *sd;
-        let habits = habits.iter().filter(|(_, sd)| *sd > 0.0).map(drawn).collect();
+        let forces = habits::forces(rows, &context.config.evidence).into_iter();
+        let habits = forces
+            .filter(|(_, habit)| sizes[*habit] > 0.0)
+            .map(|(force, habit)| whitening.whiten(&force) * sizes[habit])
+            .collect();
         Self { habits, ..Self::on(context, rows, whitening) }
+    }
+
+    /// How large what drivers do alike is in these runs, while powering and while braking, N/kg.
+    pub fn habit_sizes(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> [f64; 2] {
+        let most = habits::judged(&calibrated.driven_n_per_kg, &context.config.evidence);
+        if most == [0.0; 2] {
+            return most;
+        }
+        let whitening = steady(context, rows, calibrated).without_nuisances(context, rows);
+        let ground = Ground::on(context, rows, whitening);
+        let Some(base) = ground.beside(&flexible(context, rows, &[])) else {
+            return most;
+        };
+        let beside = |(force, habit): (Vec<f64>, usize)| (base.beside(&ground.whitening.whiten(&force)), habit);
+        let forces: Vec<_> = habits::forces(rows, &context.config.evidence).into_iter().map(beside).collect();
+        Habits::new(&forces, &base.residual).sizes(most)
     }
 
     /// For the trial of a law that is known: what drivers do alike is a random effect beside it, which leaves what only
@@ -213,28 +232,49 @@ impl<'a> Ground<'a> {
 impl Probe {
     /// In standard deviations: those that the runs scatter about their mean, no less than the noise says. Few runs that
     /// agree are then as sure as they are; measured by the sum of their squares they could never be.
-    fn size(&self, beyond: f64, habits: f64, sign: impl Fn(usize) -> f64) -> f64 {
+    ///
+    /// `alike`: of its score, what all runs have alike by chance; its variance is `varies`.
+    fn size(&self, beyond: f64, alike: f64, varies: f64, sign: impl Fn(usize) -> f64) -> f64 {
         let runs = || self.runs.iter().enumerate();
         let sum: f64 = runs().map(|(i, run)| sign(i) * run.weight * run.score).sum();
         let mean = sum / self.information;
         let left = |(i, run): (usize, &OfRun)| (run.weight * (sign(i) * run.score - mean * run.information)).powi(2);
         let scatter: f64 = runs().map(left).sum();
-        ((sum + habits).abs() - beyond).max(0.0) / (scatter.max(self.noise) + self.drawn).sqrt()
+        ((sum + alike).abs() - beyond).max(0.0) / (scatter.max(self.noise) + varies).sqrt()
+    }
+
+    fn habits(&self, draw: &Draw) -> f64 {
+        self.habits.iter().zip(&draw.habits).map(|(habit, size)| habit * size).sum()
     }
 
     /// As chance would have it.
     pub fn by_chance(&self, draw: &Draw) -> f64 {
-        let habits = self.habits.iter().zip(&draw.habits).map(|(habit, size)| habit * size).sum();
-        self.size(0.0, habits, |i| draw.signs[i])
+        self.size(0.0, self.habits(draw), self.drawn, |i| draw.signs[i])
+    }
+
+    /// As it is, beyond what does not count.
+    pub fn observed(&self) -> f64 {
+        self.size(self.small, 0.0, self.drawn, |_| 1.0)
+    }
+
+    /// One standard deviation of what sensors leave in all runs alike: what does not count is two.
+    fn left_alike(&self) -> f64 {
+        0.5 * self.small
+    }
+
+    /// As it is, beside what sensors leave in all runs alike.
+    pub fn observed_beside_sensors(&self) -> f64 {
+        self.size(0.0, 0.0, self.drawn + self.left_alike().powi(2), |_| 1.0)
+    }
+
+    /// As chance would have it, and sensors: so many standard deviations of what they leave in all runs alike.
+    pub fn by_chance_beside_sensors(&self, draw: &Draw, left: f64) -> f64 {
+        let alike = self.habits(draw) + left * self.left_alike();
+        self.size(0.0, alike, self.drawn + self.left_alike().powi(2), |i| draw.signs[i])
     }
 
     /// Signs that are all alike change nothing: of too few runs they are so in more draws than a name may be chance in.
     pub fn can_be_tried(&self, config: &GapConfig) -> bool {
         (1.0 - self.acting as f64).exp2() <= config.certainty.chance
-    }
-
-    /// As it is.
-    pub fn observed(&self) -> f64 {
-        self.size(self.small, 0.0, |_| 1.0)
     }
 }

@@ -4,17 +4,20 @@
 //! cause. Not of the effort: its own error stands in the residual, so rows that are chosen by their effort have one.
 //! Under the null each run's score of a probe is as likely positive as negative, so the sign-flip test over runs gives
 //! the distribution of the largest of them, whatever the correlation within a run and between probes. (Runs are the
-//! unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, and
-//! driven rows count as much less as they scatter more. Nor is what sensors leave in all runs alike: the observed
-//! scores are less by what 1e-4 N/kg would make.
+//! unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, as large
+//! as these runs have it, and driven rows count as much less as they scatter more. Nor is what sensors leave in all
+//! runs alike: it is drawn with a standard deviation of 5e-5 N/kg.
 
-use crate::chance::{Ground, Probe, probability};
+use crate::chance::{Draw, Ground, Probe, probability};
 use crate::columns::{coordinate_name, hats, in_the_middle, knots};
 use crate::config::EvidenceConfig;
 use crate::data::{believed::Context, rows::Row};
 use crate::noise::calibrate::{Calibrated, Own};
 use crate::noise::habits::regime;
 use core::ops::Range;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use rundown::model::{direction::Direction, effects::Coordinate};
 
 /// Along what residuals may vary.
@@ -96,16 +99,21 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
         return (Vec::new(), 1.0);
     }
     let config = &context.config.evidence;
-    let ground = Ground::of_probes(context, rows, calibrated);
+    let sizes = Ground::habit_sizes(context, rows, calibrated);
+    let ground = Ground::of_probes(context, rows, calibrated, sizes);
     // What runs of a direction have alike is a matter of runs: with a wind of its own in each of them, what is left of
     // one that all have is what drivers do.
     let of_runs = Calibrated { own: Own::default(), ..calibrated.clone() };
-    let probes = probes(&ground, &Ground::of_probes(context, rows, &of_runs), config);
-    let draws: Vec<Vec<f64>> = ground
-        .draws(config.flips)
-        .map(|draw| probes.iter().map(|placed| placed.probe.by_chance(&draw)).collect())
-        .collect();
-    let observed: Vec<f64> = probes.iter().map(|placed| placed.probe.observed()).collect();
+    let probes = probes(&ground, &Ground::of_probes(context, rows, &of_runs, sizes), config);
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut by_chance = |draw: Draw| -> Vec<f64> {
+        let left = || StandardNormal.sample(&mut rng);
+        let left: Vec<f64> = core::iter::repeat_with(left).take(probes.len()).collect();
+        let size = |(placed, left): (&Placed, f64)| placed.probe.by_chance_beside_sensors(&draw, left);
+        probes.iter().zip(left).map(size).collect()
+    };
+    let draws: Vec<Vec<f64>> = ground.draws(config.flips).map(&mut by_chance).collect();
+    let observed: Vec<f64> = probes.iter().map(|placed| placed.probe.observed_beside_sensors()).collect();
     // How often the largest of some probes by chance is as large as the largest observed.
     let p = |of: Range<usize>| {
         let most = |sizes: &[f64]| sizes[of.clone()].iter().copied().fold(0.0, f64::max);
@@ -156,9 +164,6 @@ mod tests {
     use super::*;
     use crate::data::believed::tests::on_a_level_line;
     use crate::noise::habits::Scatter;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
 
     const RUNS: usize = 30;
     const ROWS: usize = 60;
@@ -166,22 +171,38 @@ mod tests {
     /// The p-value where nothing is hidden but what `residual` says of a row: its index in the run and whether it
     /// brakes, with noise of a standard deviation of 0.01 N/kg, five times as much where it brakes.
     fn p_value(seed: u64, residual: fn(usize, bool) -> f64) -> f64 {
+        p_value_of(seed, |_, i| i % 12 == 0, [0.01, 0.05], residual)
+    }
+
+    /// The same where every third row brakes, another one in each run, with noise of 0.02 N/kg.
+    fn p_value_of_thirds(seed: u64, residual: impl Fn(usize, bool) -> f64) -> f64 {
+        p_value_of(seed, |run, i| (i + run) % 3 == 0, [0.01, 0.02], residual)
+    }
+
+    /// `brakes`: of a run and a row of it. Noise of a row that coasts, and of one that brakes, N/kg.
+    fn p_value_of(
+        seed: u64,
+        brakes: fn(usize, usize) -> bool,
+        [calm_sd, braking_sd]: [f64; 2],
+        residual: impl Fn(usize, bool) -> f64,
+    ) -> f64 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut rows = Vec::new();
         for run in 0..RUNS {
-            let direction = [Direction::Up, Direction::Down][run % 2];
+            let direction = [Direction::Up, Direction::Down][run / 3 % 2];
             for i in 0..ROWS {
-                let brakes = i % 12 == 0;
-                let mut row = Row::coasting(direction, 1000.0 * i as f64, 25.0);
+                let brakes = brakes(run, i);
+                let speed_mps = 20.0 + ((7 * i + 5 * run) % 13) as f64;
+                let mut row = Row::coasting(direction, 1000.0 * i as f64, speed_mps);
                 row.interval.run = run;
                 row.effort_n_per_kg = if brakes { -0.3 } else { 0.0 };
                 row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
                 let noise: f64 = StandardNormal.sample(&mut rng);
-                row.residual_n_per_kg = noise * if brakes { 0.05 } else { 0.01 } + residual(i, brakes);
+                row.residual_n_per_kg = noise * if brakes { braking_sd } else { calm_sd } + residual(i, brakes);
                 rows.push(row);
             }
         }
-        let noise = crate::noise::whitening::Noise { acceleration_mps2: 0.01, ..Default::default() };
+        let noise = crate::noise::whitening::Noise { acceleration_mps2: calm_sd, ..Default::default() };
         on_a_level_line(RUNS, |context| {
             let left: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
             let driven_n_per_kg = Scatter::of(&rows, &left, &context.config.evidence).beyond_n_per_kg();
@@ -210,5 +231,46 @@ mod tests {
             let p = p_value(seed, |i, _| if (20..26).contains(&i) { 0.01 } else { 0.0 });
             assert!(p <= 0.002, "{p}");
         }
+    }
+    /// A force of braking in each part of the line, in all runs alike, in its standard deviations.
+    fn habit(seed: u64) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
+        (0..ROWS / 3).map(|_| StandardNormal.sample(&mut rng)).collect()
+    }
+
+    #[test]
+    fn what_drivers_do_alike_here_and_there_is_as_large_as_it_is() {
+        let of_habit = |seed: u64| {
+            let habit = habit(seed);
+            p_value_of_thirds(seed, |i, brakes| if brakes { 0.017 * habit[i / 3] } else { 0.0 })
+        };
+        let low = (0..40).filter(|seed| of_habit(*seed) < 0.05).count();
+        // Binomial, 40 of 0.05: more than 6 in one of 300 tries.
+        assert!(low <= 6, "{low} of 40");
+        let low = (0..40).filter(|seed| p_value_of_thirds(*seed, |_, _| 0.0) < 0.05).count();
+        assert!(low <= 6, "{low} of 40 without any");
+    }
+
+    #[test]
+    fn a_little_resistance_shows_where_drivers_do_nothing_alike() {
+        let of_place = |seed| p_value_of_thirds(seed, |i, _| if (20..26).contains(&i) { 0.005 } else { 0.0 });
+        let low = (0..20).filter(|seed| of_place(*seed) < 0.05).count();
+        assert!(low >= 15, "{low} of 20");
+    }
+
+    /// The p-value where nobody brakes, in calm noise.
+    fn p_value_of_calm(seed: u64, calm_sd: f64, residual: impl Fn(usize, bool) -> f64) -> f64 {
+        p_value_of(seed, |_, _| false, [calm_sd; 2], residual)
+    }
+
+    #[test]
+    fn what_sensors_leave_in_all_runs_alike_is_no_gap_and_makes_nothing_sure() {
+        let nothing = crate::config::GapConfig::default().certainty.nothing_n_per_kg;
+        let of_place = |i: usize| if (20..26).contains(&i) { nothing } else { 0.0 };
+        let low = (0..20).filter(|seed| p_value_of_calm(*seed, 1e-4, |i, _| of_place(i)) < 0.05).count();
+        assert!(low <= 4, "{low} of 20");
+        // A probe of 75 rows has a standard deviation of 1.2e-4 N/kg.
+        let below_half = (0..40).filter(|seed| p_value_of_calm(*seed, 1e-3, |_, _| 0.0) < 0.5).count();
+        assert!((8..=28).contains(&below_half), "{below_half} of 40");
     }
 }

@@ -52,7 +52,9 @@ impl Calibrated {
     pub fn for_trials(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
         let mut common = of_sensors(context, rows);
         if has_efforts(rows) {
-            common.extend(habits::forces(rows, &self.driven_n_per_kg, &context.config.evidence));
+            let evidence = &context.config.evidence;
+            let sizes = habits::judged(&self.driven_n_per_kg, evidence);
+            common.extend(habits::forces(rows, evidence).into_iter().map(|(force, habit)| (force, sizes[habit])));
         }
         self.without_nuisances(context, rows).with_common(&common)
     }

@@ -59,15 +59,17 @@ pub fn wider(rows: &[Row], config: &EvidenceConfig) -> Vec<f64> {
     rows.iter().map(|row| of(row).map_or(1.0, |(_, wider)| wider)).collect()
 }
 
-/// Forces with their standard deviations: each habit everywhere and along the line, that of braking along the speed,
-/// too, because a brake is applied at high speed and released at low.
-///
-/// `beyond_n_per_kg`: as [`Scatter::beyond_n_per_kg`] has it.
-pub fn forces(rows: &[Row], beyond_n_per_kg: &[f64; 2], config: &EvidenceConfig) -> Vec<(Vec<f64>, f64)> {
+/// Sizes of the two habits where nothing but the scatter is known: what names are tried against. `beyond_n_per_kg`: as
+/// [`Scatter::beyond_n_per_kg`] has it.
+pub fn judged(beyond_n_per_kg: &[f64; 2], config: &EvidenceConfig) -> [f64; 2] {
+    [config.powering_habit * beyond_n_per_kg[0], config.braking_habit * beyond_n_per_kg[1]]
+}
+
+/// Forces, and to which of the two habits each belongs: each habit everywhere and along the line, that of braking along
+/// the speed, too, because a brake is applied at high speed and released at low.
+pub fn forces(rows: &[Row], config: &EvidenceConfig) -> Vec<(Vec<f64>, usize)> {
     let mut all = Vec::new();
-    let shares = [config.powering_habit, config.braking_habit];
-    for ((which, beyond), share) in DRIVEN.iter().zip(beyond_n_per_kg).zip(shares) {
-        let habit = share * beyond;
+    for (habit, which) in DRIVEN.iter().enumerate() {
         let force = |row: &Row| f64::from(regime(row, config) == *which);
         all.push((rows.iter().map(force).collect(), habit));
         all.extend(along(Coordinate::Location, config.location_knots, rows, force).map(|column| (column, habit)));
