@@ -11,8 +11,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// A size that is tried is so many times the next smaller one; the last of so many but one is none. A hundredth of what
-/// a habit may be is none, too.
+/// Sizes that are tried: from the most that a habit may be, each this factor above the next, and none. The smallest is
+/// a hundredth of the most, which is as good as none.
 const STEP: f64 = 1.25;
 const STEPS: i32 = 21;
 
