@@ -72,6 +72,41 @@ fn a_line_that_is_said_to_be_flat_and_is_not_is_recognised() {
     assert!(!check("bare.toml").contains("look wrong"));
 }
 
+/// The track of a set with its gradients off by half a permille, up and down in turns.
+fn off_by_half(track: &str) -> String {
+    let mut signs = [0.5, 0.5, -0.5, -0.5].into_iter().cycle();
+    let line = |line: &str| match line.strip_prefix("permille = ") {
+        Some(permille) => {
+            let off = permille.parse::<f64>().unwrap() + signs.next().unwrap();
+            format!("permille = {off:.2}\n")
+        }
+        None => format!("{line}\n"),
+    };
+    track.lines().map(line).collect()
+}
+
+#[test]
+fn small_errors_of_gradients_are_found_by_the_coasts_and_doubted() {
+    let folder = simulated(20);
+    folder.write("off.toml", &off_by_half(&folder.read("set/track.toml")));
+    folder.write("exact.toml", &format!("gradient_sd_permille = 0\n{}", folder.read("off.toml")));
+    let replay = |track: &str, more: &[&str]| {
+        let of = ["replay", "--train", "set/train.toml", "--track", track, "--out", "out", "set/runs"];
+        let said = folder.rundown(&[&of[..], more].concat());
+        let json = folder.json("out/replay.json");
+        let sd_r0 = json["runs"][19]["vehicle"]["sd_r0"].as_f64().unwrap();
+        (said.out.contains("gradients are taken to be off by"), json["gradient_sd_permille"].as_f64().unwrap(), sd_r0)
+    };
+    let (is_said, permille, doubted_sd) = replay("off.toml", &[]);
+    assert!(is_said && (0.2..0.8).contains(&permille), "{is_said} {permille}");
+    assert_eq!(replay("off.toml", &["--no-estimates"]), (true, permille, doubted_sd));
+    // Who says that they are exact is believed.
+    let (is_said, permille, sd) = replay("exact.toml", &[]);
+    assert!(!is_said && permille == 0.0 && sd < doubted_sd, "{is_said} {permille} {sd} {doubted_sd}");
+    let (is_said, permille, _) = replay("set/track.toml", &[]);
+    assert!(!is_said && permille == 0.0, "{is_said} {permille}");
+}
+
 #[test]
 fn a_study_and_a_tuning_ask_whether_the_gradients_are_right() {
     let folder = simulated(12);

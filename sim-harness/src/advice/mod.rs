@@ -58,7 +58,7 @@ impl Advice {
         }
     }
 
-    pub fn notes(&self, estimator: &Estimator, look_wrong: bool) -> Vec<String> {
+    pub fn notes(&self, estimator: &Estimator, gradients_are_said: bool) -> Vec<String> {
         let config = estimator.config();
         if self.runs == 0 {
             return Vec::new();
@@ -96,7 +96,7 @@ impl Advice {
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
         notes.extend(self.foreseen.notes());
         notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
-        notes.extend(vehicle::notes(estimator, &self.vehicles, look_wrong));
+        notes.extend(vehicle::notes(estimator, &self.vehicles, gradients_are_said));
         notes
     }
 

@@ -72,12 +72,16 @@ impl After {
     }
 }
 
-/// Notes on the vehicles, each after its last run, by their units; of doubtful gradients only where they are not said
-/// to look wrong (`look_wrong`).
-pub(super) fn notes(estimator: &Estimator, vehicles: &BTreeMap<String, After>, look_wrong: bool) -> Vec<String> {
+/// Notes on the vehicles, each after its last run, by their units; of doubtful gradients only where nothing else says
+/// why they are doubted (`gradients_are_said`).
+pub(super) fn notes(
+    estimator: &Estimator,
+    vehicles: &BTreeMap<String, After>,
+    gradients_are_said: bool,
+) -> Vec<String> {
     let mut notes: Vec<String> = vehicles.iter().flat_map(|(unit, after)| of_vehicle(estimator, unit, after)).collect();
     let sd = estimator.config().track_doubt.gradient_sd_permille;
-    if sd > 0.0 && !look_wrong {
+    if sd > 0.0 && !gradients_are_said {
         notes.push(format!(
             "track: gradients are taken to be off by {sd} permille (standard deviation), so the resistance is learned less surely; \
              describe the gradients, or write gradient_sd_permille = 0 for a line that is flat"

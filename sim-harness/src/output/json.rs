@@ -86,6 +86,12 @@ pub const FIELDS: &[[&str; 4]] = &[
     ],
     ["gradient_doubt.z", "", "standard errors over the places of the line by which it is better", NOT_WRONG],
     ["gradient_doubt.stretches", "", "coasted stretches", NOT_WRONG],
+    [
+        "gradient_sd_permille",
+        "permille",
+        "how far gradients were taken to be off, standard deviation: by the track, the configuration or the coasts",
+        "",
+    ],
 ];
 
 const NOT_WRONG: &str = "they do not look wrong: `gradient_doubt` is null";
@@ -115,6 +121,7 @@ pub(crate) struct End<'a> {
     pub failed: &'a [Failed],
     pub notes: &'a [String],
     pub gradient_doubt: Option<&'a Doubt>,
+    pub gradient_sd_permille: f64,
 }
 
 /// All of it.
@@ -127,11 +134,12 @@ pub(crate) fn value(head: &Head<'_>, runs: &[ReplayedRun], end: &End<'_>) -> Val
 }
 
 impl End<'_> {
-    fn fields(&self) -> [(&'static str, Value); 3] {
+    fn fields(&self) -> [(&'static str, Value); 4] {
         [
             ("failed", self.failed.iter().map(Failed::json).collect()),
             ("notes", json!(self.notes)),
             ("gradient_doubt", self.gradient_doubt.map_or(Value::Null, gradient_doubt)),
+            ("gradient_sd_permille", json!(self.gradient_sd_permille)),
         ]
     }
 }

@@ -146,6 +146,8 @@ pub struct Replayed {
     pub notes: Vec<String>,
     /// The described gradients look wrong.
     pub gradient_doubt: Option<Doubt>,
+    /// How far they are taken to be off, permille, where the coasts say it and the track does not.
+    pub gradients_by_coasts_permille: Option<f64>,
     provenance: Provenance,
     carried: bool,
     tick: Tick,
@@ -170,6 +172,10 @@ pub struct Summary {
     pub notes: Vec<String>,
     /// The described gradients look wrong.
     pub gradient_doubt: Option<Doubt>,
+    /// How far they are taken to be off, permille, where the coasts say it and the track does not.
+    pub gradients_by_coasts_permille: Option<f64>,
+    /// The same wherever it is from.
+    pub gradient_sd_permille: f64,
 }
 
 impl Request {
@@ -262,8 +268,9 @@ impl Opened {
         let mut advice = Advice::default();
         advice.coasts = self.taught_by_coasts(&recordings, &own);
         advice.add(&runs);
-        let Summary { failed, mut notes, gradient_doubt, .. } = summary;
-        notes.extend(advice.notes(&self.estimator, gradient_doubt.is_some()));
+        let Summary { failed, mut notes, gradient_doubt, gradients_by_coasts_permille, .. } = summary;
+        let is_said = gradient_doubt.is_some() || gradients_by_coasts_permille.is_some();
+        notes.extend(advice.notes(&self.estimator, is_said));
         let Request { tables, run_pages, .. } = self.request;
         let Self { config, train, core_train, track, provenance, .. } = self;
         Ok(Replayed {
@@ -275,6 +282,7 @@ impl Opened {
             failed,
             notes,
             gradient_doubt,
+            gradients_by_coasts_permille,
             provenance,
             carried,
             tick,
@@ -382,15 +390,23 @@ impl Opened {
         let track_doubt = &mut self.config.track_doubt;
         let said_permille = track_doubt.gradient_sd_permille;
         let (doubt, units) = coasts.doubts(&self.core_train, self.estimator.track(), said_permille);
+        // A resistance in other units leaves at each place what it is off by at the speeds there.
+        let may_be_exact = said_permille == 0.0 && self.track.gradient_sd_permille.is_none() && units.is_none();
         summary.notes.extend(units.map(|units| units.to_string()));
-        let Some(doubt) = doubt else {
-            return Ok(());
-        };
-        doubt.raise(track_doubt);
-        let sd = track_doubt.gradient_sd_permille;
-        summary.notes.push(format!("{doubt}; until they are put right they are taken to be off by {sd:.1} permille"));
-        summary.gradient_doubt = Some(doubt);
-        self.reconfigured()
+        if let Some(doubt) = &doubt {
+            doubt.raise(track_doubt);
+            let sd = track_doubt.gradient_sd_permille;
+            summary
+                .notes
+                .push(format!("{doubt}; until they are put right they are taken to be off by {sd:.1} permille"));
+        } else if may_be_exact {
+            let small = coasts.small_errors_permille(&self.core_train, self.estimator.track());
+            summary.gradients_by_coasts_permille = small;
+            track_doubt.gradient_sd_permille = small.unwrap_or(0.0);
+        }
+        summary.gradient_doubt = doubt;
+        summary.gradient_sd_permille = track_doubt.gradient_sd_permille;
+        if summary.gradient_sd_permille == said_permille { Ok(()) } else { self.reconfigured() }
     }
 
     /// The estimator takes what the configuration has now.
@@ -468,7 +484,12 @@ impl Replayed {
             tick: self.tick,
             tables: self.tables,
         };
-        let end = json::End { failed: &self.failed, notes: &self.notes, gradient_doubt: self.gradient_doubt.as_ref() };
+        let end = json::End {
+            failed: &self.failed,
+            notes: &self.notes,
+            gradient_doubt: self.gradient_doubt.as_ref(),
+            gradient_sd_permille: self.config.track_doubt.gradient_sd_permille,
+        };
         json::value(&head, &self.runs, &end)
     }
 

@@ -90,8 +90,8 @@ impl Opened {
             }
             summary.notes.extend(self.of_no_run());
             summary.first(&off);
-            let look_wrong = summary.gradient_doubt.is_some();
-            summary.notes.extend(advice.notes(&self.estimator, look_wrong));
+            let is_said = summary.gradient_doubt.is_some() || summary.gradients_by_coasts_permille.is_some();
+            summary.notes.extend(advice.notes(&self.estimator, is_said));
             let mut said = HashSet::new();
             summary.notes.retain(|note| said.insert(note.clone()));
             if summary.runs == 0 || self.request.strict && summary.said() > 0 {
@@ -144,8 +144,9 @@ impl Outputs {
         self.features.end()?;
         self.parameters.end()?;
         self.switches.end()?;
-        let (failed, notes) = (&summary.failed, &summary.notes);
-        let ended = self.json.end(&json::End { failed, notes, gradient_doubt: summary.gradient_doubt.as_ref() });
+        let Summary { failed, notes, gradient_doubt, gradient_sd_permille, .. } = summary;
+        let (gradient_doubt, gradient_sd_permille) = (gradient_doubt.as_ref(), *gradient_sd_permille);
+        let ended = self.json.end(&json::End { failed, notes, gradient_doubt, gradient_sd_permille });
         ended.map_err(|source| files::failed(&self.json_path, source))
     }
 }

@@ -67,6 +67,12 @@ const LEAST_WORSE: f64 = 1.2;
 const MOST_LOCKED_SD_N_PER_KG: f64 = 0.04;
 /// Beyond, of a steep line only the gentle slopes are seen, N/kg.
 const STEEP_N_PER_KG: f64 = 0.01;
+/// Small errors of described gradients are seen where coasts agree on them by so many standard errors over the places.
+const LEAST_Z_SMALL: f64 = 2.5;
+/// Of so many runs: a few share a wind or a driver.
+const LEAST_RUNS_SMALL: usize = 8;
+/// And are no larger, permille: held speeds come again at their places, too.
+const MOST_SMALL_PERMILLE: f64 = 1.0;
 /// Shifts along the line that are tried, m.
 const SHIFT_STEP_M: f64 = 100.0;
 const MOST_SHIFT_M: f64 = 5_000.0;
@@ -117,6 +123,17 @@ impl Coasts {
             Some(units) => (None, Some(units)),
             None => (gradients, None),
         }
+    }
+
+    /// How far the described gradients are off, standard deviation, permille: what coasts of different runs have in
+    /// common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
+    pub fn small_errors_permille(&self, train: &Train, track: &Track) -> Option<f64> {
+        let climbs_n_per_kg = self.climbs(Version::Described, train, track);
+        let fit = MixtureFit::of(&self.stretches, &climbs_n_per_kg, MOST_LOCKED_SD_N_PER_KG)?;
+        let found = Locked::of(&self.stretches, &fit, &climbs_n_per_kg)?;
+        let are_enough = self.runs >= LEAST_RUNS_SMALL && found.stretches >= LEAST_STRETCHES;
+        let is_seen = are_enough && found.z > LEAST_Z_SMALL;
+        is_seen.then(|| self.off_by_place_permille(found.sd_n_per_kg, train).min(MOST_SMALL_PERMILLE))
     }
 
     /// Another version explains the coasts better.
