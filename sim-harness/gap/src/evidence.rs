@@ -232,6 +232,7 @@ mod tests {
             assert!(p <= 0.002, "{p}");
         }
     }
+
     /// A force of braking in each part of the line, in all runs alike, in its standard deviations.
     fn habit(seed: u64) -> Vec<f64> {
         let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);

@@ -174,8 +174,6 @@ pub struct Summary {
     pub gradient_doubt: Option<Doubt>,
     /// How far they are taken to be off, permille, where the coasts say it and the track does not.
     pub gradients_by_coasts_permille: Option<f64>,
-    /// The same wherever it is from.
-    pub gradient_sd_permille: f64,
 }
 
 impl Request {
@@ -268,9 +266,8 @@ impl Opened {
         let mut advice = Advice::default();
         advice.coasts = self.taught_by_coasts(&recordings, &own);
         advice.add(&runs);
-        let Summary { failed, mut notes, gradient_doubt, gradients_by_coasts_permille, .. } = summary;
-        let is_said = gradient_doubt.is_some() || gradients_by_coasts_permille.is_some();
-        notes.extend(advice.notes(&self.estimator, is_said));
+        summary.notes.extend(advice.notes(&self.estimator, summary.says_gradients()));
+        let Summary { failed, notes, gradient_doubt, gradients_by_coasts_permille, .. } = summary;
         let Request { tables, run_pages, .. } = self.request;
         let Self { config, train, core_train, track, provenance, .. } = self;
         Ok(Replayed {
@@ -405,8 +402,7 @@ impl Opened {
             track_doubt.gradient_sd_permille = small.unwrap_or(0.0);
         }
         summary.gradient_doubt = doubt;
-        summary.gradient_sd_permille = track_doubt.gradient_sd_permille;
-        if summary.gradient_sd_permille == said_permille { Ok(()) } else { self.reconfigured() }
+        if track_doubt.gradient_sd_permille == said_permille { Ok(()) } else { self.reconfigured() }
     }
 
     /// The estimator takes what the configuration has now.
@@ -449,6 +445,11 @@ impl Summary {
     /// Why there is nothing to be written, where no run could be used.
     pub fn nothing(&self) -> String {
         nothing(&self.failed)
+    }
+
+    /// It is said why gradients are doubted.
+    fn says_gradients(&self) -> bool {
+        self.gradient_doubt.is_some() || self.gradients_by_coasts_permille.is_some()
     }
 }
 

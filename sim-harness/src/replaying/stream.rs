@@ -90,14 +90,13 @@ impl Opened {
             }
             summary.notes.extend(self.of_no_run());
             summary.first(&off);
-            let is_said = summary.gradient_doubt.is_some() || summary.gradients_by_coasts_permille.is_some();
-            summary.notes.extend(advice.notes(&self.estimator, is_said));
+            summary.notes.extend(advice.notes(&self.estimator, summary.says_gradients()));
             let mut said = HashSet::new();
             summary.notes.retain(|note| said.insert(note.clone()));
             if summary.runs == 0 || self.request.strict && summary.said() > 0 {
                 return Err(StreamError::Nothing(Box::new(summary)));
             }
-            outputs.end(&summary)?;
+            outputs.end(&summary, self.config.track_doubt.gradient_sd_permille)?;
             Ok(summary)
         })
     }
@@ -140,12 +139,12 @@ impl Outputs {
         self.json.runs(runs).map_err(|source| files::failed(&self.json_path, source))
     }
 
-    fn end(self, summary: &Summary) -> Result<(), WriteError> {
+    fn end(self, summary: &Summary, gradient_sd_permille: f64) -> Result<(), WriteError> {
         self.features.end()?;
         self.parameters.end()?;
         self.switches.end()?;
-        let Summary { failed, notes, gradient_doubt, gradient_sd_permille, .. } = summary;
-        let (gradient_doubt, gradient_sd_permille) = (gradient_doubt.as_ref(), *gradient_sd_permille);
+        let Summary { failed, notes, gradient_doubt, .. } = summary;
+        let gradient_doubt = gradient_doubt.as_ref();
         let ended = self.json.end(&json::End { failed, notes, gradient_doubt, gradient_sd_permille });
         ended.map_err(|source| files::failed(&self.json_path, source))
     }

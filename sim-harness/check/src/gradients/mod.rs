@@ -128,9 +128,7 @@ impl Coasts {
     /// How far the described gradients are off, standard deviation, permille: what coasts of different runs have in
     /// common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
     pub fn small_errors_permille(&self, train: &Train, track: &Track) -> Option<f64> {
-        let climbs_n_per_kg = self.climbs(Version::Described, train, track);
-        let fit = MixtureFit::of(&self.stretches, &climbs_n_per_kg, MOST_LOCKED_SD_N_PER_KG)?;
-        let found = Locked::of(&self.stretches, &fit, &climbs_n_per_kg)?;
+        let found = self.locked(&self.climbs(Version::Described, train, track))?;
         let are_enough = self.runs >= LEAST_RUNS_SMALL && found.stretches >= LEAST_STRETCHES;
         let is_seen = are_enough && found.z > LEAST_Z_SMALL;
         is_seen.then(|| self.off_by_place_permille(found.sd_n_per_kg, train).min(MOST_SMALL_PERMILLE))
@@ -177,19 +175,21 @@ impl Coasts {
         gains
     }
 
+    /// What coasts on these climbs, N/kg, have in common at a place; none from too few.
+    fn locked(&self, climbs_n_per_kg: &[f64]) -> Option<Locked> {
+        let fit = MixtureFit::of(&self.stretches, climbs_n_per_kg, MOST_LOCKED_SD_N_PER_KG)?;
+        Locked::of(&self.stretches, &fit, climbs_n_per_kg)
+    }
+
     /// Coasts at the same place in different runs agree on a slope that is not described.
     fn by_place(&self, train: &Train, described_n_per_kg: &[f64], is_level: bool) -> Option<Doubt> {
-        let locked = |climbs: &[f64]| {
-            let fit = MixtureFit::of(&self.stretches, climbs, MOST_LOCKED_SD_N_PER_KG)?;
-            Locked::of(&self.stretches, &fit, climbs)
-        };
-        let found = locked(described_n_per_kg)?;
+        let found = self.locked(described_n_per_kg)?;
         let (least_z, least_n_per_kg) = if is_level { LOCKED_ON_LEVEL } else { LOCKED_ON_SLOPES };
         let mostly = found.z > LOCKED_MOSTLY.0 && found.sd_n_per_kg > LOCKED_MOSTLY.1 * found.all_sd_n_per_kg;
         let is_clear = found.z > least_z || is_level && mostly;
         let is_locked = is_clear && found.sd_n_per_kg > least_n_per_kg && found.stretches >= LEAST_STRETCHES;
         let is_worse = || {
-            let level = locked(&vec![0.0; self.stretches.len()]);
+            let level = self.locked(&vec![0.0; self.stretches.len()]);
             level.is_some_and(|level| found.sd_n_per_kg > LEAST_WORSE * level.sd_n_per_kg)
         };
         let rest = found.all_sd_n_per_kg.powi(2) - found.sd_n_per_kg.powi(2);
