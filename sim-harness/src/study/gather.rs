@@ -17,8 +17,8 @@ use crate::logs::Failed;
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::{
-    estimator::Estimator, filter::gaussian::Gaussian, model::state, model::track::Track, model::train::Train,
-    tick::bounds::ConfigError, tick::memory::Vehicle,
+    estimator::Estimator, filter::gaussian::Gaussian, model::resistance::Davis, model::state, model::track::Track,
+    model::train::Train, tick::bounds::ConfigError, tick::memory::Vehicle,
 };
 use rundown_check::Check;
 use rundown_files::column::{Column, record};
@@ -33,6 +33,8 @@ pub const PAPERS_RUN: [f64; 4] = [0.164, 0.17, 0.57, 0.093];
 pub const PAPERS_LARGEST_BRAKE: f64 = 0.59;
 /// It runs as fast as the line permits: section 4.2 reads shares of the resistance from it that are those at 140 km/h.
 const PAPERS_TOP_KMH: f64 = 138.0;
+/// Speed at which resistances are compared, m/s: 100 km/h, the middle of the speeds of these runs.
+const COMPARED_MPS: f64 = 100.0 / 3.6;
 /// Runs that the page lists, and that have pages of their own: more would be slow to open, and `runs.csv` has all.
 pub const LISTED: usize = 2000;
 /// Runs whose points are drawn.
@@ -193,7 +195,7 @@ pub fn gather(
     let stride = source.total().div_ceil(DRAWN).max(1);
     let mut index = 0;
     let of_run = columns();
-    let max_brake_mps2 = estimators.paper.train().description().max_brake_mps2;
+    let train = estimators.paper.train();
     while let Some(loaded) = source.next_chunk()? {
         let count = loaded.len();
         let mut cases = Vec::with_capacity(count);
@@ -217,7 +219,7 @@ pub fn gather(
         let records: Vec<Record> = all.iter().map(|one| record(&of_run, one)).collect();
         sink(&Rows { all: &all, used: &chunk, records: &records })?;
         for one in chunk {
-            gathered.add(one, index % stride == 0, wanted, max_brake_mps2);
+            gathered.add(one, index % stride == 0, wanted, train);
             index += 1;
         }
         gathered.show_aside(aside, wanted);
@@ -329,7 +331,7 @@ impl Gathered {
         self.example = Some(Example::of(runs, looped, case.truth));
     }
 
-    fn add(&mut self, one: LookedAt, is_drawn: bool, wanted: Option<&str>, max_brake_mps2: f64) {
+    fn add(&mut self, one: LookedAt, is_drawn: bool, wanted: Option<&str>, train: &Train) {
         let top_kmh = top_kmh(one.case.read());
         let LookedAt { case: Case { recording, as_recorded, truth: case_truth }, runs, looped, seen, truth } = one;
         let [paper, gated] = seen;
@@ -341,12 +343,13 @@ impl Gathered {
         if let Some(truth) = &case_truth {
             let read = as_recorded.as_ref().unwrap_or(&recording);
             self.add_speed_errors(read, truth, [looped.as_ref().unwrap_or(&runs[0]), &runs[1]]);
+            self.add_resistance_errors(truth, [&paper.outcome, &gated.outcome], &train.davis());
         }
         self.add_extent(&recording);
         self.rows += recording.rows.len() as u64;
         self.top_kmh.add(top_kmh);
         self.over_limit += u64::from(top_kmh > LIMIT_KMH);
-        let off = off_papers_run(&paper.outcome, top_kmh, max_brake_mps2);
+        let off = off_papers_run(&paper.outcome, top_kmh, train.description().max_brake_mps2);
         let is_nearer = self.example.is_none() || off < self.example_off;
         if wanted.map_or(is_nearer, |name| recording.name == name) {
             self.example_off = off;
@@ -396,6 +399,17 @@ impl Gathered {
         }
         let top_kmh = truth.samples.iter().map(|s| 3.6 * s.speed_mps);
         self.truly_over_limit += u64::from(top_kmh.fold(0.0, f64::max) > LIMIT_KMH);
+    }
+
+    /// How far r(100 km/h) is from the truth, whoever says it: both modes after the run, and the description.
+    fn add_resistance_errors(&mut self, truth: &CaseTruth, [paper, gated]: [&ViewOutcome; 2], described: &Davis) {
+        let of = |davis: [f64; 3]| davis[0] + davis[1] * COMPARED_MPS + davis[2] * COMPARED_MPS.powi(2);
+        let true_davis = &truth.facts.davis;
+        let was = of([true_davis.r0, true_davis.r1, true_davis.r2]);
+        let square = |davis| (of(davis) / was - 1.0).powi(2);
+        self.paper.resistance_error2.add(square(paper.davis));
+        self.gated.resistance_error2.add(square(gated.davis));
+        self.truth.resistance_error2.add(square([described.r0, described.r1, described.r2]));
     }
 }
 

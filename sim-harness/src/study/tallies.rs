@@ -28,6 +28,8 @@ pub struct Tallies {
     pub shares: [Moments; 4],
     pub power_kw: Moments,
     pub max_power_kw: Moments,
+    /// Red crosses of Fig. 9, kW.
+    pub cross_kw: Moments,
     pub coast_mps2: Moments,
     /// Mean brake rate of each run in each ATB-EG step, m/s².
     pub brake_steps: [Moments; 5],
@@ -41,6 +43,9 @@ pub struct Tallies {
     pub speed_rms_kmh: Moments,
     /// Root mean square of the speed less the true one, km/h; as it was: of the readings.
     pub speed_error_kmh: Moments,
+    /// Square of r(100 km/h) at the end of each run less the true one, as a share of that; as it was: of the described
+    /// one.
+    pub resistance_error2: Moments,
     /// Share of the time in which the resistance was learned.
     pub learned_share: Moments,
 }
@@ -73,6 +78,7 @@ impl Tallies {
             (&mut self.brake_s, outcome.brake_s),
             (&mut self.power_kw, outcome.power_kw),
             (&mut self.max_power_kw, outcome.max_power_kw),
+            (&mut self.cross_kw, outcome.cross_kw),
             (&mut self.coast_mps2, outcome.coast_mps2),
             (&mut self.effort_samples, outcome.effort_samples),
             (&mut self.speed_rms_kmh, outcome.speed_rms_kmh),

@@ -1,6 +1,6 @@
-//! Fig. 9: tractive power of the first acceleration over speed, with each run's largest mean over 30 s and the
-//! manufacturer's value; and its part below 40 km/h apart, where the largest effort counts and section 4.4 leaves out
-//! what lies below 10 and above 30 km/h.
+//! Fig. 9: tractive power of the first acceleration over speed, with the largest of each run and the manufacturer's
+//! value; and its part below 40 km/h apart, where the largest effort counts and section 4.4 leaves out what lies below
+//! 10 and above 30 km/h.
 
 use super::{Drawn, Eyes, Picture};
 use crate::study::view::{CROSS_KMH, PowerPoint, largest};
@@ -15,7 +15,7 @@ const LOW_END_KMH: f64 = 40.0;
 /// Where the largest effort is read (section 3.3), km/h.
 const EFFORT_KMH: std::ops::Range<f64> = 10.0..30.0;
 
-/// An interval of the first acceleration, or several as one.
+/// An interval of the first acceleration.
 #[derive(Debug)]
 pub struct PowerRow {
     kind: &'static str,
@@ -33,7 +33,7 @@ fn points(kinds: &str) -> Vec<Column<PowerRow>> {
 
 /// The columns of `fig9_power_*.csv`.
 pub fn columns() -> Vec<Column<PowerRow>> {
-    let kinds = "`observed`, `true`, or `largest_50_90`: the run's largest from 50 to 90 km/h, of means over 30 s";
+    let kinds = "`observed`, `true`, or `largest_50_90`: the run's largest from 50 to 90 km/h";
     let mut columns = points(kinds);
     columns.insert(1, Column::text("run", "name of the run", |row: &PowerRow| row.run.clone()));
     columns.push(Column::number("location_m", "m", "location at its end", |row: &PowerRow| row.point.location_m));
@@ -70,7 +70,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     layers.extend([
         Layer::dots("observed", colours::MEASURED, 0.55, dots),
         Layer::level("manufacturer", colours::LIMIT, Stroke::Dashed, &(0.0..END_KMH), stated_kw),
-        Layer::marks("largest of each run over 30 s, 50 to 90 km/h", colours::ESTIMATED, crosses),
+        Layer::marks("largest of each run, 50 to 90 km/h", colours::ESTIMATED, crosses),
     ]);
     let figure = Figure::new(
         "Fig. 9: tractive power",
