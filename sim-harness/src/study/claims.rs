@@ -284,7 +284,7 @@ fn from_to(moments: &Moments, per_unit: f64, decimals: usize) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::trials::{Missed, Misses, Pace, Sensitivity};
+    use crate::study::trials::{Missed, Misses, Noise, Pace, Sensitivity, Shaken};
     use crate::{study::case::case_study, study::description};
 
     fn train() -> Train {
@@ -315,8 +315,8 @@ mod tests {
             let mut gathered = Gathered::default();
             gathered.travelled_m.add(way_m);
             gathered.paper.runs = 1;
-            gathered.paper.davis_samples[0].add(0.0073);
-            gathered.paper.r0_in_band = 1;
+            [0.0072, 0.0073].into_iter().for_each(|r0| gathered.paper.davis_samples[0].add(r0));
+            gathered.paper.r0_in_band = 2;
             claims(&gathered, &train(), &Trials::default())
         };
         let (home, elsewhere) = (of(32_103.0), of(18_000.0));
@@ -364,17 +364,52 @@ mod tests {
     }
 
     #[test]
-    fn coefficients_that_stay_where_they_are_say_nothing_of_their_sign() {
-        let of = |sd: f64, negative_runs| {
+    fn coefficients_that_stay_where_they_are_are_bounded_by_anything() {
+        let of = |sd: f64, r0_in_band| {
             let mut gathered = Gathered::default();
-            (gathered.paper.runs, gathered.paper.negative_runs) = (2, negative_runs);
+            gathered.paper.r0_in_band = r0_in_band;
             [-sd, sd].into_iter().for_each(|off| gathered.paper.davis_samples[0].add(7.3e-3 + off));
-            verdict(&claims(&gathered, &train(), &Trials::default()), "never negative")
+            verdict(&claims(&gathered, &train(), &Trials::default()), "besides outliers")
         };
         assert_eq!(
-            [of(5e-5, 0), of(5e-7, 0), of(5e-5, 1), of(5e-7, 1)],
+            [of(5e-5, 2), of(5e-7, 2), of(5e-5, 1), of(5e-7, 1)],
             [Verdict::Reproduced, Verdict::NotVisible, Verdict::Not, Verdict::Not]
         );
+    }
+
+    #[test]
+    fn the_band_of_r0_ends_where_it_is_printed_to_end() {
+        let of = |r0: f64| {
+            let mut seen = crate::study::view::Seen::default();
+            seen.points.davis = vec![[r0, 2e-4, 3e-5]];
+            let mut tallies = Tallies::default();
+            tallies.add(&seen);
+            tallies.r0_in_band
+        };
+        assert_eq!([of(0.007_384_8), of(0.007_385_2), of(0.007_195_1), of(0.007_194_9)], [1, 0, 1, 0]);
+    }
+
+    #[test]
+    fn a_cloud_has_nine_of_ten_points_on_its_side() {
+        let of = |below, above| {
+            let mut gathered = Gathered::default();
+            gathered.paper.on_their_side = [[below, 100], [above, 100]];
+            verdict(&claims(&gathered, &train(), &Trials::default()), "two clouds")
+        };
+        assert_eq!([of(90, 90), of(89, 100), of(100, 89)], [Verdict::Reproduced, Verdict::Not, Verdict::Not]);
+    }
+
+    #[test]
+    fn slightly_richer_is_visible_and_no_more_than_twice() {
+        let of = |way: f64, more_n_per_kg: f64, negative_runs| {
+            let still = Shaken { negative_runs: 0, runs: 5, way: 0.1, more_n_per_kg: -1e-5 };
+            let drawn = Shaken { negative_runs, runs: 5, way, more_n_per_kg };
+            let noise = vec![Noise { sd_mps2: 0.01, q: still, drawn }];
+            let trials = Trials { noise, ..Trials::default() };
+            verdict(&claims(&Gathered::default(), &train(), &trials), "slightly richer")
+        };
+        assert_eq!([of(1.2, 2e-5, 0), of(1.2, 2e-6, 0)], [Verdict::Reproduced, Verdict::NotVisible]);
+        assert_eq!([of(44.0, 2e-5, 0), of(1.2, 2e-5, 1)], [Verdict::Not; 2]);
     }
 
     #[test]

@@ -23,6 +23,7 @@ pub(crate) mod bound;
 pub(crate) mod case;
 pub(crate) mod claims;
 pub(crate) mod description;
+pub(crate) mod dynamics;
 pub(crate) mod experiments;
 pub(crate) mod fields;
 pub(crate) mod figures;

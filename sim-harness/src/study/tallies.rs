@@ -2,6 +2,7 @@
 
 use super::moments::Moments;
 use super::view::{CLOUDS_KMH, POWER_KMH, PowerPoint, Seen};
+use super::visible;
 
 /// Where the paper finds r0, N/kg (section 4.2).
 pub const R0_BAND: std::ops::RangeInclusive<f64> = 0.0072..=0.00738;
@@ -16,7 +17,7 @@ pub struct Tallies {
     pub davis: [Moments; 3],
     /// Runs in which a coefficient fell below zero.
     pub negative_runs: u64,
-    /// Samples whose r0 lies in [`R0_BAND`].
+    /// Samples whose r0 lies in [`R0_BAND`] as it would be printed.
     pub r0_in_band: u64,
     pub cruise_kmh: Moments,
     /// Plain medians.
@@ -35,6 +36,8 @@ pub struct Tallies {
     pub brake_steps: [Moments; 5],
     /// Power of the samples below and above [`CLOUDS_KMH`], within [`POWER_KMH`], kW.
     pub clouds_kw: [Moments; 2],
+    /// Samples below the manufacturer's power in the slower cloud and above it in the faster one, and all of each.
+    pub on_their_side: [[u64; 2]; 2],
     /// Runs with power in both clouds, of those with power on both sides of [`CLOUDS_KMH`].
     pub in_both_clouds: [u64; 2],
     /// Intervals of each run that say something of the largest tractive effort.
@@ -59,7 +62,9 @@ impl Tallies {
                 moments.add(*value);
             }
         }
-        let is_in_band = |davis: &&[f64; 3]| R0_BAND.contains(&davis[0]);
+        let half = 0.5 * visible::R0.least;
+        let band = R0_BAND.start() - half..=R0_BAND.end() + half;
+        let is_in_band = |davis: &&[f64; 3]| band.contains(&davis[0]);
         self.r0_in_band += points.davis.iter().filter(is_in_band).count() as u64;
         if outcome.plain_cruise_kmh.is_some_and(|kmh| kmh > LIMIT_KMH) {
             self.cruise_over_limit += 1;
@@ -88,6 +93,9 @@ impl Tallies {
         }
         for (moments, share) in self.shares.iter_mut().zip(outcome.shares.into_iter().flatten()) {
             moments.add(share);
+        }
+        for (all, of_run) in self.on_their_side.iter_mut().flatten().zip(outcome.on_their_side.iter().flatten()) {
+            *all += of_run;
         }
         if let Some(is_in_both) = outcome.in_both_clouds {
             self.in_both_clouds[0] += u64::from(is_in_both);

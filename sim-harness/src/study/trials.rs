@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::{
     estimator::Estimator, model::line::Line, model::state, model::track::Track, model::train::Train,
-    tick::bounds::ConfigError,
+    tick::bounds::ConfigError, tick::regime::Regime,
 };
 use rundown_files::recording::Recording;
 use rundown_files::replay::{Tick, replay};
@@ -103,7 +103,9 @@ impl Missed {
         let mut were = truth.points.regimes.iter().peekable();
         for (time_s, regime) in &seen.points.regimes {
             while were.next_if(|(at_s, _)| at_s < time_s).is_some() {}
-            if let Some((_, was)) = were.peek().filter(|(at_s, _)| at_s == time_s) {
+            // The paper has no regime for a train that stands.
+            let moving = |(at_s, was): &&(f64, Regime)| at_s == time_s && *was != Regime::Standstill;
+            if let Some((_, was)) = were.peek().filter(|sample| moving(*sample)) {
                 self.regimes.add(f64::from(u8::from(was != regime)));
             }
         }

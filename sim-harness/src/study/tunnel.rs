@@ -248,6 +248,32 @@ pub fn columns() -> Vec<Column<TunnelRow>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::markdown::{measured, page};
+
+    /// What the document says is what `rundown study --all` wrote.
+    #[test]
+    fn the_words_of_the_document_are_those_that_were_measured() {
+        let json: serde_json::Value = serde_json::from_str(&measured("tunnel.json")).unwrap();
+        let words = page("paper.md").split_whitespace().collect::<Vec<_>>().join(" ");
+        let value = |path: &str| json.pointer(path).and_then(serde_json::Value::as_f64).unwrap();
+        let metres = |path: &str| {
+            let metres = value(path).round();
+            let (thousands, rest) = ((metres / 1000.0).floor(), metres % 1000.0);
+            if thousands >= 10.0 { format!("{thousands} {rest:03}") } else { format!("{metres}") }
+        };
+        let [backward, forward] = ["backward", "forward"].map(|by| 100.0 * value(&format!("/r0_differs_by/{by}")));
+        for sentence in [
+            format!("at most {backward:.3} % (backward) or {forward:.3} % (forward)"),
+            format!(
+                "from {} to {} m with k = {:.3e} N",
+                metres("/found/0/from_m"),
+                metres("/found/0/to_m"),
+                value("/found/0/k")
+            ),
+        ] {
+            assert!(words.contains(&sentence), "{sentence}");
+        }
+    }
 
     #[test]
     fn the_scenario_has_58_percent_more_drag_over_1900_m() {

@@ -71,6 +71,9 @@ pub struct ViewOutcome {
     pub speed_rms_kmh: Option<f64>,
     /// The first acceleration has power below the manufacturer's up to [`CLOUDS_KMH`] and above it at higher speeds.
     pub in_both_clouds: Option<bool>,
+    /// Intervals of the first acceleration below the manufacturer's power up to [`CLOUDS_KMH`], and above it at higher
+    /// speeds, each with all of these speeds.
+    pub on_their_side: [[u64; 2]; 2],
     /// Share of the time in which the resistance was learned.
     pub learned_share: Option<f64>,
 }
@@ -196,6 +199,7 @@ impl Seen {
             max_power_kw: largest_mean(&points.power, &CROSS_KMH).map(|point| point.power_kw),
             cross_kw: largest(&points.power, &CROSS_KMH).map(|point| point.power_kw),
             in_both_clouds: in_both_clouds(&points.power, train),
+            on_their_side: on_their_side(&points.power, train),
             coast_mps2,
             effort_samples: Some(f64::from(features.max_effort.as_ref().map_or(0, |line| line.effort.count))),
             davis: [davis[0], davis[1], davis[2]],
@@ -255,6 +259,7 @@ impl Seen {
             max_power_kw: facts.max_power_50_90_w_per_kg.map(|p| kw * p),
             cross_kw: facts.max_power_50_90_w_per_kg.map(|p| kw * p),
             in_both_clouds: in_both_clouds(&points.power, described),
+            on_their_side: on_their_side(&points.power, described),
             coast_mps2,
             effort_samples: None,
             davis,
@@ -350,6 +355,18 @@ fn in_both_clouds(points: &[PowerPoint], described: &Train) -> Option<bool> {
     let least = slow.iter().map(|p| p.power_kw).reduce(f64::min)?;
     let most = fast.iter().map(|p| p.power_kw).reduce(f64::max)?;
     Some(visible::SHARE.sees(1.0 - least / stated_kw) && visible::SHARE.sees(most / stated_kw - 1.0))
+}
+
+fn on_their_side(points: &[PowerPoint], described: &Train) -> [[u64; 2]; 2] {
+    let stated_kw = described.description().max_power_w / 1000.0;
+    let mut counts = [[0; 2]; 2];
+    for point in points.iter().filter(|p| POWER_KMH.contains(&p.speed_kmh)) {
+        let is_fast = point.speed_kmh > CLOUDS_KMH;
+        let [inside, all] = &mut counts[usize::from(is_fast)];
+        *inside += u64::from((point.power_kw > stated_kw) == is_fast);
+        *all += 1;
+    }
+    counts
 }
 
 /// Index of the ATB-EG step of a speed.

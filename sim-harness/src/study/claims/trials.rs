@@ -10,6 +10,8 @@ use rundown_pages::numbers::number;
 const SHORT_STEP_MS: u64 = 100;
 /// Share of the samples that a recogniser which is said to work may have wrong. A judgement.
 const MOST_WRONG: f64 = 0.10;
+/// "Slightly richer dynamics": r0 covers at most so many times its path. A judgement.
+const SLIGHTLY: f64 = 2.0;
 
 pub(super) fn trials(trials: &Trials) -> [Claim; 6] {
     let [richer, strong] = noise(&trials.noise);
@@ -96,7 +98,7 @@ fn noise(noises: &[Noise]) -> [Claim; 2] {
         claim("4.2", "small noise of the acceleration gives slightly richer dynamics")
             .columns(alone(listed(&ways)))
             .seen(richer(&small), visible::R0)
-            .by("what r0 covers with noise, of what it covers without, and how much more that is in a run: more with one of the small ones, none negative. As Q it covers less, for noise then explains what r explained; drawn and added it covers more"),
+            .by("what r0 covers with noise, of what it covers without, and how much more that is in a run: more with one of the small ones by what could be seen, at most twice as much, none negative. As Q it covers less, for noise then explains what r explained; drawn and added it covers more"),
         claim("4.2", "strong noise of the acceleration gives negative coefficients")
             .columns(alone(listed(&negative)))
             .holds(some(&strong, |shaken| shaken.negative_runs > 0))
@@ -104,10 +106,11 @@ fn noise(noises: &[Noise]) -> [Claim; 2] {
     ]
 }
 
-/// The most of what small noise adds, where no coefficient turns negative by it.
+/// Some small noise adds to what r0 covers, slightly, and turns no coefficient negative.
 fn richer(small: &[&Noise]) -> Option<Verdict> {
-    let harmless = small.iter().flat_map(|noise| [noise.q, noise.drawn]).filter(|shaken| shaken.negative_runs == 0);
-    let most = harmless.map(|shaken| shaken.more_n_per_kg).reduce(f64::max);
+    let is_slight = |shaken: &Shaken| shaken.negative_runs == 0 && shaken.way <= SLIGHTLY;
+    let slight = small.iter().flat_map(|noise| [noise.q, noise.drawn]).filter(is_slight);
+    let most = slight.map(|shaken| shaken.more_n_per_kg).reduce(f64::max);
     (!small.is_empty()).then(|| most.map_or(Verdict::Not, |most| visible::R0.judge(most)))
 }
 

@@ -6,10 +6,11 @@
 
 use super::comparison::ByRecorder;
 use super::reading::Recorder;
-use super::remarks::{COUNT, FAST_MPS, REMARKS, SLOW_MPS};
+use super::remarks::{COUNT, FAST_MPS, REMARKS};
 use crate::logs;
 use crate::replaying::CHUNK;
 use crate::study::Refused;
+use crate::study::dynamics::SLOW_MPS;
 use crate::study::source::RunSource;
 use rundown::model::train::Train;
 use rundown_check::finding::Kind;

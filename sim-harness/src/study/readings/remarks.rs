@@ -7,8 +7,7 @@
 use super::pass::{Filter, Pass, R0_NOISE, way};
 use crate::study::moments::Moments;
 use crate::study::tallies::R0_BAND;
-use crate::study::visible;
-use rundown_files::statistics::correlation;
+use crate::study::{dynamics, dynamics::SLOW_MPS, visible};
 
 /// Runs of a seed on which other settings are tried.
 pub const TRIED: usize = 20;
@@ -19,8 +18,7 @@ const THIRD: f64 = 3.0;
 /// Noise of the acceleration, m/s²: small, any of them, and strong.
 pub const SMALL_MPS2: [f64; 3] = [1e-4, 1e-3, 1e-2];
 pub const STRONG_MPS2: [f64; 2] = [0.1, 1.0];
-/// "At lower speeds": below, and "at higher": above, m/s.
-pub const SLOW_MPS: f64 = 80.0 / 3.6;
+/// "At higher speeds": above, m/s.
 pub const FAST_MPS: f64 = 100.0 / 3.6;
 
 /// A remark as a short name and as the paper has it.
@@ -28,7 +26,7 @@ pub const REMARKS: [(&str, &str); COUNT] = [
     ("tracks", "Fig. 3: the speed is accurately reproduced (filtered less read speed below 1 km/h, rms)"),
     (
         "falls",
-        "Fig. 3: r0 decreases at the beginning (first sample to largest speed, by 1e-5 N/kg in at least half of the runs)",
+        "Fig. 3: r0 decreases at the beginning (how far below its first value it gets until the last sample above 80 km/h, 1e-5 N/kg and further than above in at least half of the runs)",
     ),
     (
         "rises",
@@ -187,26 +185,17 @@ pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
 }
 
-fn fastest(pass: &Pass) -> usize {
-    let speeds = pass.speed_mps.iter().enumerate();
-    speeds.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index)
-}
-
 fn falls(pass: &Pass) -> bool {
-    pass.davis
-        .first()
-        .zip(pass.davis.get(fastest(pass)))
-        .is_some_and(|(first, fast)| visible::R0.sees(first[0] - fast[0]))
+    dynamics::falls(&pass.davis, &pass.speed_mps).is_some_and(|fall| visible::R0.sees(fall))
 }
 
 fn rises(pass: &Pass) -> bool {
-    let braking = pass.speed_mps.iter().rposition(|speed_mps| *speed_mps > SLOW_MPS);
-    braking.zip(pass.davis.last()).is_some_and(|(index, last)| visible::R0.sees(last[0] - pass.davis[index][0]))
+    dynamics::rises(&pass.davis, &pass.speed_mps).is_some_and(|rise| visible::R0.sees(rise))
 }
 
 fn is_larger_when_slow(pass: &Pass) -> bool {
     let (mut slow, mut fast) = (Moments::default(), Moments::default());
-    for (davis, speed_mps) in pass.davis.iter().zip(&pass.speed_mps).skip(fastest(pass)) {
+    for (davis, speed_mps) in pass.davis.iter().zip(&pass.speed_mps).skip(dynamics::fastest(&pass.speed_mps)) {
         match *speed_mps {
             v if v < SLOW_MPS => slow.add(davis[0]),
             v if v > FAST_MPS => fast.add(davis[0]),
@@ -218,12 +207,8 @@ fn is_larger_when_slow(pass: &Pass) -> bool {
 
 /// None where r0 does not move visibly.
 fn alike(pass: &Pass) -> Option<f64> {
-    let r0: Moments = pass.davis.iter().map(|davis| davis[0]).collect();
-    if !visible::R0.sees(r0.largest - r0.least) {
-        return None;
-    }
-    let of = |a: usize, b: usize| correlation(&pass.davis.iter().map(|davis| (davis[a], davis[b])).collect::<Vec<_>>());
-    Some(of(0, 1)?.min(of(0, 2)?).min(of(1, 2)?))
+    dynamics::range(&pass.davis).filter(|range| visible::R0.sees(*range))?;
+    dynamics::alike(&pass.davis)
 }
 
 #[cfg(test)]
