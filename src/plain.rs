@@ -22,6 +22,15 @@ pub(crate) trait Plain {
 
     /// Goes through all that the value holds.
     fn pass(&mut self, bytes: &mut Bytes<'_>);
+
+    /// [`Self::START`] by a function of its own, which writes zeros where a constant would take their room in the flash.
+    #[inline(never)]
+    fn start() -> Self
+    where
+        Self: Sized,
+    {
+        Self::START
+    }
 }
 
 /// Which way bytes go.
@@ -313,7 +322,7 @@ macro_rules! list {
                     self.clear();
                     for _ in 0..length {
                         // There is room for `N`.
-                        let _kept = self.$push(T::START).is_ok();
+                        let _kept = self.$push(T::start()).is_ok();
                     }
                 }
                 self.iter_mut().for_each(|value| value.pass(bytes));

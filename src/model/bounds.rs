@@ -40,12 +40,91 @@ errors! {
         "{field}: expected {least} to {most}, found {found}";
 }
 
-/// Name, least and most of a field.
-pub(crate) type Range = (FieldName, Real, Real);
+/// Name, least and most of a field: a board has a hundred of them, so its flash holds a bound as a decimal number of few
+/// digits, 6 bytes for two of them in place of 16.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Range {
+    field: FieldName,
+    digits: [i16; 2],
+    exponents: [i8; 2],
+}
+
+impl Range {
+    /// For constants: bounds of more than four digits, which nobody writes, do not compile.
+    pub(crate) const fn new(field: FieldName, least: Real, most: Real) -> Self {
+        let (least, most) = (Decimal::of(least), Decimal::of(most));
+        Self { field, digits: [least.digits, most.digits], exponents: [least.exponent, most.exponent] }
+    }
+
+    /// `found` lies within; NaN does not.
+    #[inline(never)]
+    pub(crate) fn check(&self, found: Real) -> Result<(), OutOfRange> {
+        let [least, most] =
+            [0, 1].map(|end| Decimal { digits: self.digits[end], exponent: self.exponents[end] }.value());
+        between(self.field, found, least, most)
+    }
+}
+
+/// `digits`·10^`exponent`.
+struct Decimal {
+    digits: i16,
+    exponent: i8,
+}
+
+impl Decimal {
+    /// More powers of ten than this are not exact.
+    const MOST_EXPONENT: i8 = 22;
+
+    /// The number that is this one, to the last bit.
+    const fn of(value: Real) -> Self {
+        let mut exponent = -Self::MOST_EXPONENT;
+        while exponent <= Self::MOST_EXPONENT {
+            let digits = value / Self { digits: 1, exponent }.value();
+            let nearest = (digits + if digits < 0.0 { -0.5 } else { 0.5 }) as i16;
+            let decimal = Self { digits: nearest, exponent };
+            if decimal.value() == value {
+                return decimal;
+            }
+            exponent += 1;
+        }
+        panic!("a bound has at most four digits")
+    }
+
+    /// Digits and powers of ten up to 10^22 are exact, so this is rounded once, as a literal is.
+    const fn value(&self) -> Real {
+        let (mut power, mut left) = (1.0, self.exponent.unsigned_abs());
+        while left > 0 {
+            power *= 10.0;
+            left -= 1;
+        }
+        let digits = self.digits as Real;
+        if self.exponent < 0 { digits / power } else { digits * power }
+    }
+}
 
 /// `found` lies within `least..=most`; NaN does not.
 // Called from many places: inlined it takes more of the board's flash.
 #[inline(never)]
 pub(crate) fn between(field: FieldName, found: Real, least: Real, most: Real) -> Result<(), OutOfRange> {
     if (least..=most).contains(&found) { Ok(()) } else { Err(OutOfRange { field, least, most, found }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bound_is_the_literal_to_its_last_bit() {
+        for bound in [0.0, 1.0, -1.0, 0.1, -0.7, 1.25, 139.0, 36e3, 1e-15, 1e12, -1e6, 0.05, 1e-6, 32.77e3, 1e22, 1e-22]
+        {
+            let range = Range::new("field", bound, 1e22);
+            let (below, above) = (bound.next_down(), bound.next_up());
+            assert_eq!(range.check(below), Err(OutOfRange { field: "field", least: bound, most: 1e22, found: below }));
+            assert!(range.check(bound).is_ok(), "{bound}");
+            let range = Range::new("field", -1e22, bound);
+            assert_eq!(range.check(above), Err(OutOfRange { field: "field", least: -1e22, most: bound, found: above }));
+            assert!(range.check(bound).is_ok(), "{bound}");
+        }
+        assert!(Range::new("field", -1.0, 1.0).check(Real::NAN).is_err());
+    }
 }

@@ -1,7 +1,7 @@
 //! The train as its description states it: mass, length, manufacturer's Davis coefficients and limits.
 
 use crate::Real;
-use crate::model::bounds::{OutOfRange, between, field_name};
+use crate::model::bounds::{OutOfRange, Range, between, field_name};
 use crate::model::resistance::Davis;
 use crate::plain::plain;
 use serde::{Deserialize, Serialize};
@@ -80,6 +80,16 @@ impl TrainDescription {
 }
 
 impl Train {
+    const RANGES: [Range; 7] = [
+        Range::new(field_name("mass_kg"), 1e3, 1e8),
+        Range::new(field_name("rotating_mass_factor"), 1.0, 2.0),
+        Range::new(field_name("length_m"), 1.0, 5000.0),
+        Range::new(field_name("davis.r0"), 1e-5, 1.0),
+        Range::new(field_name("davis.r1"), 0.0, 0.1),
+        Range::new(field_name("davis.r2"), 0.0, 0.01),
+        Range::new(field_name("max_brake_mps2"), 0.01, 10.0),
+    ];
+
     /// Checks a description.
     ///
     /// # Errors
@@ -102,13 +112,18 @@ impl Train {
         let d = &description;
         // Not a number there leaves a bound that refuses everything; the mass itself is refused first.
         let rotating_mass_kg = d.rotating_mass_factor * d.mass_kg;
-        let bounds = [
-            (field_name("mass_kg"), d.mass_kg, 1e3, 1e8),
-            (field_name("rotating_mass_factor"), d.rotating_mass_factor, 1.0, 2.0),
-            (field_name("length_m"), d.length_m, 1.0, 5000.0),
-            (field_name("davis.r0"), d.davis.r0, 1e-5, 1.0),
-            (field_name("davis.r1"), d.davis.r1, 0.0, 0.1),
-            (field_name("davis.r2"), d.davis.r2, 0.0, 0.01),
+        for (range, found) in Self::RANGES.iter().zip([
+            d.mass_kg,
+            d.rotating_mass_factor,
+            d.length_m,
+            d.davis.r0,
+            d.davis.r1,
+            d.davis.r2,
+            d.max_brake_mps2,
+        ]) {
+            range.check(found)?;
+        }
+        for (field, found, least, most) in [
             (
                 field_name("max_tractive_effort_n"),
                 d.max_tractive_effort_n,
@@ -116,9 +131,7 @@ impl Train {
                 1e8,
             ),
             (field_name("max_power_w"), d.max_power_w, LEAST_POWER_W_PER_KG * rotating_mass_kg, 1e9),
-            (field_name("max_brake_mps2"), d.max_brake_mps2, 0.01, 10.0),
-        ];
-        for (field, found, least, most) in bounds {
+        ] {
             between(field, found, least, most)?;
         }
         Ok(Self::new(description))

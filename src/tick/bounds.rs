@@ -1,8 +1,8 @@
 //! Settings, each written once with its default and its range, and the refusal of a value outside.
 
 use crate::Real;
+use crate::model::bounds::Range;
 pub use crate::model::bounds::{FieldName, OutOfRange};
-use crate::model::bounds::{Range, between};
 use core::fmt;
 
 /// Why a configuration was refused. The old one stays in force.
@@ -78,10 +78,10 @@ impl Check {
     #[inline(never)]
     pub(crate) fn next(&mut self, found: &[Real]) {
         // As many ranges as settings: see the macro.
-        if let Some(&(field, least, most)) = self.ranges.next()
+        if let Some(range) = self.ranges.next()
             && self.refused.is_none()
         {
-            self.refused = found.iter().find_map(|found| between(field, *found, least, most).err());
+            self.refused = found.iter().find_map(|found| range.check(*found).err());
         }
     }
 
@@ -150,10 +150,10 @@ macro_rules! settings {
         impl $Name {
             pub(crate) fn check_ranges(&self, check: &mut crate::tick::bounds::Check) {
                 const RANGES: &[crate::model::bounds::Range] = &[
-                    $($((
+                    $($(crate::model::bounds::Range::new(
                         crate::model::bounds::field_name(concat!($table, ".", stringify!($field))),
-                        $least as crate::Real,
-                        $most as crate::Real,
+                        $least,
+                        $most,
                     ),)?)*
                 ];
                 check.begin(RANGES);

@@ -38,7 +38,7 @@ settings! {
 
 impl SensorConfig {
     pub(crate) fn check(&self, check: &mut Check) {
-        const SUM: &[Range] = &[(field_name("sensor.speed_quantum_kmh + speed_noise_kmh"), 1e-3, 40.0)];
+        const SUM: &[Range] = &[Range::new(field_name("sensor.speed_quantum_kmh + speed_noise_kmh"), 1e-3, 40.0)];
         self.check_ranges(check);
         check.begin(SUM);
         check.next(&[self.speed_quantum_kmh + self.speed_noise_kmh]);

@@ -53,7 +53,7 @@ macro_rules! parameters {
 
             fn ranges(&self) -> &'static [Range] {
                 // The name in files, where it is another one, stands first.
-                const { &[$((field_name([$($in_files,)? stringify!($parameter)][0]), $least, $most)),*] }
+                const { &[$(Range::new(field_name([$($in_files,)? stringify!($parameter)][0]), $least, $most)),*] }
             }
 
             fn values(&self) -> Vec<Real, EFFECT_VALUES> {

@@ -40,8 +40,8 @@ impl Effect {
             section::check(kind, from_m, to_m)?;
         }
         let ranges = for_kind!(self, effect => effect.ranges());
-        for (&(parameter, least, most), found) in ranges.iter().zip(&frame.values) {
-            within(kind, parameter, *found, least, most)?;
+        for (range, found) in ranges.iter().zip(&frame.values) {
+            within(kind, range, *found)?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Why an effect, or its frame, was refused.
 
 use crate::Real;
-use crate::model::bounds::{FieldName, OutOfRange, between};
+use crate::model::bounds::{OutOfRange, Range};
 use rundown_wire::EffectKind;
 use rundown_wire::errors;
 
@@ -31,12 +31,6 @@ errors! {
 }
 
 /// A parameter and its range. Refuses NaN.
-pub(super) fn within(
-    effect: EffectKind,
-    parameter: FieldName,
-    found: Real,
-    least: Real,
-    most: Real,
-) -> Result<(), EffectError> {
-    between(parameter, found, least, most).map_err(|error| EffectError::OutOfRange(effect, error))
+pub(super) fn within(effect: EffectKind, range: &Range, found: Real) -> Result<(), EffectError> {
+    range.check(found).map_err(|error| EffectError::OutOfRange(effect, error))
 }

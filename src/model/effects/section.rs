@@ -3,7 +3,7 @@
 use super::EffectError;
 use super::error::within;
 use crate::Real;
-use crate::model::bounds::field_name;
+use crate::model::bounds::{Range, field_name};
 use crate::model::direction::Direction;
 use rundown_wire::EffectKind;
 
@@ -33,7 +33,9 @@ pub fn share_inside(from_m: Real, to_m: Real, front_m: Real, train_length_m: Rea
 
 /// The ends of a section.
 pub(super) fn check(effect: EffectKind, from_m: Real, to_m: Real) -> Result<(), EffectError> {
-    within(effect, field_name("from_m"), from_m, -FAR_M, FAR_M)?;
-    within(effect, field_name("to_m"), to_m, -FAR_M, FAR_M)?;
+    const FROM: Range = Range::new(field_name("from_m"), -FAR_M, FAR_M);
+    const TO: Range = Range::new(field_name("to_m"), -FAR_M, FAR_M);
+    within(effect, &FROM, from_m)?;
+    within(effect, &TO, to_m)?;
     if to_m > from_m { Ok(()) } else { Err(EffectError::Section { effect, from_m, to_m }) }
 }
