@@ -64,8 +64,8 @@ impl Board for L475 {
         Some(Started { port, watchdog, flash, clock, cause })
     }
 
-    fn trim_clock() {
-        crystal::trim();
+    fn trim_clock() -> bool {
+        crystal::trim()
     }
 
     fn flash_errors() -> u32 {

@@ -34,7 +34,10 @@ pub trait Board: Sized {
     fn start(core: Self::Core) -> Option<Started<Self>>;
 
     /// Keeps the clock right, where something has to be done for it after the start. Called some ten times a second.
-    fn trim_clock() {}
+    /// False: what it is to be trimmed by does not run.
+    fn trim_clock() -> bool {
+        true
+    }
 
     /// Errors that the flash has reported since boot.
     fn flash_errors() -> u32 {

@@ -4,6 +4,8 @@
 //! wait is bounded, so a dead crystal costs speed, not the train's estimates: the longest call, of 320 to 590 k
 //! instructions, takes 80 to 150 ms at 4 MHz. A flood of forged messages is too much for it there (docs/faults.md).
 
+use rundown_wire::LineCounts;
+
 /// Frequency after reset, Hz.
 pub const SLOW_HZ: u32 = 4_000_000;
 /// Frequency with the PLL, Hz.
@@ -102,6 +104,30 @@ pub fn start_crystal(crystal: &mut impl Crystal) -> Option<()> {
     })
 }
 
+/// A crystal that does not run so long after the start is missed, s. Its start takes 2 s, typically (data sheet of the
+/// STM32L475, low-speed external oscillator).
+pub const CRYSTAL_START_S: u32 = 5;
+
+/// Whether the crystal has come. Nothing waits for it: one that comes later trims the oscillator all the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CrystalWatch {
+    missed: bool,
+}
+
+impl CrystalWatch {
+    /// To be asked now and then. True once, where it does not run and its time is over.
+    pub fn is_missed(&mut self, runs: bool, uptime_s: u32) -> bool {
+        let news = !runs && uptime_s >= CRYSTAL_START_S && !self.missed;
+        self.missed |= news;
+        news
+    }
+
+    /// What went wrong on the line, with a crystal that was missed: without it bytes may be lost.
+    pub fn counted(self, line: LineCounts) -> LineCounts {
+        LineCounts { other: line.other.saturating_add(self.missed.into()), ..line }
+    }
+}
+
 /// Polls until it is so, at most [`MOST_POLLS`] times.
 ///
 /// ```
@@ -117,6 +143,7 @@ pub fn bounded(mut ready: impl FnMut() -> bool) -> Option<()> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
     use core::cell::Cell;
 
@@ -208,6 +235,21 @@ mod tests {
             assert_eq!(start_crystal(&mut crystal), expected, "{polls} polls, {lost_writes} writes");
             assert_eq!(crystal.on, expected.is_some());
         }
+    }
+
+    #[test]
+    fn a_crystal_that_does_not_come_is_missed_once_and_counted_on_the_line() {
+        let line = LineCounts { framing: 7, other: 2, ..LineCounts::default() };
+        let mut watch = CrystalWatch::default();
+        let told: std::vec::Vec<u32> = (0..600).filter(|second| watch.is_missed(false, *second)).collect();
+        assert_eq!(told, [CRYSTAL_START_S]);
+        // Whether it comes later or not.
+        assert!(!watch.is_missed(true, 600));
+        assert_eq!(watch.counted(line), LineCounts { other: 3, ..line });
+
+        let mut watch = CrystalWatch::default();
+        assert!((0..600).all(|second| !watch.is_missed(second >= CRYSTAL_START_S, second)));
+        assert_eq!(watch.counted(line), line);
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub enum Event {
     Kept(u32),
     /// A record could not be written: what is learned from now on ends with the power.
     NotKept,
+    /// The crystal that trims the clock does not run.
+    CrystalMissed,
 }
 
 /// Speed of the resistance that an event says, km/h.
@@ -82,7 +84,7 @@ impl Event {
         match self {
             Self::Boot { cause, failure, heartbeat_only, .. } => cause.is_crash(failure) || *heartbeat_only,
             Self::Vehicle(memory) => !matches!(memory, Memory::Empty | Memory::Restored),
-            Self::Refused(_) | Self::NotKept => true,
+            Self::Refused(_) | Self::NotKept | Self::CrystalMissed => true,
             Self::RunBegins | Self::Learned { .. } | Self::Kept(_) => false,
         }
     }
@@ -107,6 +109,9 @@ impl fmt::Display for Event {
             ),
             Self::Kept(records) => write!(f, "record {records} since the start written to the flash"),
             Self::NotKept => f.write_str("the flash took no record: what is learned ends with the power"),
+            Self::CrystalMissed => {
+                f.write_str("the 32 kHz crystal does not run: the clock is not trimmed, and bytes may be lost")
+            }
         }
     }
 }

@@ -21,6 +21,12 @@ pub const MOST_PER_CALL: usize = 16;
 pub trait LinePort: Read<u8> + Write<u8> {
     /// Asks for an interrupt when a byte can be written, or does not ask any more.
     fn interrupt_when_writable(&mut self, on: bool);
+
+    /// Bytes that had come and that it gave up with the error that it said last; where it cannot know, at least so
+    /// many. Asked once for each error.
+    fn given_up(&mut self) -> u32 {
+        0
+    }
 }
 
 /// What went wrong on the line, counted since boot. Shared between the interrupt and the tasks, so each is an atomic.
@@ -64,18 +70,23 @@ impl LineErrors {
             ErrorKind::Noise => &self.noise,
             _ => &self.other,
         };
-        increment(counter);
+        add(counter, 1);
     }
 
     /// A byte or frame for which the queue had no room.
     pub fn count_full(&self) {
-        increment(&self.ring_full);
+        self.count_dropped(1);
+    }
+
+    /// Bytes that had come and are lost.
+    fn count_dropped(&self, bytes: u32) {
+        add(&self.ring_full, bytes);
     }
 }
 
 /// Only interrupts of one priority write, so load and store need not be one step.
-fn increment(counter: &AtomicU32) {
-    let next = counter.load(Ordering::Relaxed).saturating_add(1);
+fn add(counter: &AtomicU32, more: u32) {
+    let next = counter.load(Ordering::Relaxed).saturating_add(more);
     counter.store(next, Ordering::Relaxed);
 }
 
@@ -108,7 +119,10 @@ pub fn serve<const N: usize>(
                 served.more = false;
                 break;
             }
-            Err(nb::Error::Other(error)) => errors.count(error.kind()),
+            Err(nb::Error::Other(error)) => {
+                errors.count(error.kind());
+                errors.count_dropped(port.given_up());
+            }
         }
     }
     send(port, outbox);

@@ -175,6 +175,8 @@ pub struct Stm32l4Serial<C> {
     /// Bytes collected; being sent if `sending`.
     collected: usize,
     sending: bool,
+    /// Bytes that were received and dropped with the last error.
+    given_up: u32,
 }
 
 impl<C: SerialController> Stm32l4Serial<C> {
@@ -184,7 +186,7 @@ impl<C: SerialController> Stm32l4Serial<C> {
     /// The controller comes back where a channel does not keep what is written into it: there is none, as in the
     /// emulator.
     pub fn start(controller: C, divider: u32) -> Result<Self, C> {
-        let mut serial = Self { controller, next: 0, collected: 0, sending: false };
+        let mut serial = Self { controller, next: 0, collected: 0, sending: false, given_up: 0 };
         let requests = serial.get(SerialRegister::Requests);
         let of = |channel: Channel, value: u32| value << (4 * channel.index());
         let ours = of(Channel::Send, 0xF) | of(Channel::Receive, 0xF);
@@ -236,16 +238,19 @@ impl<C: SerialController> Stm32l4Serial<C> {
     fn channel_error(&mut self) -> Option<ErrorKind> {
         let channel = Channel::Receive;
         let flags = self.get(SerialRegister::Flags) & channel.flag(dma::ALL & !dma::ANY);
+        let both = channel.flag(dma::HALF | dma::DONE);
+        let turned = flags & both == both;
         if flags & channel.flag(dma::ERROR) != 0 {
+            self.given_up = self.unread(turned);
             self.receive();
             return Some(ErrorKind::Other);
         }
         if flags != 0 {
             self.set(SerialRegister::ClearFlags, flags);
         }
-        let both = channel.flag(dma::HALF | dma::DONE);
-        if flags & both == both {
+        if turned {
             // Both since the last look: what was not read may have been written over.
+            self.given_up = self.unread(turned);
             self.next = self.written();
             return Some(ErrorKind::Overrun);
         }
@@ -257,6 +262,15 @@ impl<C: SerialController> Stm32l4Serial<C> {
         let left = self.get(SerialRegister::Left(Channel::Receive)) as usize;
         // At the end it counts from the whole again.
         RECEIVE.saturating_sub(left) % RECEIVE
+    }
+
+    /// Bytes that came and were not read. Where the channel has `turned`, passed both half and end, it has gone round
+    /// once more if it stands before the second of these; that it went round more often nothing says.
+    fn unread(&mut self, turned: bool) -> u32 {
+        let unread = (RECEIVE + self.written() - self.next) % RECEIVE;
+        let passes_both = RECEIVE - self.next % (RECEIVE / 2);
+        let more = if turned && unread < passes_both { RECEIVE } else { 0 };
+        (unread + more) as u32
     }
 
     /// Looks whether the transfer is over.
@@ -324,6 +338,10 @@ impl<C: SerialController> LinePort for Stm32l4Serial<C> {
         self.set(SerialRegister::Left(channel), self.collected as u32);
         self.set(SerialRegister::ChannelControl(channel), dma::NEXT | dma::OUT | dma::TELLS | dma::ENABLE);
         self.sending = true;
+    }
+
+    fn given_up(&mut self) -> u32 {
+        core::mem::take(&mut self.given_up)
     }
 }
 

@@ -402,7 +402,8 @@ pub struct Status {
     pub time_not_increasing: u32,
     /// How often uplink frames were refused since the start, in the order of [`Refusal::ALL`].
     pub refusals: [u32; REFUSALS],
-    /// Gaps in the sequence of the other side.
+    /// Gaps in the sequence of the other side. Where measurements are secured, an open message that is not the next one
+    /// makes none.
     pub missed: u32,
     /// Messages that came twice.
     pub duplicate: u32,

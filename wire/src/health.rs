@@ -115,9 +115,11 @@ pub struct LineCounts {
     pub framing: u32,
     /// The samples of a bit disagreed.
     pub noise: u32,
-    /// Parity, or what the port cannot name; on CAN a bus-off, and a controller that does not start.
+    /// Parity, or what the port cannot name; a crystal that does not start to trim the clock; on CAN a bus-off, and a
+    /// controller that does not start.
     pub other: u32,
-    /// Bytes, on CAN frames, dropped because the ring was full.
+    /// Bytes, on CAN frames, that had come and were dropped: the ring was full, or a DMA transfer failed or was overrun
+    /// (at least so many).
     pub ring_full: u32,
 }
 

@@ -63,6 +63,12 @@ fn what_nobody_reads_is_dropped_and_the_board_goes_on() {
 }
 
 #[test]
+fn a_crystal_that_does_not_come_is_trouble() {
+    assert!(Event::CrystalMissed.is_trouble());
+    assert!(Event::CrystalMissed.to_string().contains("crystal does not run"));
+}
+
+#[test]
 fn a_start_says_why_and_what_was_before() {
     let stalled = Failure::Stalled(Stalled { tick: true, link: false });
     let before = Kept { failure: stalled, ..Kept::default() };

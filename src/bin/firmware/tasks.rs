@@ -32,7 +32,7 @@ mod app {
     use rundown::link::Counters;
     use rundown::onboard::application::{Application, Hardware};
     use rundown::onboard::board::{Board, FailurePoint, Started};
-    use rundown::onboard::clock::Clock;
+    use rundown::onboard::clock::{Clock, CrystalWatch};
     use rundown::onboard::crash_loop::Operation;
     use rundown::onboard::event::Event;
     use rundown::onboard::kept::{Boot, Kept};
@@ -66,6 +66,7 @@ mod app {
     pub struct Start {
         boot: Boot,
         clock: Clock,
+        crystal: CrystalWatch,
         can: can::Counts,
     }
 
@@ -114,7 +115,7 @@ mod app {
                 port,
                 outbox: cx.local.outbox,
                 can,
-                start: Start { boot, clock, can: can::Counts::NONE },
+                start: Start { boot, clock, crystal: CrystalWatch::default(), can: can::Counts::NONE },
                 application,
             },
             Local { ring_in, ring_out, watchdog, feed_rule: FeedRule::default(), quiet_periods: 0, kept, next_tick: 0 },
@@ -195,7 +196,9 @@ mod app {
         if cx.shared.start.boot.operation == Operation::Normal {
             Metal::provoke(FailurePoint::Link);
         }
-        Metal::trim_clock();
+        if cx.shared.start.crystal.is_missed(Metal::trim_clock(), uptime_s()) {
+            log(&Event::CrystalMissed);
+        }
         if serve(cx) {
             rtic::pend(Interrupt::TSC);
         }
@@ -302,7 +305,7 @@ mod app {
                 stack_bytes: board::painted_stack::high_water(),
                 longest_us: stopwatch::longest_us(),
                 flash_errors: Metal::flash_errors(),
-                line: LINE_ERRORS.counts(),
+                line: self.crystal.counted(LINE_ERRORS.counts()),
                 not_sent: DROPPED.load(Ordering::Relaxed).saturating_add(self.can.dropped()),
                 ..Health::default()
             }

@@ -39,11 +39,13 @@ pub fn start(rcc: &RCC, power: &PWR) {
     }
 }
 
-/// Lets it trim the oscillator once it runs. To be called now and then, from one task.
-pub fn trim() {
+/// Lets it trim the oscillator once it runs, and says whether it does. To be called now and then, from one task.
+pub fn trim() -> bool {
     // SAFETY: after the start nothing else touches the clocks.
     let rcc = unsafe { &*RCC::ptr() };
-    if rcc.bdcr().read().lserdy().bit() && rcc.cr().read().msipllen().bit_is_clear() {
+    let runs = rcc.bdcr().read().lserdy().bit();
+    if runs && rcc.cr().read().msipllen().bit_is_clear() {
         rcc.cr().modify(|_, w| w.msipllen().set_bit());
     }
+    runs
 }

@@ -68,4 +68,11 @@ impl LinePort for SerialPort {
             Self::Bytes(port) => port.interrupt_when_writable(on),
         }
     }
+
+    fn given_up(&mut self) -> u32 {
+        match self {
+            Self::Dma(port) => port.given_up(),
+            Self::Bytes(_) => 0,
+        }
+    }
 }

@@ -310,6 +310,28 @@ fn bytes_that_were_written_over_are_an_overrun_and_the_line_goes_on() {
 }
 
 #[test]
+fn each_byte_that_was_written_over_is_counted() {
+    for read in [0, 1, 100, RECEIVE / 2 - 1, RECEIVE / 2, RECEIVE / 2 + 1, RECEIVE - 1] {
+        // From so many on it passes both marks, and from a turn more on nothing says how often it went round.
+        let passes_both = RECEIVE - read % (RECEIVE / 2);
+        for lost in (1..passes_both + RECEIVE).step_by(3) {
+            let mut board = Board::start();
+            for piece in bytes(read).chunks(100) {
+                board.chip().brings_all(piece);
+                board.serve();
+            }
+            board.chip().brings_all(&bytes(lost));
+            board.serve();
+            let (counts, overrun) = (board.counts(), lost >= passes_both);
+            let dropped = if overrun { lost } else { 0 };
+            assert_eq!(counts.overrun, overrun.into(), "{lost} after {read}");
+            assert_eq!(counts.ring_full as usize, dropped, "{lost} after {read}");
+            assert_eq!(board.got.len(), read + lost - dropped, "{lost} after {read}");
+        }
+    }
+}
+
+#[test]
 fn errors_of_the_line_are_counted_once_each() {
     let mut board = Board::start();
     for (flag, count) in [(usart::OVERRUN, 1), (usart::FRAMING, 2), (usart::NOISE, 3)] {
@@ -343,9 +365,15 @@ fn a_bus_error_starts_the_channel_again() {
     board.chip().flags |= Channel::Receive.flag(dma::ERROR);
     board.chip().channel(Channel::Receive).control &= !dma::ENABLE;
     board.serve();
-    assert_eq!(board.counts().other, 1);
+    assert_eq!(board.counts(), LineCounts { other: 1, ..LineCounts::default() });
     board.chip().brings_all(&[3, 4]);
     board.serve();
+    assert_eq!(board.got, [1, 2, 3, 4]);
+    // Now before these are read.
+    board.chip().brings_all(&bytes(17));
+    board.chip().flags |= Channel::Receive.flag(dma::ERROR);
+    board.serve();
+    assert_eq!(board.counts(), LineCounts { other: 2, ring_full: 17, ..LineCounts::default() });
     assert_eq!(board.got, [1, 2, 3, 4]);
 }
 

@@ -221,7 +221,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         if let Err(refusal) = self.permit(uplink) {
             return self.refuse(0, refusal, origin, port);
         }
-        self.count_missed(uplink.sequence);
+        self.count_missed(uplink.sequence, origin);
         let result = match &uplink.request {
             Request::Measurement(measurement) => match self.measurement(measurement) {
                 Ok(()) if self.pace == Pace::Lockstep => {
@@ -340,7 +340,13 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         Ok(())
     }
 
-    fn count_missed(&mut self, sequence: u16) {
+    fn count_missed(&mut self, sequence: u16, origin: Origin) {
+        // Where measurements are secured, whoever only reaches the line shall not make losses: an open number counts
+        // where it is the next one, as the sender's own requests of a status have it.
+        let next = self.last_uplink.is_none_or(|last| sequence == last.wrapping_add(1));
+        if origin == Origin::Open && self.estimator.config().security.secured_measurements && !next {
+            return;
+        }
         if let Some(last) = self.last_uplink.replace(sequence) {
             let gap = sequence.wrapping_sub(last).wrapping_sub(1);
             // A sender that restarts is no loss.

@@ -4,9 +4,11 @@ use crate::board;
 use board_tests::board::{Board, PROVISIONING, answer, described, estimate, running, task};
 use board_tests::flash::Flash;
 use board_tests::prelude::*;
+use board_tests::said;
 use rundown::estimator::config::SecurityConfig;
 use rundown::onboard::auth::{Provisioning, Signer};
-use rundown_wire::Refusal;
+use rundown::onboard::uplink::{self, OPEN, Uplink};
+use rundown_wire::{MAX_MESSAGE, Refusal};
 
 #[test]
 fn what_changes_the_board_must_be_secured() {
@@ -39,6 +41,37 @@ fn open_measurements_are_refused_where_the_setting_asks_for_secured_ones() {
     let (mut board, _, log) = running(described());
     let open = board.desk.open(Request::Measurement(log[0])).unwrap();
     assert!(estimate(&board.say(&open)).is_some());
+}
+
+#[test]
+fn open_messages_make_no_losses_where_measurements_are_secured() {
+    let (description, log) = described();
+    let security = SecurityConfig { secured_measurements: true };
+    let config = Config { security, ..description.config };
+    let (mut board, _, log) = running((Description { config, ..description }, log));
+    let asked = |board: &mut Board, sequence| {
+        let status = Uplink { sequence, request: Request::Command(Command::Status) };
+        let mut buffer = [0; MAX_MESSAGE];
+        said!(board.say(uplink::encode(&status, OPEN, &mut buffer).unwrap()), Status).unwrap().missed
+    };
+    let missed = board.status().missed;
+    for (k, measurement) in log[..20].iter().enumerate() {
+        // A stranger: far from the sender's numbers, before them, and the very next one.
+        let next = board.desk.sequence().wrapping_add(1);
+        for sequence in [next + 500, next.wrapping_sub(3), next, next + 1, next + 700] {
+            assert_eq!(asked(&mut board, sequence), missed, "{k}");
+        }
+        let own = board.desk.measurement(measurement).unwrap();
+        assert!(estimate(&board.say(&own)).is_some());
+        assert_eq!(board.status().missed, missed, "{k}");
+    }
+    // What the sender loses is counted.
+    for measurement in &log[20..23] {
+        board.desk.measurement(measurement).unwrap();
+    }
+    let own = board.desk.measurement(&log[23]).unwrap();
+    assert!(estimate(&board.say(&own)).is_some());
+    assert_eq!(board.status().missed, missed + 3);
 }
 
 #[test]
