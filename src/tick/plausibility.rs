@@ -5,7 +5,7 @@
 //!
 //! | input | behaviour |
 //! |---|---|
-//! | time equal (by less than [`SOONEST_S`]) or back, beyond [`FAR_S`], or no time at all (beyond [`LATEST_S`]) | the measurement is dropped and counted; three in a row that agree with each other are believed: the clock was set, location and speed are initialised again (old rows that come late lie behind the train, and must be four times as many) |
+//! | time equal (by less than [`SOONEST_S`]) or back, beyond [`FAR_S`], or no time at all (beyond [`LATEST_S`]) | the measurement is dropped and counted; three in a row that agree with each other are believed: the clock was set, location and speed are initialised again (old rows that come late lie behind the train, and must be four times as many, unless they go on from before a pause behind which there is one row only) |
 //! | no measurement for more than `long_gap_s` | location and speed begin again, what was learned stays |
 //! | not finite, negative, off the track, faster than any train | the field is dropped, the other one is used |
 //! | location far from where the speed leads | dropped; three in a row that agree with each other are believed, counted as `Contradiction` |
@@ -90,7 +90,8 @@ pub struct Plausibility {
     last_time_s: Option<Real>,
     /// What a clock that was set has to be put forward by to go on from the old one, s.
     shift_s: Real,
-    /// Last rejected time, and how many in a row agree.
+    /// Last rejected time, and how many in a row agree. Where a single row stands behind a pause: the time before the
+    /// pause, for one that goes on from it agrees with all before that row.
     rejected_time: Option<(Real, u32)>,
     /// Last believed speed, and for how long it has been carried on.
     speed: Option<(Real, Real)>,
@@ -226,11 +227,9 @@ impl Plausibility {
             self.rejected_time = Some((time_s, agreeing));
             let ahead_m = measurement.location_m.zip(self.raw_location_m);
             let ahead_m = ahead_m.map_or(0.0, |(now_m, last_m)| direction.sign() * (now_m - last_m));
-            let needed = if ahead_m < -BEHIND_SHARE * config.location_jump_m {
-                BEHIND * config.agreeing
-            } else {
-                config.agreeing
-            };
+            let behind = ahead_m < -BEHIND_SHARE * config.location_jump_m;
+            let needed =
+                if behind || agreeing > before_pause(config) { BEHIND * config.agreeing } else { config.agreeing };
             if agreeing < needed {
                 return Err(self.last_time_s);
             }
@@ -242,10 +241,11 @@ impl Plausibility {
         }
         let begins = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
         if begins {
-            *self = Self { shift_s: self.shift_s, ..Self::default() };
+            *self = Self { shift_s: self.shift_s, last_time_s: self.last_time_s, ..Self::default() };
         }
+        // `agreeing` of those that go on from before the pause are believed, wherever they lie.
+        self.rejected_time = self.last_time_s.filter(|_| begins).map(|last_s| (last_s, before_pause(config)));
         self.last_time_s = Some(time_s);
-        self.rejected_time = None;
         Ok((gap_s.filter(|_| !begins).unwrap_or(0.0), begins))
     }
 
@@ -359,6 +359,11 @@ impl Plausibility {
         self.since_location_m = 0.0;
         self.agreeing_locations = 0;
     }
+}
+
+/// What the rows before a pause count for, beside those that go on from them.
+const fn before_pause(config: &PlausibilityConfig) -> u32 {
+    (BEHIND - 1) * config.agreeing
 }
 
 /// A number that a clock could show.

@@ -155,6 +155,25 @@ fn a_source_that_begins_again_at_zero_and_elsewhere_is_believed_in_the_end() {
     assert!(run.counters().of(Cause::LongGap) > 0);
 }
 
+#[test]
+fn one_open_measurement_within_the_next_day_costs_two_ticks() {
+    let (mut board, _, log) = running(described());
+    let half = log.len() / 2;
+    for measurement in &log[..half] {
+        assert!(estimate(&board.measure(measurement)).is_some());
+    }
+    // So that the true rows lie behind the train.
+    let far = Measurement {
+        time_s: log[half].time_s + 80_000.0,
+        location_m: log.last().unwrap().location_m,
+        ..log[half]
+    };
+    assert!(estimate(&board.measure(&far)).is_some(), "believed, as after a pause");
+    let lost = log[half..].iter().filter(|measurement| estimate(&board.measure(measurement)).is_none()).count();
+    assert_eq!(lost, 2);
+    assert_eq!(board.status().refusals[Refusal::TimeNotIncreasing as usize], 2);
+}
+
 /// A board whose clock stands in one second, a run under way by the clock.
 fn in_one_second() -> (Board, Vec<Measurement>) {
     let (mut board, _, log) = running(described());

@@ -189,6 +189,39 @@ fn a_longer_pause_than_a_long_gap_is_a_new_beginning() {
     assert_eq!((judged.location_m, judged.speed_mps), (Ok(500.0), Ok(110.0)), "any are believed");
 }
 
+/// Rows at 20 m/s, then one at this time and place; then how many of those that go on from before it are refused.
+fn refused_after_one(far: &[(Real, Real)]) -> usize {
+    let mut readings = Readings::running();
+    for step in 1..5 {
+        readings.judge(10.0 * Real::from(step), 1000.0 + 200.0 * Real::from(step), 20.0);
+    }
+    for (time_s, location_m) in far {
+        readings.judge(*time_s, *location_m, 20.0);
+    }
+    let mut on = (5..40).map(|step| (10.0 * Real::from(step), 1000.0 + 200.0 * Real::from(step)));
+    on.by_ref().take_while(|(time_s, location_m)| readings.read(*time_s, *location_m, 20.0).is_err()).count()
+}
+
+#[test]
+fn one_row_behind_a_pause_costs_two_of_those_that_go_on_from_before_it() {
+    // Wherever it lies; two rows there are no single one any more.
+    for location_m in [9000.0, 1800.0, 100.0] {
+        assert_eq!(refused_after_one(&[(80_000.0, location_m)]), 2, "{location_m}");
+    }
+    assert_eq!(refused_after_one(&[(80_000.0, 9000.0), (80_010.0, 9200.0)]), 11);
+    assert_eq!(refused_after_one(&[(80_000.0, 9000.0), (80_601.0, 9200.0)]), 11);
+}
+
+#[test]
+fn a_row_that_comes_late_behind_a_pause_changes_nothing() {
+    let mut readings = Readings::running();
+    readings.judge(700.0, 9000.0, 20.0);
+    assert!(readings.read(10.0, 1200.0, 20.0).is_err());
+    assert!(readings.read(20.0, None, 20.0).is_err());
+    let judged = readings.judge(710.0, 9200.0, 20.0);
+    assert_eq!((judged.dt_s, judged.begins), (10.0, false));
+}
+
 #[test]
 fn a_speed_that_no_train_has_is_dropped_and_the_location_is_used() {
     let judged = |speed_mps: Option<Real>| Readings::new().judge(0.0, 1000.0, speed_mps);
