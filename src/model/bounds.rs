@@ -59,9 +59,11 @@ impl Range {
     /// `found` lies within; NaN does not.
     #[inline(never)]
     pub(crate) fn check(&self, found: Real) -> Result<(), OutOfRange> {
-        let [least, most] =
-            [0, 1].map(|end| Decimal { digits: self.digits[end], exponent: self.exponents[end] }.value());
-        between(self.field, found, least, most)
+        // Without an index, which the board would check.
+        let Self { field, digits: [least, most], exponents: [by_least, by_most] } = *self;
+        let least = Decimal { digits: least, exponent: by_least }.value();
+        let most = Decimal { digits: most, exponent: by_most }.value();
+        between(field, found, least, most)
     }
 }
 
@@ -91,6 +93,7 @@ impl Decimal {
     }
 
     /// Digits and powers of ten up to 10^22 are exact, so this is rounded once, as a literal is.
+    #[inline(never)]
     const fn value(&self) -> Real {
         let (mut power, mut left) = (1.0, self.exponent.unsigned_abs());
         while left > 0 {

@@ -117,6 +117,17 @@ fn an_equal_earlier_far_or_missing_time_is_dropped_and_the_last_one_named() {
 }
 
 #[test]
+fn no_time_and_one_too_far_ahead_are_out_of_range_and_an_early_one_is_not() {
+    for time_s in [Real::NAN, 4.1e12, -4.1e12] {
+        assert!(is_out_of_range(None, time_s) && is_out_of_range(Some(0.0), time_s), "{time_s}");
+    }
+    for (time_s, expected) in [(86_400.1, true), (86_400.0, false), (0.0, false), (-4e12, false)] {
+        assert_eq!(is_out_of_range(Some(0.0), time_s), expected, "{time_s}");
+        assert!(!is_out_of_range(None, time_s), "{time_s}");
+    }
+}
+
+#[test]
 fn a_dropped_time_costs_nothing_but_itself() {
     let mut readings = Readings::running();
     assert_eq!(readings.read(5e6, 1020.0, 20.0), Err(Some(0.0)));
