@@ -163,11 +163,8 @@ fn one_open_measurement_within_the_next_day_costs_two_ticks() {
         assert!(estimate(&board.measure(measurement)).is_some());
     }
     // So that the true rows lie behind the train.
-    let far = Measurement {
-        time_s: log[half].time_s + 80_000.0,
-        location_m: log.last().unwrap().location_m,
-        ..log[half]
-    };
+    let far =
+        Measurement { time_s: log[half].time_s + 80_000.0, location_m: log.last().unwrap().location_m, ..log[half] };
     assert!(estimate(&board.measure(&far)).is_some(), "believed, as after a pause");
     let lost = log[half..].iter().filter(|measurement| estimate(&board.measure(measurement)).is_none()).count();
     assert_eq!(lost, 2);
