@@ -40,8 +40,8 @@ errors! {
         "{field}: expected {least} to {most}, found {found}";
 }
 
-/// Name, least and most of a field: a board has a hundred of them, so its flash holds a bound as a decimal number of few
-/// digits, 6 bytes for two of them in place of 16.
+/// Name, least and most of a field. A board has a hundred of them, so its flash holds a bound as a decimal number of
+/// few digits: 6 bytes for two of them in place of 16.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Range {
     field: FieldName,
