@@ -477,6 +477,12 @@ fn a_speed_that_stays_the_same_is_dropped_where_the_locations_say_otherwise() {
 }
 
 #[test]
+fn a_leap_of_the_location_with_which_the_speed_changes_says_nothing_of_a_stuck_one() {
+    let rows = [(1070.5, 21.0), (1101.5, 21.0), (1132.5, 21.0), (1163.5, 21.0)];
+    assert_eq!(contradictions(&mut Readings::running(), rows), [None; 4]);
+}
+
+#[test]
 fn a_speed_is_not_dropped_for_locations_that_jump_or_stand_nor_while_it_changes_or_is_zero() {
     let stuck = Some(Cause::StuckSpeed);
     let rows = |step_m: Real, speeds: [Real; 2]| {
