@@ -23,7 +23,7 @@ pub(crate) trait Plain {
     /// Goes through all that the value holds.
     fn pass(&mut self, bytes: &mut Bytes<'_>);
 
-    /// [`Self::START`] by a function of its own, which writes zeros where a constant would take their room in the flash.
+    /// [`Self::START`] by a function of its own: it writes zeros where a constant would take their room in the flash.
     #[inline(never)]
     fn start() -> Self
     where
