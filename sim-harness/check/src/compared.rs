@@ -113,6 +113,17 @@ impl Differences {
         self.dt.iter().zip(&self.doubt).map(share).collect()
     }
 
+    /// Acceleration of each, m/s²: of short ones with their neighbours, for the steps of the speeds make as much.
+    pub(crate) fn mps2(&self) -> Vec<f64> {
+        let follows = |i: usize| self.linked.get(i) == Some(&true) && self.dt[i - 1].max(self.dt[i]) < 2.0 * PAIR_S;
+        let of = |i: usize| {
+            let near = i - usize::from(follows(i))..=i + usize::from(follows(i + 1));
+            let [dv, dt] = [&self.dv, &self.dt].map(|of| of[near.clone()].iter().sum::<f64>());
+            dv / dt
+        };
+        (0..self.y.len()).map(of).collect()
+    }
+
     /// Fewer say nothing.
     pub(crate) fn are_enough(&self) -> bool {
         self.y.len() >= LEAST_PAIRS

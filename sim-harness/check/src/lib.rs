@@ -16,6 +16,7 @@
 //! | which step do the readings have? | [`steps`] |
 //! | is a run unlike the others of its recorder? | [`mod@own`] |
 //! | does the wheel change? | `wheel_change` |
+//! | does it creep while it powers? | `creep` |
 //! | does the speed read zero below a threshold? | [`dead_zone`] |
 //! | what does the rounding of held speeds do? | `rounding` |
 //! | does the speed repeat old values? | [`held`] |
@@ -73,6 +74,7 @@ pub mod clock;
 mod clock_set;
 pub mod compared;
 mod correction;
+mod creep;
 mod dead_band;
 pub mod dead_zone;
 mod diagnosis;

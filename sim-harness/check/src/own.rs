@@ -67,6 +67,9 @@ pub(crate) fn judged(
     (values, covariance): &(Vector2<f64>, Matrix2<f64>),
 ) {
     run.skew_s = Some(agreement.skew_s(*values, covariance));
+    if recorder.has(Kind::Creep) {
+        return;
+    }
     let scale = pooled(slice::from_ref(agreement)).map(|one| times(one.scale_at(values[1]), ratio));
     run.scale = scale.map(|scale| recorder.beside_the_line(scale));
 }
@@ -122,7 +125,7 @@ enum Wheel {
 fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
     let has = |kind| recorder.has(kind);
     // Where the model does not fit the recorder, or says nothing of it, it does not fit its runs.
-    if recorder.compared < 2 || has(Kind::SpeedOffset) || recorder.scale.is_none() {
+    if recorder.compared < 2 || has(Kind::SpeedOffset) || has(Kind::Creep) || recorder.scale.is_none() {
         return None;
     }
     // What one run's location drifts by beside the others looks like a wheel of its own.

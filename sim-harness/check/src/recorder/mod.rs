@@ -5,6 +5,7 @@ mod efforts;
 
 use crate::agreement::{Agreement, Figure, Pooled, pooled, share_bends};
 use crate::correction::Correction;
+use crate::creep::Creep;
 use crate::diagnosis::RecorderCheck;
 use crate::drifting::Drift;
 use crate::finding::{Done, Finding, Kind};
@@ -92,15 +93,14 @@ pub(crate) fn of(
     let location_step_m = steps::of_location_m(usable_of(&unit, runs).iter().flat_map(|i| &recordings[*i].rows));
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
     let behind = leave_out_behind(recordings, &usable, step_kmh);
-    let mut judged = |i: &usize| {
-        let mut of_speed = of_speeds[*i].clone()?;
-        if sought.moved || behind.is_some() {
-            of_speed = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, of_speed.taken_s2)?;
-        }
-        of_one(of_speed, &recordings[*i].rows, &mut runs[*i], step_kmh, known)
+    let is_other = sought.moved || behind.is_some();
+    let (again, creep) = compared_again(&of_unit, recordings, runs, of_speeds, is_other);
+    let judged = |(i, of_speed): (&usize, Option<OfSpeed>)| {
+        let (one, grown) = of_one(of_speed?, &recordings[*i].rows, &mut runs[*i], step_kmh, known)?;
+        Some((Some(one), grown))
     };
-    let (mut agreements, mut grown): (Vec<Option<Agreement>>, Vec<Grown>) =
-        of_unit.iter().map(|i| judged(i).map_or((None, Grown::NOT), |(one, grown)| (Some(one), grown))).unzip();
+    let judged = of_unit.iter().zip(again).map(judged).map(|one| one.unwrap_or((None, Grown::NOT)));
+    let (mut agreements, mut grown): (Vec<Option<Agreement>>, Vec<Grown>) = judged.unzip();
     share_bends(&mut agreements);
     let compared: Vec<Agreement> = agreements.iter().flatten().cloned().collect();
     let mut recorder = RecorderCheck {
@@ -125,6 +125,7 @@ pub(crate) fn of(
     let Some(mut all) = pooled(&compared) else {
         return recorder;
     };
+    creep.into_iter().for_each(|creep| recorder.creeps(creep, &all));
     if let Some((after, ratio)) = recorder.changes(&agreements, &of_unit, recordings, known, &all) {
         for at in after {
             agreements[at] = agreements[at].take().map(|agreement| agreement.rescaled(ratio));
@@ -146,6 +147,28 @@ pub(crate) fn of(
         own.put_right(&mut recordings[i].rows);
     }
     recorder
+}
+
+/// What these runs say, once more where their readings are others now, `is_other`; and by how much their speeds read more
+/// while they rise than while they fall, where that contradicts one wheel.
+fn compared_again(
+    of_unit: &[usize],
+    recordings: &[Recording],
+    runs: &[RunCheck],
+    of_speeds: &[Option<OfSpeed>],
+    is_other: bool,
+) -> (Vec<Option<OfSpeed>>, Option<Figure>) {
+    let again = |i: &usize| {
+        let of_speed = of_speeds[*i].clone()?;
+        if is_other { OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, of_speed.taken_s2) } else { Some(of_speed) }
+    };
+    let mut again: Vec<Option<OfSpeed>> = of_unit.iter().map(again).collect();
+    let creep = Creep::sure(again.iter().flatten().filter_map(|of_speed| of_speed.agreement.creep.as_ref()));
+    if creep.is_some() {
+        // What contradicts itself all the way shows no place from which on the wheel is another one.
+        again.iter_mut().flatten().for_each(|of_speed| of_speed.change = None);
+    }
+    (again, creep)
 }
 
 /// Leaves out repeats of speeds that are written again only once they have changed by a step: by how much they are
@@ -204,7 +227,7 @@ impl RecorderCheck {
         // Nobody turns a wheel between two runs of a day.
         let date = |from: usize| day(order[from]).map(f64::floor);
         let may_change = |from: usize| date(from).is_none() || date(from) != date(from - 1);
-        let found = wheel_change::between(&of_runs, may_change)?;
+        let found = wheel_change::between(&of_runs, may_change).filter(|_| !self.has(Kind::Creep))?;
         let after = order.split_off(found.from);
         let named = &recordings[of_unit[after[0]]].name;
         // A step's offset is that of the recorder. Where nothing decides it, it may change as the scale may.
@@ -264,10 +287,12 @@ impl RecorderCheck {
         let odd = !decided && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
         // Where one wheel gives both, the stops have decided: the speeds follow the locations.
         let sure = if self.has_one_wheel(scale) { beside_locations } else { scale };
-        let matters = !is_vague && (scale.value - 1.0).abs() > LEAST_SCALE && sure.away_from(1.0) > SURE;
+        let creeps = self.has(Kind::Creep);
+        let matters = !is_vague && !creeps && (scale.value - 1.0).abs() > LEAST_SCALE && sure.away_from(1.0) > SURE;
         // An offset beside a scale is none of a recorder: the model does not fit, and its scale is no wheel.
         self.is_wheel = matters && !odd;
-        let is_plain = odd && !matters && all.runs >= LEAST_OFFSET_RUNS && is_beyond(offset_kmh) && !known.truncates;
+        let is_plain =
+            odd && !matters && !creeps && all.runs >= LEAST_OFFSET_RUNS && is_beyond(offset_kmh) && !known.truncates;
         if odd && !self.has(Kind::SpeedOffset) {
             self.found(Kind::SpeedOffset, offset_kmh, "km/h", put_right(is_plain));
         }
@@ -288,6 +313,13 @@ impl RecorderCheck {
         let of_scale = (beside_locations.sd / scale.value.powi(2)).powi(2);
         let of_scale = Matrix2::from_diagonal(&Vector2::new(of_scale, 0.0));
         (values, if decided { of_scale } else { all.covariance })
+    }
+
+    /// The scale is another one while the speed rises than while it falls, by so much: that of the whole is no wheel's.
+    fn creeps(&mut self, creep: Figure, all: &Pooled) {
+        let percent = Figure { value: 100.0 * creep.value, sd: 100.0 * creep.sd };
+        let text = format!("read over true is {} on the whole, which may be no wheel's", all.scale().with_interval(4));
+        self.found_by(Kind::Creep, percent, "%", Done::Said, text);
     }
 
     /// The speeds of these runs are not compared.

@@ -3,6 +3,7 @@
 mod chainages;
 mod clock_set;
 mod computed;
+mod creep;
 mod drifting;
 mod effort_age;
 mod effort_zero;

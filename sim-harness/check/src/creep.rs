@@ -1,0 +1,88 @@
+//! Wheels that creep: the speed of a driven axle reads too much while it powers, and what the train runs is right.
+//!
+//! ```text
+//! Δx - ∫ v_r dt = ... - c/2 (∫ v_r dt rising) + c/2 (∫ v_r dt falling) - h (∫ v_r dt steady) + noise
+//! ```
+//!
+//! A wheel that is not as described is off by the same factor at all times. So where the scale of a speed that rises is
+//! another one than that of a speed that falls, c, neither is a wheel's. A steady speed may be held by power, or be that
+//! of a coast on a descent: what it has for itself, h, is left to it.
+
+use crate::LEAST_SCALE;
+use crate::agreement::{BENDS_SD, FEW_RUNS, Figure};
+use crate::compared::{Compared, Differences};
+use nalgebra::{Matrix2, Vector2};
+
+/// A train that gains or loses less speed than this may power, coast or brake, m/s².
+const RISES_MPS2: f64 = 0.08;
+const FALLS_MPS2: f64 = -0.03;
+/// Creep of wheels that power, as a share of the speed: adhesion is best at one to three per cent. Where so much does
+/// not show nothing is said; and half of it a steady speed is off by beside the mean of both, standard deviation.
+const SOME_CREEP: f64 = 0.02;
+/// So many standard deviations: nothing is put right by it, so less than what is sure suffices.
+const CONTRADICTS: f64 = 3.0;
+
+/// By how much more the speed reads while it rises than while it falls, as a share of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Creep {
+    figure: Figure,
+    /// What it is more by than with other bends of the ways between the rows.
+    by_bends: [f64; 2],
+}
+
+impl Creep {
+    /// None: the run does not say.
+    pub(crate) fn of(compared: &Compared, with_other_bends: Option<&[Compared; 2]>) -> Option<Self> {
+        let columns = columns(&compared.differences);
+        let figure = fitted(compared, &columns)?;
+        let more_than = |other: &Compared| fitted(other, &columns).map_or(0.0, |other| figure.value - other.value);
+        let by_bends = with_other_bends.map_or([0.0; 2], |all| [more_than(&all[0]), more_than(&all[1])]);
+        Some(Self { figure, by_bends })
+    }
+
+    /// What runs of one recorder say together, where it matters and they contradict one wheel.
+    pub(crate) fn sure<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<Figure> {
+        Self::pooled(runs).filter(|all| {
+            all.sd * CONTRADICTS < SOME_CREEP && all.value.abs() > LEAST_SCALE && all.away_from(0.0) > CONTRADICTS
+        })
+    }
+
+    fn pooled<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<Figure> {
+        let figures: Vec<Figure> = runs.clone().map(|run| run.figure).collect();
+        let n = figures.len() as f64;
+        let mean = if let [one] = figures[..] { one } else { Figure::mean_of(&figures) };
+        let few = (1.0 + FEW_RUNS / (n * n)).sqrt();
+        // Ways are bent alike in all runs of a line.
+        let all: f64 = figures.iter().map(|one| one.sd.powi(-2)).sum();
+        let bent = |which: usize| {
+            let more: f64 = runs.clone().map(|run| run.figure.sd.powi(-2) * run.by_bends[which]).sum();
+            BENDS_SD[which] * more / all
+        };
+        (n > 0.0).then(|| Figure { sd: (few * mean.sd).hypot(bent(0)).hypot(bent(1)), ..mean })
+    }
+}
+
+/// What c and h add to each difference, m.
+fn columns(differences: &Differences) -> [Vec<f64>; 2] {
+    let share = |mps2: &f64| match *mps2 {
+        mps2 if mps2 > RISES_MPS2 => [-0.5, 0.0],
+        mps2 if mps2 < FALLS_MPS2 => [0.5, 0.0],
+        _ => [0.0, -1.0],
+    };
+    let shares: Vec<[f64; 2]> = differences.mps2().iter().map(share).collect();
+    [0, 1].map(|which| differences.by_speed.iter().zip(&shares).map(|(metres, share)| share[which] * metres).collect())
+}
+
+/// c beside h, scale, offset and skew.
+fn fitted(compared: &Compared, columns: &[Vec<f64>; 2]) -> Option<Figure> {
+    let fit = &compared.fit;
+    let variance = fit.variance / compared.independent();
+    let of = [0, 1].map(|which: usize| compared.taken_up(&columns[which]));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let taken = |i: usize, j: usize| (0..3).map(|k| of[i].0[k] * dot(&fit.columns[k], &of[j].1)).sum::<f64>();
+    let mut information = Matrix2::from_fn(|i, j| (dot(&of[i].1, &of[j].1) - taken(i, j)) / variance);
+    information[(1, 1)] += (0.5 * SOME_CREEP).powi(-2);
+    let score = Vector2::from_fn(|i, _| dot(&of[i].1, &fit.residuals) / variance);
+    let covariance = information.cholesky()?.inverse();
+    Some(Figure { value: (covariance * score)[0], sd: covariance[(0, 0)].sqrt() })
+}
