@@ -4,7 +4,7 @@ use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::reach::reach_m;
 use crate::row_step::{self, longest_step_s, usual_step_s};
-use crate::steps;
+use crate::{steps, stuck_speeds};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
 use std::ops::RangeInclusive;
@@ -53,10 +53,16 @@ fn finding(kind: Kind, value: f64, count: usize, line: u64, done: Done) -> Findi
 
 /// Joins what wraps and resets have torn apart.
 pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+    let stuck = stuck_speeds::found(rows);
+    join_beside(rows, &stuck, findings);
+}
+
+/// The same, where it is known which speeds stand still, `stuck`: beside them locations seem to begin elsewhere.
+pub(crate) fn join_beside(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding>) {
     let sign = heading(rows);
     let least_m = (SHIFT_OVER_NOISE * noise_m(rows, sign)).clamp(LEAST_SHIFT_M.0, LEAST_SHIFT_M.1);
     let (mut shift_m, mut last_read_m) = (0.0, 0.0);
-    let mut last: Option<Sample> = None;
+    let mut last: Option<(usize, Sample)> = None;
     // Distance by speed since the location last changed: one that stood still and catches up begins nowhere again.
     let mut waited_m = 0.0;
     // Locations that go on at a pace of their own beside a speed that stands still begin nowhere again.
@@ -67,7 +73,7 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         let Some(read_m) = rows[i].location_m.filter(|m| m.is_finite()) else {
             continue;
         };
-        if let Some(before) = last {
+        if let Some((at, before)) = last {
             let expected_m = sign * between(&before, &rows[i]);
             let step_m = read_m + shift_m - before.location_m.unwrap_or(read_m);
             let jump_m = step_m - expected_m;
@@ -90,14 +96,16 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
                     None => (Kind::Reset, -jump_m),
                 };
                 let done = if turn.is_some() || zero { Done::PutRight } else { Done::Said };
-                findings.push(finding(kind, jump_m, 1, rows[i].line, done));
+                if done == Done::PutRight || !is_beside(stuck, [at, i]) {
+                    findings.push(finding(kind, jump_m, 1, rows[i].line, done));
+                }
                 if done == Done::PutRight {
                     shift_m += change_m;
                 }
             }
         }
         rows[i].location_m = Some(read_m + shift_m);
-        (last, last_read_m) = (Some(rows[i]), read_m);
+        (last, last_read_m) = (Some((i, rows[i])), read_m);
     }
 }
 
@@ -158,6 +166,11 @@ fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
     steps.len() == 3 && steps.into_iter().all(agree) && agree(all)
 }
 
+/// A speed that stands still is one of those between these rows.
+fn is_beside(stuck: &[StuckRows], [from, to]: [usize; 2]) -> bool {
+    stuck.iter().any(|stuck| stuck.from <= to && from <= stuck.to)
+}
+
 /// So many wild readings may stand together.
 const MOST_WILD: usize = 3;
 
@@ -202,9 +215,8 @@ pub(crate) fn spikes(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Ve
             (reach.start() - way_m).max(way_m - reach.end()).max(0.0)
         })
     };
-    let is_stuck = |[from, to]: [usize; 2]| stuck.iter().any(|stuck| stuck.from <= to && from <= stuck.to);
     let found = wild(&located, |[before, first, last, after]| {
-        if is_stuck([before, after]) {
+        if is_beside(stuck, [before, after]) {
             return None;
         }
         let calm_m = off_m(before, after);

@@ -205,7 +205,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
         readings::speed_spikes(rows, &mut findings);
         places::stuck_locations(rows, &mut findings);
         places::spikes(rows, &stuck, &mut findings);
-        places::join(rows, &mut findings);
+        places::join_beside(rows, &stuck, &mut findings);
         if !speed_is_computed {
             // Only beside locations that are right is a speed known to stand still.
             stuck_speeds::leave_out(rows, &mut findings);

@@ -56,3 +56,11 @@ fn a_speed_that_stands_still_is_named_and_no_location_beside_it() {
         }
     }
 }
+
+/// A speed of zero that stands still while the train powers: in rows 10 s apart the way of the second one is as that of
+/// locations that begin elsewhere.
+#[test]
+fn a_zero_that_stands_still_in_rows_far_apart_is_no_location_that_begins_again() {
+    let (kinds, said) = found(10, [600.0, 675.0]);
+    assert!(kinds.contains(&Kind::StuckSpeed) && !kinds.contains(&Kind::Reset), "{said}");
+}
