@@ -126,6 +126,30 @@ fn a_study_and_a_tuning_ask_whether_the_gradients_are_right() {
 }
 
 #[test]
+fn a_study_and_a_tuning_find_small_errors_of_gradients_as_a_replay_does() {
+    let folder = simulated(20);
+    folder.write("off.toml", &off_by_half(&folder.read("set/track.toml")));
+    let done = |command: &[&str], runs: &[&str], track: &str| {
+        let described = ["--train", "set/train.toml", "--track", track, "--out", "out"];
+        folder.done(&[command, &described, runs].concat()).out
+    };
+    let is_said = |text: &str| text.contains("\ngradients are taken to be off by 0.");
+    let permille = |json: &serde_json::Value| json["gradient_sd_permille"].as_f64().unwrap();
+    let tune = ["tune", "--count", "4", "--evaluations", "50", "--no-run-pages"];
+    let runs = ["--runs", "set/runs"];
+    for track in ["off.toml", "set/track.toml"] {
+        let is_off = track == "off.toml";
+        assert_eq!(is_said(&done(&["replay", "--no-estimates"], &["set/runs"], track)), is_off);
+        let replayed = permille(&folder.json("out/replay.json"));
+        assert_eq!(is_said(&done(&["study", "--no-run-pages"], &runs, track)), is_off);
+        let json = done(&["study", "--no-run-pages", "--json"], &runs, track);
+        assert_eq!(permille(&serde_json::from_str(&json).unwrap()), replayed, "{track}");
+        assert_eq!(is_said(&done(&tune, &runs, track)), is_off);
+        assert_eq!(permille(&folder.json("out/tune.json")), replayed, "{track}");
+    }
+}
+
+#[test]
 fn what_is_not_published_is_marked_on_the_screen() {
     let folder = simulated(6);
     let said = |track: &str| {

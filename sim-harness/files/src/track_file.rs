@@ -150,6 +150,13 @@ impl TrackFile {
         config
     }
 
+    /// How far gradients may be off as a configuration or this file says, standard deviation, permille; none where
+    /// neither says anything of described ones.
+    pub fn said_sd_permille(&self, config: &Config) -> Option<f64> {
+        let doubted = self.doubted(*config).track_doubt.gradient_sd_permille;
+        (doubted > 0.0 || self.gradient_sd_permille.is_some()).then_some(doubted)
+    }
+
     /// Where trains stop, m.
     pub fn stops_m(&self) -> Vec<f64> {
         self.stop.iter().map(|stop| stop.at_m).collect()

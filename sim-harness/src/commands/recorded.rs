@@ -3,7 +3,7 @@
 use super::{Failure, Strict, screen};
 use crate::study::source::RunSource;
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train, tick::sensor::Rounding};
-use rundown_check::gradients::Doubt;
+use rundown_check::gradients::Answer;
 use rundown_check::{Known, limits::Described};
 use rundown_files::{map_matching::CentreLine, track_file::TrackFile, train_file::TrainFile};
 use std::path::PathBuf;
@@ -41,8 +41,8 @@ pub(super) struct OpenedCase {
     pub(super) inputs: Vec<PathBuf>,
     /// The estimator's, as far as the track is doubted.
     pub(super) config: Config,
-    /// The described gradients look wrong.
-    pub(super) doubt: Option<Doubt>,
+    /// What the coasts say of the descriptions.
+    pub(super) answer: Answer,
 }
 
 impl RecordedRuns {
@@ -75,9 +75,9 @@ impl RecordedRuns {
         };
         let diagnosed = (!as_recorded).then(|| known.clone());
         let mut source = RunSource::recorded(&self.runs, line, diagnosed, self.keep_perturbed, screen::note)?;
+        let answer = source.of_descriptions(&train, &track, track_file.said_sd_permille(config))?;
         let config = track_file.doubted(*config);
-        let doubt = source.gradient_doubt(&train, &track, config.track_doubt.gradient_sd_permille)?;
         let inputs = [described.to_vec(), source.files()].concat();
-        Ok(Some(OpenedCase { train_file, train, track_file, track, source, known, inputs, config, doubt }))
+        Ok(Some(OpenedCase { train_file, train, track_file, track, source, known, inputs, config, answer }))
     }
 }

@@ -172,7 +172,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         foreseen.add(&replayed.runs);
         screen::print(&screen::run_table(&replayed.runs, replayed.runs.len(), replayed.config.mode));
         screen::print(&foreseen.lines(screen::RUNS_PRINTED));
-        screen::print(&gradients(replayed.gradients_by_coasts_permille));
+        screen::print(&screen::small_errors(replayed.small_errors));
         let (runs, mode) = (replayed.runs.len(), screen::mode_words(&replayed.config));
         let report = arguments.out.join("report.html");
         let report = report.display();
@@ -212,21 +212,11 @@ fn stream(arguments: &Arguments, opened: Opened, bar: &ProgressBar) -> Result<Ex
     } else {
         screen::print(&screen::run_table(&first, summary.runs, config.mode));
         screen::print(&foreseen.lines(screen::RUNS_PRINTED));
-        screen::print(&gradients(summary.gradients_by_coasts_permille));
+        screen::print(&screen::small_errors(summary.small_errors));
         let results = arguments.out.display();
         screen::print(&format!("\nruns: {}, mode: {mode}, results: {results}\n", summary.runs));
     }
     Ok(code(summary.failed.len() + summary.unused, summary.learned))
-}
-
-/// What the coasts say of gradients of which the track does not say how far they may be off.
-fn gradients(by_coasts_permille: Option<f64>) -> String {
-    by_coasts_permille.map_or_else(String::new, |sd| {
-        format!(
-            "\ngradients are taken to be off by {sd:.2} permille (standard deviation), on which coasts of different \
-             runs agree at their places; gradient_sd_permille in the track's file says otherwise\n"
-        )
-    })
 }
 
 fn said(notes: &[String], failed: &[Failed]) {

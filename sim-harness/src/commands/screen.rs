@@ -11,6 +11,7 @@ use crate::{
 use indicatif::{ProgressBar, ProgressStyle};
 use rundown::estimator::config::{Config, Mode};
 use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::paper::Difference, tick::regime::Regime};
+use rundown_check::gradients::SmallErrors;
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::counted;
 use std::fs::File;
@@ -42,6 +43,11 @@ pub(super) fn results(as_json: bool, json: &str, words: &str, out: &Path) {
     } else {
         print(&format!("{words}\nresults: {}\n", out.display()));
     }
+}
+
+/// What coasts say of gradients of which neither track nor configuration says how far they may be off: a paragraph.
+pub(super) fn small_errors(found: Option<SmallErrors>) -> String {
+    found.map_or_else(String::new, |found| format!("\n{found}\n"))
 }
 
 /// Prints a file to stdout, as [`print()`] does.

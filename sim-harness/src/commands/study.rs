@@ -21,6 +21,7 @@ use crate::study::write;
 use case::Part;
 use rundown::estimator::config::Config;
 use rundown::tick::paper::Difference;
+use rundown_check::gradients::SmallErrors;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::refusal::ReadError;
 use std::path::PathBuf;
@@ -143,6 +144,10 @@ pub(super) struct Study {
     pub(super) gathered: Gathered,
     pub(super) claims: Vec<Claim>,
     pub(super) answers: Vec<SlopeAnswer>,
+    /// The gradients of recorded runs are off by little.
+    pub(super) small_errors: Option<SmallErrors>,
+    /// How far the estimator takes gradients to be off, permille.
+    pub(super) gradient_sd_permille: f64,
 }
 
 impl Arguments {

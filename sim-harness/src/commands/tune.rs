@@ -14,6 +14,7 @@ use crate::tune::surface::{EVALUATIONS, plane, profiles};
 use crate::{study::source::RunSource, study::trials::sensitivity, tune::score::Bench, tune::search::search};
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::PaperConfig;
+use rundown_check::gradients::Answer;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::recording::Recording;
 use rundown_pages::numbers::{counted, number};
@@ -65,7 +66,7 @@ pub struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let base = super::config(arguments.config.as_deref())?;
-    let TunedRuns { bench, truths, source, provenance } = runs_of(arguments, base)?;
+    let TunedRuns { bench, truths, source, provenance, answer, gradient_sd_permille } = runs_of(arguments, base)?;
     let table1 = place(&PaperConfig::default());
     let bar = screen::progress(arguments.evaluations as usize + EVALUATIONS);
     let step = || bar.inc(1);
@@ -86,16 +87,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         if has_run_pages {
             runs::write_pages(folder, &bench, &truths, &tuned)?;
         }
-        write_results(folder, &tuned, &tuning)
+        write_results(folder, &tuned, &tuning, gradient_sd_permille)
     })?;
     screen::print(&words(&tuning, &arguments.out));
+    screen::print(&screen::small_errors(answer.small));
     if let Some(caveat) = tuning.found.caveat() {
         screen::note(&caveat);
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Failure> {
+fn write_results(
+    out: &Path,
+    tuned: &Config,
+    tuning: &Tuning,
+    gradient_sd_permille: f64,
+) -> Result<(), Failure> {
     let Tuning { table1, found, scores, sensitivity, slopes, .. } = tuning;
     let json = json!({
         "evaluations": found.evaluations,
@@ -104,6 +111,7 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
         "optimum": { "values": named(&found.place), "score": scores[1] },
         "sensitivity": sensitivity,
         "slope": { "table1": slopes[0], "optimum": slopes[1] },
+        "gradient_sd_permille": gradient_sd_permille,
     });
     write::text(&out.join("config.toml"), &toml::to_string(tuned).map_err(Failure::refused)?)?;
     write::pictures(out, &tuning.pictures)?;
@@ -120,14 +128,20 @@ struct TunedRuns {
     source: String,
     /// The files that were read.
     provenance: Provenance,
+    /// What the coasts say of the descriptions.
+    answer: Answer,
+    /// How far gradients are taken to be off; the paper's filter, which is tuned, knows no such doubt.
+    gradient_sd_permille: f64,
 }
 
 fn runs_of(arguments: &Arguments, base: Config) -> Result<TunedRuns, Failure> {
     let count = usize::from(arguments.count);
     let mut inputs: Vec<PathBuf> = arguments.config.iter().cloned().collect();
+    let mut answer = Answer::default();
     let (train, track, mut source, words, base) = match arguments.recorded.open(&base)? {
         Some(opened) => {
             inputs.extend(opened.inputs);
+            answer = opened.answer;
             (opened.train, opened.track, opened.source, "recorded", opened.config)
         }
         None => {
@@ -162,7 +176,11 @@ fn runs_of(arguments: &Arguments, base: Config) -> Result<TunedRuns, Failure> {
     let (runs, truths): (Vec<Recording>, Vec<_>) =
         moving.map(|case| (case.recording, case.truth.as_ref().map(truth_view))).unzip();
     let source = counted(runs.len(), &format!("{words} run"), &format!("{words} runs"));
-    Ok(TunedRuns { bench: Bench { base, train, track, runs }, truths, source, provenance })
+    let mut doubted = base.track_doubt;
+    answer.raise(&mut doubted);
+    let gradient_sd_permille = doubted.gradient_sd_permille;
+    let bench = Bench { base, train, track, runs };
+    Ok(TunedRuns { bench, truths, source, provenance, answer, gradient_sd_permille })
 }
 
 /// The runs that say something of a filter; a refusal where none does.

@@ -86,12 +86,15 @@ pub const FIELDS: &[[&str; 4]] = &[
     ],
     ["gradient_doubt.z", "", "standard errors over the places of the line by which it is better", NOT_WRONG],
     ["gradient_doubt.stretches", "", "coasted stretches", NOT_WRONG],
-    [
-        "gradient_sd_permille",
-        "permille",
-        "how far gradients were taken to be off, standard deviation: by the track, the configuration or the coasts",
-        "",
-    ],
+    GRADIENT_SD,
+];
+
+/// Also of `tune.json` and of `rundown study --json`.
+pub const GRADIENT_SD: [&str; 4] = [
+    "gradient_sd_permille",
+    "permille",
+    "how far gradients were taken to be off, standard deviation: by the track, the configuration or the coasts",
+    "",
 ];
 
 const NOT_WRONG: &str = "they do not look wrong: `gradient_doubt` is null";

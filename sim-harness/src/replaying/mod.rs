@@ -27,7 +27,7 @@ use rundown::{
     model::train::Train,
 };
 use rundown_check::finding::Kind;
-use rundown_check::gradients::{Coasts, Doubt};
+use rundown_check::gradients::{Coasts, Doubt, SmallErrors};
 use rundown_check::limits::Described;
 use rundown_check::same::Seen;
 use rundown_check::{Check, Known};
@@ -146,8 +146,8 @@ pub struct Replayed {
     pub notes: Vec<String>,
     /// The described gradients look wrong.
     pub gradient_doubt: Option<Doubt>,
-    /// How far they are taken to be off, permille, where the coasts say it and the track does not.
-    pub gradients_by_coasts_permille: Option<f64>,
+    /// They are off by little, as the coasts say and the track does not.
+    pub small_errors: Option<SmallErrors>,
     provenance: Provenance,
     carried: bool,
     tick: Tick,
@@ -172,8 +172,8 @@ pub struct Summary {
     pub notes: Vec<String>,
     /// The described gradients look wrong.
     pub gradient_doubt: Option<Doubt>,
-    /// How far they are taken to be off, permille, where the coasts say it and the track does not.
-    pub gradients_by_coasts_permille: Option<f64>,
+    /// They are off by little, as the coasts say and the track does not.
+    pub small_errors: Option<SmallErrors>,
 }
 
 impl Request {
@@ -267,7 +267,7 @@ impl Opened {
         advice.coasts = self.taught_by_coasts(&recordings, &own);
         advice.add(&runs);
         summary.notes.extend(advice.notes(&self.estimator, summary.says_gradients()));
-        let Summary { failed, notes, gradient_doubt, gradients_by_coasts_permille, .. } = summary;
+        let Summary { failed, notes, gradient_doubt, small_errors, .. } = summary;
         let Request { tables, run_pages, .. } = self.request;
         let Self { config, train, core_train, track, provenance, .. } = self;
         Ok(Replayed {
@@ -279,7 +279,7 @@ impl Opened {
             failed,
             notes,
             gradient_doubt,
-            gradients_by_coasts_permille,
+            small_errors,
             provenance,
             carried,
             tick,
@@ -384,25 +384,16 @@ impl Opened {
     fn doubt_descriptions(&mut self, recordings: &[Recording], summary: &mut Summary) -> Result<(), ReplayError> {
         let mut coasts = Coasts::default();
         coasts.add(recordings, &self.core_train);
-        let track_doubt = &mut self.config.track_doubt;
-        let said_permille = track_doubt.gradient_sd_permille;
-        let (doubt, units) = coasts.doubts(&self.core_train, self.estimator.track(), said_permille);
-        // A resistance in other units leaves at each place what it is off by at the speeds there.
-        let may_be_exact = said_permille == 0.0 && self.track.gradient_sd_permille.is_none() && units.is_none();
-        summary.notes.extend(units.map(|units| units.to_string()));
-        if let Some(doubt) = &doubt {
-            doubt.raise(track_doubt);
-            let sd = track_doubt.gradient_sd_permille;
-            summary
-                .notes
-                .push(format!("{doubt}; until they are put right they are taken to be off by {sd:.1} permille"));
-        } else if may_be_exact {
-            let small = coasts.small_errors_permille(&self.core_train, self.estimator.track());
-            summary.gradients_by_coasts_permille = small;
-            track_doubt.gradient_sd_permille = small.unwrap_or(0.0);
-        }
-        summary.gradient_doubt = doubt;
-        if track_doubt.gradient_sd_permille == said_permille { Ok(()) } else { self.reconfigured() }
+        let said_permille = self.track.said_sd_permille(&self.config);
+        let answer = coasts.answer(&self.core_train, self.estimator.track(), said_permille);
+        let doubt = &mut self.config.track_doubt;
+        answer.raise(doubt);
+        let sd = doubt.gradient_sd_permille;
+        summary.notes.extend(answer.resistance.map(|units| units.to_string()));
+        let taken = format!("until they are put right they are taken to be off by {sd:.1} permille");
+        summary.notes.extend(answer.gradients.map(|doubt| format!("{doubt}; {taken}")));
+        (summary.gradient_doubt, summary.small_errors) = (answer.gradients, answer.small);
+        if sd == said_permille.unwrap_or(0.0) { Ok(()) } else { self.reconfigured() }
     }
 
     /// The estimator takes what the configuration has now.
@@ -449,7 +440,7 @@ impl Summary {
 
     /// It is said why gradients are doubted.
     fn says_gradients(&self) -> bool {
-        self.gradient_doubt.is_some() || self.gradients_by_coasts_permille.is_some()
+        self.gradient_doubt.is_some() || self.small_errors.is_some()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::slope::ERROR_KMH;
 use crate::output::fields::{Field, below, owned};
+use crate::output::json::GRADIENT_SD;
 
 /// An answer of the self-test, as in `slope.json` and `tune.json`.
 pub fn answer(prefix: &str) -> Vec<Field> {
@@ -52,6 +53,7 @@ pub fn case_study() -> Vec<Field> {
             "the fields of `check.json`, for each part of recorded runs that was read at once",
             "as in `check.json`",
         ],
+        GRADIENT_SD,
         ["sets", "", "sets of runs on which the claims were judged", ""],
         ["sets_needed", "", "in how many a claim must hold: 90 %, rounded up", ""],
         ["claims_by_kind[].kind", "", "`input`, `recovered` or `predicted`", ""],

@@ -7,7 +7,7 @@ use crate::parquet_runs::ParquetRuns;
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
 use rundown::{model::track::Track, model::train::Train};
-use rundown_check::gradients::{Coasts, Doubt};
+use rundown_check::gradients::{Answer, Coasts};
 use rundown_check::{Check, Known, same::Seen};
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::{map_matching::CentreLine, recording::DirectionChoice, run_log::BadRows};
@@ -96,26 +96,27 @@ impl RunSource {
         Ok(Self::Recorded(Box::new(recorded)))
     }
 
-    /// Whether the described gradients and resistance explain how the trains of the first chunk coast; if not, the
-    /// notes say so. Of simulated runs it is not asked. `said_permille`: how far they may be off by their own
-    /// description, standard deviation.
+    /// Whether the described gradients and resistance explain how the trains of the first chunk coast; if they look
+    /// wrong, the notes say so. Of simulated runs it is not asked. `said_permille`: how far the gradients may be off as
+    /// track or configuration say, standard deviation.
     ///
     /// # Errors
     /// The runs cannot be read.
-    pub fn gradient_doubt(
+    pub fn of_descriptions(
         &mut self,
         train: &Train,
         track: &Track,
-        said_permille: f64,
-    ) -> Result<Option<Doubt>, Refused> {
-        let Self::Recorded(recorded) = self else { return Ok(None) };
+        said_permille: Option<f64>,
+    ) -> Result<Answer, Refused> {
+        let Self::Recorded(recorded) = self else { return Ok(Answer::default()) };
         let first = recorded.next_chunk()?;
         let mut coasts = Coasts::default();
         first.iter().flatten().for_each(|case| coasts.add(std::slice::from_ref(&case.recording), train));
         recorded.ahead = Some(first);
-        let (doubt, units) = coasts.doubts(train, track, said_permille);
-        recorded.of_descriptions = doubt.map(|doubt| doubt.to_string()).or(units.map(|units| units.to_string()));
-        Ok(doubt)
+        let answer = coasts.answer(train, track, said_permille);
+        let units = || answer.resistance.map(|units| units.to_string());
+        recorded.of_descriptions = answer.gradients.map(|doubt| doubt.to_string()).or_else(units);
+        Ok(answer)
     }
 
     /// A run that is no part of the statistics: it was perturbed.

@@ -2,6 +2,7 @@
 
 use super::parameters::PARAMETERS;
 use crate::output::fields::{Field, below, owned};
+use crate::output::json::GRADIENT_SD;
 use crate::study::fields::answer;
 
 /// Of `tune.json`.
@@ -21,6 +22,7 @@ pub fn fields() -> Vec<Field> {
     fields.extend(below("sensitivity[].", SENSITIVITY));
     fields.extend(answer("slope.table1."));
     fields.extend(answer("slope.optimum."));
+    fields.extend(owned(&[GRADIENT_SD]));
     fields
 }
 

@@ -13,6 +13,7 @@
 //! (`mixture`), and versions are compared by their likelihoods, place by place (`places`). Where none of them explains
 //! the coasts, what comes again at a place in other runs is the slope that is not described.
 
+mod answer;
 mod by_efforts;
 mod doubt;
 mod mixture;
@@ -21,6 +22,7 @@ mod stretch;
 mod units;
 mod version;
 
+pub use answer::{Answer, SmallErrors};
 pub use doubt::Doubt;
 pub use units::{CONVERSIONS, OtherUnits, converted};
 pub use version::Version;
@@ -127,7 +129,7 @@ impl Coasts {
 
     /// How far the described gradients are off, standard deviation, permille: what coasts of different runs have in
     /// common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
-    pub fn small_errors_permille(&self, train: &Train, track: &Track) -> Option<f64> {
+    fn small_errors_permille(&self, train: &Train, track: &Track) -> Option<f64> {
         let found = self.locked(&self.climbs(Version::Described, train, track))?;
         let are_enough = self.runs >= LEAST_RUNS_SMALL && found.stretches >= LEAST_STRETCHES;
         let is_seen = are_enough && found.z > LEAST_Z_SMALL;

@@ -72,6 +72,7 @@ pub(super) fn study_part(arguments: &Arguments, part: Part<'_>, out: &Path) -> R
         screen::print(&json_of(&study));
     } else {
         screen::print(&table(&study));
+        screen::print(&screen::small_errors(study.small_errors));
         let report = out.join("report.html");
         screen::print(&format!("\nreport: {}\n", report.display()));
     }
@@ -167,7 +168,14 @@ fn study(
     write::records(&out.join("slope.csv"), &self_test::records(&test.answers))?;
     write::text(&out.join("fig1_method.svg"), page::METHOD)?;
     write::text(&out.join("report.html"), &text)?;
-    Ok(Study { gathered, claims, answers: test.answers })
+    let gradient_sd_permille = config.track_doubt.gradient_sd_permille;
+    Ok(Study {
+        gathered,
+        claims,
+        answers: test.answers,
+        small_errors: described.small_errors,
+        gradient_sd_permille,
+    })
 }
 
 /// The claims on other sets of runs.

@@ -7,6 +7,7 @@ use crate::simulation::scenario_file::Simulation;
 use crate::study::source::RunSource;
 use crate::study::{description, readings::comparison};
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
+use rundown_check::gradients::SmallErrors;
 use rundown_files::{track_file::TrackFile, train_file::TrainFile};
 use std::path::PathBuf;
 
@@ -25,6 +26,8 @@ pub(super) struct DescribedCase {
     pub(super) inputs: Vec<PathBuf>,
     /// Of the estimator, where the track has a doubt of its own.
     pub(super) config: Option<Config>,
+    /// The gradients of recorded runs are off by little.
+    pub(super) small_errors: Option<SmallErrors>,
 }
 
 pub(super) fn described(
@@ -39,8 +42,8 @@ pub(super) fn described(
         let seeds = usize::from(arguments.seeds.unwrap_or(1));
         return simulated(simulation, seed, count, seeds, as_recorded);
     };
-    let OpenedCase { train_file, train, track_file, track, source, inputs, mut config, doubt, .. } = opened;
-    doubt.into_iter().for_each(|doubt| doubt.raise(&mut config.track_doubt));
+    let OpenedCase { train_file, train, track_file, track, source, inputs, mut config, answer, .. } = opened;
+    answer.raise(&mut config.track_doubt);
     Ok(DescribedCase {
         train_name: train_file.name,
         track_name: track_file.name,
@@ -51,6 +54,7 @@ pub(super) fn described(
         files: None,
         inputs,
         config: Some(config),
+        small_errors: answer.small,
         others: Vec::new(),
     })
 }
@@ -72,6 +76,7 @@ pub(super) fn simulated(
         train_name: format!("{} (simulated)", simulation.train.name),
         track_name: simulation.track.name.clone(),
         config: None,
+        small_errors: None,
         inputs: simulation.file.iter().cloned().collect(),
         files: Some((simulation.train.clone(), simulation.track.clone())),
         train: of_scenario.train,

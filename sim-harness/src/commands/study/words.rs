@@ -16,6 +16,7 @@ pub(super) fn json_of(study: &Study) -> String {
         "failed": study.gathered.failed.len(),
         "set_aside": study.gathered.set_aside,
         "diagnosis": study.gathered.checks,
+        "gradient_sd_permille": study.gradient_sd_permille,
         "sets": summary::sets(&study.claims),
         "sets_needed": claims::Sets::needed(summary::sets(&study.claims)),
         "claims_by_kind": summary::counts(&study.claims),
