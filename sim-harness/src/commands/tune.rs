@@ -97,12 +97,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn write_results(
-    out: &Path,
-    tuned: &Config,
-    tuning: &Tuning,
-    gradient_sd_permille: f64,
-) -> Result<(), Failure> {
+fn write_results(out: &Path, tuned: &Config, tuning: &Tuning, gradient_sd_permille: f64) -> Result<(), Failure> {
     let Tuning { table1, found, scores, sensitivity, slopes, .. } = tuning;
     let json = json!({
         "evaluations": found.evaluations,

@@ -169,13 +169,7 @@ fn study(
     write::text(&out.join("fig1_method.svg"), page::METHOD)?;
     write::text(&out.join("report.html"), &text)?;
     let gradient_sd_permille = config.track_doubt.gradient_sd_permille;
-    Ok(Study {
-        gathered,
-        claims,
-        answers: test.answers,
-        small_errors: described.small_errors,
-        gradient_sd_permille,
-    })
+    Ok(Study { gathered, claims, answers: test.answers, small_errors: described.small_errors, gradient_sd_permille })
 }
 
 /// The claims on other sets of runs.
