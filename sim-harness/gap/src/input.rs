@@ -3,10 +3,11 @@
 use crate::data::load::Loaded;
 use crate::data::{believed::Surroundings, load, runs::Run};
 use crate::refusal::Refusal;
+use rundown::estimator::config::Config;
 use rundown::model::{track::Track, train::Train};
 use rundown_check::{
     Check,
-    gradients::{Coasts, Doubt},
+    gradients::{Coasts, Doubt, SmallErrors},
 };
 use rundown_files::folder::Provenance;
 use rundown_files::map_matching::CentreLine;
@@ -57,6 +58,15 @@ struct Described {
     track: Track,
 }
 
+/// The workflow does not doubt the track by them, and an effect at places leaves the same in the coasts.
+fn small_errors(small: &SmallErrors) -> String {
+    format!(
+        "coasts of different runs agree at their places on {:.2} permille (standard deviation) that the track does not \
+         describe: errors of its gradients, or an effect at places. Where it is errors, other names may be theirs",
+        small.sd_permille
+    )
+}
+
 impl Described {
     fn read(train: &Path, track: &Path) -> Result<Self, Refusal> {
         let files = [train, track].map(Path::to_owned);
@@ -71,9 +81,10 @@ impl Described {
         let Loaded { runs, recordings, check, notes, first_left_out } = loaded;
         let mut coasts = Coasts::default();
         coasts.add(&recordings, &train);
-        let (gradient_doubt, units) = coasts.doubts(&train, &track, track_file.gradient_sd_permille());
-        let doubt = gradient_doubt.map(|doubt| format!("{doubt}; the gap is then theirs"));
-        let units = units.map(|units| format!("{units}; the gap is then its"));
+        let said = coasts.answer(&train, &track, track_file.said_sd_permille(&Config::default()));
+        let doubt = said.gradients.map(|doubt| format!("{doubt}; the gap is then theirs"));
+        let units = said.resistance.map(|units| format!("{units}; the gap is then its"));
+        let small = said.small.map(|small| small_errors(&small));
         let is_read = |name: &str| names.iter().any(|one| one == name);
         let of_no_run = effect_file::of_no_run(&train_file.effect, &track_file.effect, is_read);
         Input {
@@ -88,9 +99,9 @@ impl Described {
             recordings,
             check,
             dataset,
-            gradient_doubt,
+            gradient_doubt: said.gradients,
             provenance,
-            notes: notes.into_iter().chain(of_no_run).chain(doubt).chain(units).collect(),
+            notes: notes.into_iter().chain(of_no_run).chain(doubt).chain(units).chain(small).collect(),
         }
     }
 }
