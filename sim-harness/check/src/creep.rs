@@ -1,17 +1,18 @@
 //! Wheels that creep: the speed of a driven axle reads too much while it powers, and what the train runs is right.
 //!
 //! ```text
-//! Δx - ∫ v_r dt = ... - c/2 (∫ v_r dt rising) + c/2 (∫ v_r dt falling) - h (∫ v_r dt steady) + noise
+//! Δx - ∫ v_r dt = ... - c/2 (∫ v_r dt rising) + c/2 (∫ v_r dt falling) - h (∫ v_r dt steady) + b Δa + noise
 //! ```
 //!
 //! A wheel that is not as described is off by the same factor at all times. So where the scale of a speed that rises is
 //! another one than that of a speed that falls, c, neither is a wheel's. A steady speed may be held by power, or be that
-//! of a coast on a descent: what it has for itself, h, is left to it.
+//! of a coast on a descent: what it has for itself, h, is left to it. So is what means over some seconds make of speeds
+//! that turn, b Δa ([`crate::second_order`]), which goes with the rises as c does.
 
 use crate::LEAST_SCALE;
 use crate::agreement::{BENDS_SD, FEW_RUNS, Figure};
 use crate::compared::{Compared, Differences};
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix3, Vector3};
 
 /// A train that gains or loses less speed than this may power, coast or brake, m/s².
 const RISES_MPS2: f64 = 0.08;
@@ -19,6 +20,8 @@ const FALLS_MPS2: f64 = -0.03;
 /// Creep of wheels that power, as a share of the speed: adhesion is best at one to three per cent. Where so much does
 /// not show nothing is said; and half of it a steady speed is off by beside the mean of both, standard deviation.
 const SOME_CREEP: f64 = 0.02;
+/// What speeds may have of the second order, standard deviation, s²: means over 15 s have 9.4.
+const SECOND_ORDER_S2: f64 = 10.0;
 /// So many standard deviations: nothing is put right by it, so less than what is sure suffices.
 const CONTRADICTS: f64 = 3.0;
 
@@ -62,27 +65,29 @@ impl Creep {
     }
 }
 
-/// What c and h add to each difference, m.
-fn columns(differences: &Differences) -> [Vec<f64>; 2] {
+/// What c, h and b add to each difference, m.
+fn columns(differences: &Differences) -> [Vec<f64>; 3] {
     let share = |mps2: &f64| match *mps2 {
         mps2 if mps2 > RISES_MPS2 => [-0.5, 0.0],
         mps2 if mps2 < FALLS_MPS2 => [0.5, 0.0],
         _ => [0.0, -1.0],
     };
     let shares: Vec<[f64; 2]> = differences.mps2().iter().map(share).collect();
-    [0, 1].map(|which| differences.by_speed.iter().zip(&shares).map(|(metres, share)| share[which] * metres).collect())
+    let of = |which: usize| differences.by_speed.iter().zip(&shares).map(|(m, share)| share[which] * m).collect();
+    [of(0), of(1), differences.turns_mps2.clone()]
 }
 
-/// c beside h, scale, offset and skew.
-fn fitted(compared: &Compared, columns: &[Vec<f64>; 2]) -> Option<Figure> {
+/// c beside h, b, scale, offset and skew.
+fn fitted(compared: &Compared, columns: &[Vec<f64>; 3]) -> Option<Figure> {
     let fit = &compared.fit;
     let variance = fit.variance / compared.independent();
-    let of = [0, 1].map(|which: usize| compared.taken_up(&columns[which]));
+    let of = columns.each_ref().map(|metres| compared.taken_up(metres));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let taken = |i: usize, j: usize| (0..3).map(|k| of[i].0[k] * dot(&fit.columns[k], &of[j].1)).sum::<f64>();
-    let mut information = Matrix2::from_fn(|i, j| (dot(&of[i].1, &of[j].1) - taken(i, j)) / variance);
+    let mut information = Matrix3::from_fn(|i, j| (dot(&of[i].1, &of[j].1) - taken(i, j)) / variance);
     information[(1, 1)] += (0.5 * SOME_CREEP).powi(-2);
-    let score = Vector2::from_fn(|i, _| dot(&of[i].1, &fit.residuals) / variance);
+    information[(2, 2)] += SECOND_ORDER_S2.powi(-2);
+    let score = Vector3::from_fn(|i, _| dot(&of[i].1, &fit.residuals) / variance);
     let covariance = information.cholesky()?.inverse();
     Some(Figure { value: (covariance * score)[0], sd: covariance[(0, 0)].sqrt() })
 }

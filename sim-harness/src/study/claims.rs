@@ -330,7 +330,7 @@ mod tests {
         assert_eq!(verdict(&home, "0.00738"), Verdict::Reproduced);
         assert_eq!(verdict(&elsewhere, "third moment"), Verdict::Reproduced);
         assert!(summary::elsewhere(&elsewhere).starts_with("Of all 47 claims 30 are not judged: "));
-        assert_eq!(summary::by_kind(&elsewhere), "input 1 of 1, predicted 1 of 16");
+        assert_eq!(summary::by_kind(&elsewhere), "input 1 of 1, predicted 2 of 16");
         assert_eq!(summary::elsewhere(&home), "");
     }
 

@@ -105,7 +105,7 @@ impl Missed {
             while were.next_if(|(at_s, _)| at_s < time_s).is_some() {}
             // The paper has no regime for a train that stands.
             let moving = |(at_s, was): &&(f64, Regime)| at_s == time_s && *was != Regime::Standstill;
-            if let Some((_, was)) = were.peek().filter(|sample| moving(*sample)) {
+            if let Some((_, was)) = were.peek().filter(|sample| moving(sample)) {
                 self.regimes.add(f64::from(u8::from(was != regime)));
             }
         }

@@ -76,7 +76,7 @@ struct Entry<'a> {
 }
 
 /// The reader's font is unknown: an estimate on the wide side, that of DejaVu Sans.
-fn text_width(text: &str, stretch: Real) -> i32 {
+pub(super) fn text_width(text: &str, stretch: Real) -> i32 {
     // In heights of a letter.
     let width = |letter: char| match letter {
         'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' | ' ' => 0.33,

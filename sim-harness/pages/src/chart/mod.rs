@@ -18,7 +18,7 @@ mod scale;
 pub use drawing::Drawing;
 pub use scale::range_of;
 
-use header::draw_header;
+use header::{draw_header, text_width};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::{coord::Shift, coord::types::RangedCoordf64};
@@ -273,6 +273,14 @@ impl Figure {
         // A narrow plot has room for fewer numbers.
         let x_labels = (12 * width as usize / WIDTH as usize).max(6);
         let x_labels = if self.is_count { x_labels.min(whole_numbers(&x)) } else { x_labels };
+        // Numbers of many digits need more of it.
+        let room = width.saturating_sub(LEFT + right) as i32;
+        let takes = |labels: usize| {
+            let digits = digits(&x, labels as Real);
+            let wide = [x.start, x.end].map(|value| text_width(&format!("{value:.digits$} "), 1.0));
+            labels as i32 * wide[0].max(wide[1])
+        };
+        let x_labels = (2..=x_labels).rev().find(|labels| takes(*labels) <= room).unwrap_or(x_labels.min(2));
         let (x_digits, y_digits) = (digits(&x, x_labels as Real), digits(&y, y_labels as Real));
         let has_y = panel.axes != Axes::Strip;
         let x_text = |value: &Real| {
@@ -379,6 +387,28 @@ mod tests {
         }
         let svg = figure(vec![line(vec![Some((1.0, 1.0))])]).to_svg();
         assert!(!svg.contains("no estimate"));
+    }
+
+    #[test]
+    fn numbers_of_an_axis_stand_apart() {
+        for x in [2.79935..2.80045, 7.3735..7.3845, 0.0..145.0, 1e5..2e5] {
+            let figure = Figure::new("a", "b", "r2", x.clone(), [Panel::new("samples", 300, vec![line(vec![])], "")]);
+            let svg = Grid::new("a", "b", 3, vec![figure; 3]).to_svg();
+            let lines: Vec<&str> = svg.lines().collect();
+            let number = |pair: &[&str]| {
+                let value: Real = pair[1].parse().ok().filter(|value| x.contains(value))?;
+                let from = pair[0].split("x=\"").nth(1)?.split('"').next()?.parse::<Real>().ok()?;
+                Some((from, value, pair[1].len() as Real))
+            };
+            let numbers: Vec<(Real, Real, Real)> = lines.windows(2).filter_map(number).collect();
+            // Those of the other axis stand above each other.
+            let rising = |pair: &&[(Real, Real, Real)]| pair[1].1 > pair[0].1 && pair[1].0 != pair[0].0;
+            for pair in numbers.windows(2).filter(rising) {
+                let digits = 0.5 * (pair[0].2 + pair[1].2);
+                assert!(pair[1].0 - pair[0].0 >= 14.0 * digits, "{x:?}: {pair:?}");
+            }
+            assert!(numbers.len() >= 6, "{x:?}: {numbers:?}");
+        }
     }
 
     #[test]
