@@ -13,7 +13,6 @@
 //! covariance says so, and [`pooled`] weighs with it.
 
 use crate::compared::{Compared, PAIR_S};
-use crate::creep::Creep;
 use crate::rounding::{self, Equations, Joint};
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 
@@ -89,8 +88,6 @@ pub struct Agreement {
     usual_bends: Matrix2<f64>,
     /// By how much the speeds were moved before they were compared, s: the skew is what is left of it.
     moved_s: f64,
-    /// By how much more the speed reads while it rises than while it falls. None: the run does not say.
-    pub(crate) creep: Option<Creep>,
     /// What an error that all runs of a recorder share makes of 1/s - 1 and o/s, standard deviation.
     shared: Vector2<f64>,
 }
@@ -120,7 +117,6 @@ impl Compared {
     /// Speed and location of the run.
     pub(crate) fn agreement(&self) -> Agreement {
         let fit = &self.fit;
-        let with_other_bends = self.with_other_bends();
         Agreement {
             values: fit.beta,
             information: fit.information * self.independent(),
@@ -133,8 +129,9 @@ impl Compared {
             usual_bends: Matrix2::zeros(),
             moved_s: 0.0,
             shared: Vector2::zeros(),
-            creep: Creep::of(self, with_other_bends.as_ref()),
-            with_other_bends: with_other_bends.map(|all| all.map(|other| Equations::of(&other, self.independent()))),
+            with_other_bends: self
+                .with_other_bends()
+                .map(|all| all.map(|other| Equations::of(&other, self.independent()))),
         }
     }
 }

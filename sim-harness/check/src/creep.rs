@@ -5,9 +5,9 @@
 //! ```
 //!
 //! A wheel that is not as described is off by the same factor at all times. So where the scale of a speed that rises is
-//! another one than that of a speed that falls, c, neither is a wheel's. A steady speed may be held by power, or be that
-//! of a coast on a descent: what it has for itself, h, is left to it. So is what means over some seconds make of speeds
-//! that turn, b Δa ([`crate::second_order`]), which goes with the rises as c does.
+//! another one than that of a speed that falls, c, neither is a wheel's. A steady speed may be held by power, or be
+//! that of a coast on a descent: what it is off by itself, h, is left to it. So is what means over some seconds make of
+//! speeds that turn, b Δa ([`crate::second_order`]), which goes with the rises as c does.
 
 use crate::LEAST_SCALE;
 use crate::agreement::{BENDS_SD, FEW_RUNS, Figure};

@@ -110,7 +110,7 @@ mod slips;
 mod smoothed;
 mod stairs;
 pub mod steps;
-mod stuck_speeds;
+pub mod stuck_speeds;
 mod trailing;
 mod wheel_change;
 

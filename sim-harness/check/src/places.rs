@@ -4,7 +4,7 @@ use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::reach::reach_m;
 use crate::row_step::{self, longest_step_s, usual_step_s};
-use crate::{steps, stuck_speeds};
+use crate::steps;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
 use std::ops::RangeInclusive;
@@ -51,14 +51,9 @@ fn finding(kind: Kind, value: f64, count: usize, line: u64, done: Done) -> Findi
     Finding { kind, figure: Figure { value, sd: 0.0 }, unit: "m", count, line, done }
 }
 
-/// Joins what wraps and resets have torn apart.
-pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let stuck = stuck_speeds::found(rows);
-    join_beside(rows, &stuck, findings);
-}
-
-/// The same, where it is known which speeds stand still, `stuck`: beside them locations seem to begin elsewhere.
-pub(crate) fn join_beside(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding>) {
+/// Joins what wraps and resets have torn apart. `stuck`: speeds that stand still, beside which locations seem to begin
+/// elsewhere.
+pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding>) {
     let sign = heading(rows);
     let least_m = (SHIFT_OVER_NOISE * noise_m(rows, sign)).clamp(LEAST_SHIFT_M.0, LEAST_SHIFT_M.1);
     let (mut shift_m, mut last_read_m) = (0.0, 0.0);
@@ -326,7 +321,7 @@ pub(crate) fn leave_out(rows: &mut [Sample], stretches: &[StuckRows], kind: Kind
 }
 
 /// Rows in which a reading stays the same, and the distance that it misses.
-pub(crate) struct StuckRows {
+pub struct StuckRows {
     pub(crate) from: usize,
     pub(crate) to: usize,
     /// How many of them have the reading.
@@ -454,7 +449,7 @@ pub(crate) mod tests {
 
     fn joined(mut rows: Vec<Sample>) -> (Vec<Sample>, Vec<Finding>) {
         let mut findings = Vec::new();
-        join(&mut rows, &mut findings);
+        join(&mut rows, &[], &mut findings);
         (rows, findings)
     }
 

@@ -2,6 +2,7 @@
 
 use crate::agreement::{Agreement, Figure};
 use crate::compared::{Compared, Differences, Row};
+use crate::creep::Creep;
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
@@ -174,6 +175,8 @@ fn is_usable(findings: &[Finding]) -> bool {
 pub(crate) struct OfSpeed {
     pub(crate) agreement: Agreement,
     pub(crate) change: Option<wheel_change::Change>,
+    /// By how much more the speed reads while it rises than while it falls. None: the run does not say.
+    pub(crate) creep: Option<Creep>,
     /// What was taken off of the second order, and what is left of it.
     pub(crate) taken_s2: Figure,
     pub(crate) second_order_s2: Option<Figure>,
@@ -205,7 +208,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
         readings::speed_spikes(rows, &mut findings);
         places::stuck_locations(rows, &mut findings);
         places::spikes(rows, &stuck, &mut findings);
-        places::join_beside(rows, &stuck, &mut findings);
+        places::join(rows, &stuck, &mut findings);
         if !speed_is_computed {
             // Only beside locations that are right is a speed known to stand still.
             stuck_speeds::leave_out(rows, &mut findings);
@@ -244,8 +247,9 @@ impl OfSpeed {
         let second_order_s2 = beside.map(|(left, _)| Figure { sd: left.sd / correlated, ..left });
         let by_second_order = compared.taken_up(&turns_mps2).0.xy();
         let change = wheel_change::within(&compared);
+        let creep = Creep::of(&compared, compared.with_other_bends().as_ref());
         let agreement = compared.agreement().after_moving(moved_s).doubted(by_second_order * taken_s2.sd);
-        Some(Self { agreement, change, taken_s2, second_order_s2, by_second_order })
+        Some(Self { agreement, change, creep, taken_s2, second_order_s2, by_second_order })
     }
 
     /// It is known to so much, standard deviation, in all runs alike.

@@ -51,7 +51,7 @@ pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 }
 
 /// Where speeds stand still.
-pub(crate) fn found(rows: &[Sample]) -> Vec<StuckRows> {
+pub fn found(rows: &[Sample]) -> Vec<StuckRows> {
     let usual = UsualReadings::of(rows);
     let stretches =
         places::stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, LEAST_ROWS);

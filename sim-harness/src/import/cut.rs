@@ -7,7 +7,7 @@ use super::mapping::RunCuts;
 use super::rows::Record;
 use super::speeds;
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::{clock, places, row_step};
+use rundown_check::{clock, places, row_step, stuck_speeds};
 use rundown_files::sample::{MOST_LOCATION_M, Sample};
 use rundown_files::statistics::median;
 use std::ops::Range;
@@ -77,7 +77,8 @@ impl Odometer {
             account.count("odometers that wrapped before a gap, joined over it", 1);
             stretch.rows.iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + self.shift_m));
         }
-        places::join(&mut stretch.rows, findings);
+        let stuck = stuck_speeds::found(&stretch.rows);
+        places::join(&mut stretch.rows, &stuck, findings);
         if let Some((last_m, end_m)) = last_m.zip(read_m(stretch)) {
             *self = Self { shift_m: end_m - last_m, end_m };
         }

@@ -233,8 +233,8 @@ impl Claim {
         }
     }
 
-    /// The scenario was made so, and the extractor must find that it is: a claim without a number of its own. `error` is
-    /// said, and decides nothing. Comes after the criterion; without a truth that alone decides.
+    /// The scenario was made so, and the extractor must find that it is: a claim without a number of its own. `error`
+    /// is said, and decides nothing. Comes after the criterion; without a truth that alone decides.
     fn found_again(self, was: Option<bool>, error: Option<f64>, words: impl Fn(f64) -> String) -> Self {
         let claim = Self { kind: ClaimKind::Recovered, ..self }.of_the_train();
         let is_otherwise = was == Some(false) && claim.verdict == Verdict::Reproduced;

@@ -1,5 +1,5 @@
-//! How r0, r1 and r2 move along a run of the paper's loop: what section 4.2 says of Fig. 3, as numbers. The readings and
-//! the claims are judged by the same.
+//! How r0, r1 and r2 move along a run of the paper's loop: what section 4.2 says of Fig. 3, as numbers. The readings
+//! and the claims are judged by the same.
 
 use rundown_files::statistics::correlation;
 

@@ -19,8 +19,8 @@ pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
 pub const ATB_NAMES: [&str; 5] = ["above_130", "130_to_80", "80_to_60", "60_to_40", "below_40"];
 /// Speeds of the red crosses of Fig. 9, km/h.
 pub const CROSS_KMH: RangeInclusive<f64> = 50.0..=90.0;
-/// A largest power that a person may use is the largest of means over this time, s. Over 10 s a reading in whole km/h is
-/// off by 4 % of the power, and the largest of several such is 10 % too large; over three times as long the readings
+/// A largest power that a person may use is the largest of means over this time, s. Over 10 s a reading in whole km/h
+/// is off by 4 % of the power, and the largest of several such is 10 % too large; over three times as long the readings
 /// between cancel out. The paper's is that of single intervals.
 const LARGEST_OVER_S: f64 = 30.0;
 /// A clock that is a little fast makes no shorter time, s.
@@ -59,8 +59,8 @@ pub struct ViewOutcome {
     /// Largest tractive power of the first acceleration, 50 to 90 km/h, kW: as found, of means over [`LARGEST_OVER_S`];
     /// as it was, at any time.
     pub max_power_kw: Option<f64>,
-    /// A red cross of Fig. 9: the largest power of a single interval of the first acceleration, 50 to 90 km/h, kW; as it
-    /// was, at any time.
+    /// A red cross of Fig. 9: the largest power of a single interval of the first acceleration, 50 to 90 km/h, kW; as
+    /// it was, at any time.
     pub cross_kw: Option<f64>,
     /// Mean deceleration while coasting at [`COASTING_KMH`], m/s².
     pub coast_mps2: Option<f64>,

@@ -149,8 +149,8 @@ pub(crate) fn of(
     recorder
 }
 
-/// What these runs say, once more where their readings are others now, `is_other`; and by how much their speeds read more
-/// while they rise than while they fall, where that contradicts one wheel.
+/// What these runs say, once more where their readings are others now, `is_other`; and by how much their speeds read
+/// more while they rise than while they fall, where that contradicts one wheel.
 fn compared_again(
     of_unit: &[usize],
     recordings: &[Recording],
@@ -163,7 +163,7 @@ fn compared_again(
         if is_other { OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, of_speed.taken_s2) } else { Some(of_speed) }
     };
     let mut again: Vec<Option<OfSpeed>> = of_unit.iter().map(again).collect();
-    let creep = Creep::sure(again.iter().flatten().filter_map(|of_speed| of_speed.agreement.creep.as_ref()));
+    let creep = Creep::sure(again.iter().flatten().filter_map(|of_speed| of_speed.creep.as_ref()));
     if creep.is_some() {
         // What contradicts itself all the way shows no place from which on the wheel is another one.
         again.iter_mut().flatten().for_each(|of_speed| of_speed.change = None);
