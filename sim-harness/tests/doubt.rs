@@ -154,10 +154,10 @@ fn a_gap_says_that_coasts_agree_on_small_errors_of_gradients() {
     let folder = simulated(20);
     folder.write("off.toml", &off_by_half(&folder.read("set/track.toml")));
     let is_said = |track: &str| {
-        folder.done(&["gap", "--train", "set/train.toml", "--track", track, "--out", "gap", "set/runs"]);
+        folder.done(&["gap", "--train", "set/train.toml", "--track", track, "--runs", "set/runs", "--out", "gap"]);
         let json = folder.json("gap/gap.json");
         let caveats = json["caveats"].as_array().unwrap().clone();
-        caveats.iter().any(|caveat| caveat.as_str().unwrap().starts_with("coasts of different runs agree"))
+        caveats.iter().any(|caveat| caveat.as_str().unwrap().starts_with("Coasts of different runs agree"))
     };
     assert_eq!(["off.toml", "set/track.toml"].map(is_said), [true, false]);
 }

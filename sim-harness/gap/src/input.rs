@@ -39,6 +39,9 @@ pub struct Input {
     pub dataset: String,
     /// What coasts say of the described gradients; none where nothing is wrong, or nothing shows.
     pub gradient_doubt: Option<Doubt>,
+    /// By how much these gradients, or an effect at places, are off where coasts of different runs agree. The workflow
+    /// does not doubt the track by it.
+    pub small_errors: Option<SmallErrors>,
     /// When the work began, and the files that are read.
     pub provenance: Provenance,
     /// How many logs could not be used.
@@ -58,15 +61,6 @@ struct Described {
     track: Track,
 }
 
-/// The workflow does not doubt the track by them, and an effect at places leaves the same in the coasts.
-fn small_errors(small: &SmallErrors) -> String {
-    format!(
-        "coasts of different runs agree at their places on {:.2} permille (standard deviation) that the track does not \
-         describe: errors of its gradients, or an effect at places. Where it is errors, other names may be theirs",
-        small.sd_permille
-    )
-}
-
 impl Described {
     fn read(train: &Path, track: &Path) -> Result<Self, Refusal> {
         let files = [train, track].map(Path::to_owned);
@@ -84,7 +78,6 @@ impl Described {
         let said = coasts.answer(&train, &track, track_file.said_sd_permille(&Config::default()));
         let doubt = said.gradients.map(|doubt| format!("{doubt}; the gap is then theirs"));
         let units = said.resistance.map(|units| format!("{units}; the gap is then its"));
-        let small = said.small.map(|small| small_errors(&small));
         let is_read = |name: &str| names.iter().any(|one| one == name);
         let of_no_run = effect_file::of_no_run(&train_file.effect, &track_file.effect, is_read);
         Input {
@@ -100,8 +93,9 @@ impl Described {
             check,
             dataset,
             gradient_doubt: said.gradients,
+            small_errors: said.small,
             provenance,
-            notes: notes.into_iter().chain(of_no_run).chain(doubt).chain(units).chain(small).collect(),
+            notes: notes.into_iter().chain(of_no_run).chain(doubt).chain(units).collect(),
         }
     }
 }

@@ -17,6 +17,7 @@ use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
 use crate::wording::listed;
 use rundown::model::effects::Effect;
+use rundown_check::gradients::SmallErrors;
 use rundown_pages::numbers::counted;
 
 /// Sentences, the weightiest first.
@@ -64,6 +65,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     notes.extend(found.findings.differing.not_compared.iter().map(NotCompared::sentence));
     notes.extend(contradiction(found, answer.config.evidence.significant));
     notes.extend(about_gradients(&input.track_file).map(str::to_owned));
+    notes.extend(input.small_errors.as_ref().map(agreeing));
     notes.extend(unseen_speeds(&found.findings));
     if input.left_out > 0 {
         notes.push(format!(
@@ -79,6 +81,14 @@ pub fn notes(answer: &Answer) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// What coasts of different runs have in common at their places.
+fn agreeing(small: &SmallErrors) -> String {
+    format!(
+        "Coasts of different runs agree at their places on {:.2} permille (standard deviation) that the track does not describe: errors of its gradients, or an effect at places. Where it is errors, what is named beside them may be theirs.",
+        small.sd_permille
+    )
 }
 
 /// What the headwind column explains, and whether the residuals fit just as much of it.
