@@ -17,7 +17,7 @@ use crate::logs::Failed;
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::{
-    estimator::Estimator, filter::gaussian::Gaussian, model::resistance::Davis, model::state, model::track::Track,
+    estimator::Estimator, filter::gaussian::Gaussian, model::resistance::Davis, model::track::Track,
     model::train::Train, tick::bounds::ConfigError, tick::memory::Vehicle,
 };
 use rundown_check::Check;
@@ -341,8 +341,8 @@ impl Gathered {
             self.truth.add(truth);
         }
         if let Some(truth) = &case_truth {
-            let read = as_recorded.as_ref().unwrap_or(&recording);
-            self.add_speed_errors(read, truth, [looped.as_ref().unwrap_or(&runs[0]), &runs[1]]);
+            let truly_kmh = truth.samples.iter().map(|sample| 3.6 * sample.speed_mps).fold(0.0, f64::max);
+            self.truly_over_limit += u64::from(truly_kmh > LIMIT_KMH);
             self.add_resistance_errors(truth, [&paper.outcome, &gated.outcome], &train.davis());
         }
         self.add_extent(&recording);
@@ -376,29 +376,6 @@ impl Gathered {
             let intervals = (recording.rows.len() - 1) as f64;
             self.interval_s.add((last.time_s - first.time_s) / intervals);
         }
-    }
-
-    /// How far readings and filtered speeds are from the truth, and whether the train was too fast.
-    fn add_speed_errors(&mut self, recording: &Recording, truth: &CaseTruth, [paper, gated]: [&ReplayedRun; 2]) {
-        let true_kmh = |index: usize| Some(3.6 * truth.samples.get(index)?.speed_mps);
-        let rms = |speeds_mps: &mut dyn Iterator<Item = Option<f64>>| {
-            let pairs = speeds_mps.enumerate().filter_map(|(index, speed_mps)| speed_mps.zip(true_kmh(index)));
-            pairs.map(|(seen, was)| (3.6 * seen - was).powi(2)).collect::<Moments>().mean().map(f64::sqrt)
-        };
-        let filtered = |run: &ReplayedRun| {
-            let speeds = run.estimates.iter().map(|e| e.belief.mean[state::SPEED]);
-            rms(&mut speeds.map(Some))
-        };
-        let readings = recording.rows.iter().map(|row| row.speed_mps);
-        for (tallies, error_kmh) in [
-            (&mut self.paper, filtered(paper)),
-            (&mut self.gated, filtered(gated)),
-            (&mut self.truth, rms(&mut readings.into_iter())),
-        ] {
-            error_kmh.into_iter().for_each(|kmh| tallies.speed_error_kmh.add(kmh));
-        }
-        let top_kmh = truth.samples.iter().map(|s| 3.6 * s.speed_mps);
-        self.truly_over_limit += u64::from(top_kmh.fold(0.0, f64::max) > LIMIT_KMH);
     }
 
     /// How far r(100 km/h) is from the truth, whoever says it: both modes after the run, and the description.

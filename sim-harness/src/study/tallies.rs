@@ -42,15 +42,9 @@ pub struct Tallies {
     pub in_both_clouds: [u64; 2],
     /// Intervals of each run that say something of the largest tractive effort.
     pub effort_samples: Moments,
-    /// Root mean square of filtered less measured speed, km/h.
-    pub speed_rms_kmh: Moments,
-    /// Root mean square of the speed less the true one, km/h; as it was: of the readings.
-    pub speed_error_kmh: Moments,
     /// Square of r(100 km/h) at the end of each run less the true one, as a share of that; as it was: of the described
     /// one.
     pub resistance_error2: Moments,
-    /// Share of the time in which the resistance was learned.
-    pub learned_share: Moments,
 }
 
 impl Tallies {
@@ -86,8 +80,6 @@ impl Tallies {
             (&mut self.cross_kw, outcome.cross_kw),
             (&mut self.coast_mps2, outcome.coast_mps2),
             (&mut self.effort_samples, outcome.effort_samples),
-            (&mut self.speed_rms_kmh, outcome.speed_rms_kmh),
-            (&mut self.learned_share, outcome.learned_share),
         ] {
             value.into_iter().for_each(|value| moments.add(value));
         }

@@ -116,7 +116,7 @@ pub(super) fn regimes(gathered: &Gathered, train: &Train) -> [Claim; 2] {
         claim("6", "one run: traction 16.4 %, cruise 17 %, coast 57 %, brake 9.3 % of the time")
             .columns(columns())
             .holds(paper.map(|found| largest(found, PAPERS_RUN) <= 0.05))
-            .by("the run that is nearest to the paper's by its largest speed, its brake and its regimes; each share within 5 points of it")
+            .by("the run that is nearest to the paper's by its largest speed, its brake and these shares; each within 5 points of the paper's")
             .recovered(error, error.map(|_| 0.0), 0.05, points),
         claim("6", "coasting is the longest phase")
             .columns(columns())
@@ -310,7 +310,7 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 5] {
         claim("the manufacturer's power is an accurate upper bound of the largest power at 50 to 90 km/h")
             .columns(three(gathered, |t| percent(largest(t))))
             .holds(largest(paper).map(|share| (0.95..=1.10).contains(&share)))
-            .by("largest of all runs, as a share of the manufacturer's; 95 to 110 %, for readings in whole km/h add up to 10 %")
+            .by("largest of all runs, as a share of the manufacturer's; 95 to 110 %. Readings in whole km/h may add more, 13 % at 90 km/h")
             .recovered(largest(paper), largest(truth), 0.15, points),
         claim("there are not enough data for the largest tractive effort")
             .columns([count_paper, count_gated, None])

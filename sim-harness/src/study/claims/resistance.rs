@@ -182,7 +182,7 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> [Claim; 4] {
     let share = |terms: [f64; 3], term: usize| terms[term] / terms.iter().sum::<f64>();
     let example = gathered.example.as_ref();
     let paper = example.map(|example| &example.paper);
-    // At the largest speed: what the paper calls "up to".
+    // At the largest speed: what the paper calls "up to". The linear term has a larger share at a lower one.
     let of_run = |run: &ReplayedRun| {
         let speed_mps = |estimate: &Estimate| estimate.belief.mean[state::SPEED];
         let fastest = run.estimates.iter().max_by(|a, b| speed_mps(a).total_cmp(&speed_mps(b)))?;
@@ -209,7 +209,7 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> [Claim; 4] {
     let of_points = |value: Option<f64>| value.map(|v| format!("{} points", number(v, 1)));
     let [moves_paper, moves_gated, _] = of_example(example, LOOP, fine_percent, constant_moves, |_| None);
     [
-        up_to("the linear term accounts for up to 11 %", 1, 0.11),
+        up_to("the linear term accounts for 11 % at the largest speed", 1, 0.11),
         claim("the linear term is only 2 points below the constant one")
             .columns(of_example(example, LOOP, of_points, |run| of_run(run).map(above), |truth| of_truth(truth).map(above)))
             .holds(near(paper.and_then(of_run).map(above), 2.0, 1.0))
