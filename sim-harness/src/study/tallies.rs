@@ -45,6 +45,8 @@ pub struct Tallies {
     /// Square of r(100 km/h) at the end of each run less the true one, as a share of that; as it was: of the described
     /// one.
     pub resistance_error2: Moments,
+    /// Share of the time in which the resistance was learned.
+    pub learned_share: Moments,
 }
 
 impl Tallies {
@@ -80,6 +82,7 @@ impl Tallies {
             (&mut self.cross_kw, outcome.cross_kw),
             (&mut self.coast_mps2, outcome.coast_mps2),
             (&mut self.effort_samples, outcome.effort_samples),
+            (&mut self.learned_share, outcome.learned_share),
         ] {
             value.into_iter().for_each(|value| moments.add(value));
         }
