@@ -114,8 +114,8 @@ impl Compared {
         Figure { value: self.fit.beta[2], sd: (self.inverse[(2, 2)] * self.fit.variance).sqrt() }
     }
 
-    /// Speed and location of the run.
-    pub(crate) fn agreement(&self) -> Agreement {
+    /// Speed and location of the run. `with_other_bends`: what [`Compared::with_other_bends`] is.
+    pub(crate) fn agreement(&self, with_other_bends: Option<&[Self; 2]>) -> Agreement {
         let fit = &self.fit;
         Agreement {
             values: fit.beta,
@@ -129,9 +129,8 @@ impl Compared {
             usual_bends: Matrix2::zeros(),
             moved_s: 0.0,
             shared: Vector2::zeros(),
-            with_other_bends: self
-                .with_other_bends()
-                .map(|all| all.map(|other| Equations::of(&other, self.independent()))),
+            with_other_bends: with_other_bends
+                .map(|all| all.each_ref().map(|other| Equations::of(other, self.independent()))),
         }
     }
 }

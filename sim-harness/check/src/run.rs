@@ -247,8 +247,10 @@ impl OfSpeed {
         let second_order_s2 = beside.map(|(left, _)| Figure { sd: left.sd / correlated, ..left });
         let by_second_order = compared.taken_up(&turns_mps2).0.xy();
         let change = wheel_change::within(&compared);
-        let creep = Creep::of(&compared, compared.with_other_bends().as_ref());
-        let agreement = compared.agreement().after_moving(moved_s).doubted(by_second_order * taken_s2.sd);
+        let with_other_bends = compared.with_other_bends();
+        let creep = Creep::of(&compared, with_other_bends.as_ref());
+        let agreement =
+            compared.agreement(with_other_bends.as_ref()).after_moving(moved_s).doubted(by_second_order * taken_s2.sd);
         Some(Self { agreement, change, creep, taken_s2, second_order_s2, by_second_order })
     }
 

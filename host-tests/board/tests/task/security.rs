@@ -23,12 +23,17 @@ fn what_changes_the_board_must_be_secured() {
     assert_eq!(board.status().train_id, None);
 }
 
-#[test]
-fn open_measurements_are_refused_where_the_setting_asks_for_secured_ones() {
+/// A running board whose setting asks for secured measurements.
+fn asks_for_secured() -> (Board, Description, Vec<Measurement>) {
     let (description, log) = described();
     let security = SecurityConfig { secured_measurements: true };
     let config = Config { security, ..description.config };
-    let (mut board, _, log) = running((Description { config, ..description }, log));
+    running((Description { config, ..description }, log))
+}
+
+#[test]
+fn open_measurements_are_refused_where_the_setting_asks_for_secured_ones() {
+    let (mut board, _, log) = asks_for_secured();
     let open = board.desk.open(Request::Measurement(log[0])).unwrap();
     assert_eq!(answer(&board.say(&open)).unwrap().result, Err(Refusal::NotSecured));
     assert_eq!(board.status().refusals[Refusal::NotSecured as usize], 1);
@@ -45,10 +50,7 @@ fn open_measurements_are_refused_where_the_setting_asks_for_secured_ones() {
 
 #[test]
 fn open_messages_make_no_losses_where_measurements_are_secured() {
-    let (description, log) = described();
-    let security = SecurityConfig { secured_measurements: true };
-    let config = Config { security, ..description.config };
-    let (mut board, _, log) = running((Description { config, ..description }, log));
+    let (mut board, _, log) = asks_for_secured();
     let asked = |board: &mut Board, sequence| {
         let status = Uplink { sequence, request: Request::Command(Command::Status) };
         let mut buffer = [0; MAX_MESSAGE];
