@@ -7,6 +7,8 @@ mod common;
 mod formats;
 #[path = "import_command/meaning.rs"]
 mod meaning;
+#[path = "import_command/tables.rs"]
+mod tables;
 
 use common::{Folder, RUN, reference};
 use std::fmt::Write;
@@ -472,3 +474,17 @@ fn a_date_of_the_index_that_cannot_be_read_is_said_and_a_warning_where_none_may_
     let strict = folder.rundown(&["import", "--strict", "logs", "--out", "strict"]);
     assert!(strict.code == Some(1) && strict.err.contains(place), "{}", strict.err);
 }
+
+/// What a file loses is said on the screen, stands in `import.json` with its first place, and is refused with
+/// `--strict`.
+#[track_caller]
+fn loses(folder: &Folder, name: &str, what: &str, times: u64, place: &str) {
+    let said = folder.done(&["import", name, "--out", name.split('.').next().unwrap()]);
+    assert!(said.out.contains(&format!("{what}: {times}\n")), "{}{}", said.out, said.err);
+    let json = folder.json(&format!("{}/import.json", name.split('.').next().unwrap()));
+    assert_eq!(json["places"][what][0], place, "{json}");
+    let strict = folder.rundown(&["import", name, "--out", "strict", "--strict"]);
+    assert!(strict.code == Some(1) && strict.err.contains(what), "{}", strict.err);
+}
+
+const UNREADABLE: &str = "fields that cannot be read, taken as missing";
