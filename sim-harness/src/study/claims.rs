@@ -7,7 +7,7 @@
 //! What is a direction only counts from a size on that a reader of the paper could see: [`super::visible`].
 //!
 //! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth:
-//! [`ClaimKind`].
+//! [`ClaimKind`]. Into recorded runs nothing was put, and nobody knows what is true of them.
 
 mod driving;
 pub mod markdown;
@@ -36,16 +36,19 @@ pub enum ClaimKind {
     Recovered,
     /// Follows from the method on runs that were not made for it: it could have failed.
     Predicted,
+    /// Of recorded runs: what the extractor reads in them, without a truth beside it.
+    Observed,
 }
 
 impl ClaimKind {
-    pub const ALL: [Self; 3] = [Self::Input, Self::Recovered, Self::Predicted];
+    pub const ALL: [Self; 4] = [Self::Input, Self::Recovered, Self::Predicted, Self::Observed];
 
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Input => "input",
             Self::Recovered => "recovered",
             Self::Predicted => "predicted",
+            Self::Observed => "observed",
         }
     }
 }
@@ -65,6 +68,8 @@ pub struct Claim {
     pub why: String,
     /// It has numbers of the paper's own line, train or drivers.
     pub is_of_the_train: bool,
+    /// An input that is in the runs, not in the description or the method.
+    is_in_the_runs: bool,
     /// Of a claim of direction: the least change that counts, with its reason.
     pub least: Option<Size>,
     /// What each set of runs says; the words above are those of the first.
@@ -94,6 +99,19 @@ fn judged_elsewhere(claim: Claim) -> Claim {
     }
 }
 
+fn is_recorded(gathered: &Gathered) -> bool {
+    gathered.paper.runs > 0 && gathered.truth.runs == 0
+}
+
+/// Of recorded runs, into which nothing was put.
+fn observed(claim: Claim) -> Claim {
+    match claim.kind {
+        ClaimKind::Recovered => Claim { kind: ClaimKind::Observed, ..claim },
+        ClaimKind::Input if claim.is_in_the_runs => Claim { kind: ClaimKind::Observed, ..claim },
+        ClaimKind::Input | ClaimKind::Predicted | ClaimKind::Observed => claim,
+    }
+}
+
 /// In the paper's order.
 pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim> {
     let mut claims = Vec::from(driving::setting(train));
@@ -112,6 +130,9 @@ pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim>
     claims.extend(driving::power(gathered, train));
     claims.push(resistance::estimated(gathered));
     claims.push(trials::recognised(trials.thinned.as_ref()));
+    if is_recorded(gathered) {
+        claims = claims.into_iter().map(observed).collect();
+    }
     if !is_at_home(gathered, train) {
         claims = claims.into_iter().map(judged_elsewhere).collect();
     }
@@ -127,7 +148,7 @@ pub fn columns() -> Vec<Column<Claim>> {
         reader of the paper could see), `no data` or `not judged` (it has numbers of the paper's own line, train or drivers, and these runs are others)";
     let least = "the least change that counts, with its reason";
     let place = "figure of the paper, `2` to `9`, its section, `3.1`, `3.2`, `4.1`, `4.2`, `4.4`, or its `conclusion`";
-    let kind = "`input`: put into scenario, description or method; `recovered`: put in and found again; `predicted`: could have failed";
+    let kind = "`input`: put into scenario, description or method; `recovered`: put in and found again; `predicted`: could have failed; `observed`: in recorded runs, whose truth is not known";
     let error = "of the paper's mode against the truth, where the claim is `recovered`";
     vec![
         Column::text("place", place, |claim: &Claim| claim.place),
@@ -172,6 +193,7 @@ fn claim(place: &'static str, statement: &'static str) -> Claim {
         verdict,
         why,
         is_of_the_train: false,
+        is_in_the_runs: false,
         least: None,
         sets: Sets::default(),
     }
@@ -211,9 +233,14 @@ impl Claim {
         Self { is_of_the_train: false, ..self }
     }
 
-    /// The scenario was made so.
+    /// Description or method are so.
     fn input(self) -> Self {
         Self { kind: ClaimKind::Input, ..self }.of_the_train()
+    }
+
+    /// The scenario was made so.
+    fn input_of_runs(self) -> Self {
+        Self { is_in_the_runs: true, ..self.input() }
     }
 
     /// The scenario was made so, and the extractor must find it: what the paper's mode found and what was true differ
@@ -505,6 +532,25 @@ mod tests {
             verdict(&claims(&Gathered::default(), &train(), &trials), "determined successfully")
         };
         assert_eq!([of(9), of(19)], [Verdict::Reproduced, Verdict::Not]);
+    }
+
+    #[test]
+    fn nothing_was_put_into_recorded_runs() {
+        let of = |paper_runs, true_runs| {
+            let mut gathered = Gathered::default();
+            (gathered.paper.runs, gathered.truth.runs) = (paper_runs, true_runs);
+            summary::counts(&claims(&gathered, &train(), &Trials::default()))
+                .into_iter()
+                .map(|count| (count.kind, count.claims))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(of(67, 67), [("input", 11), ("recovered", 19), ("predicted", 17)]);
+        // What is left as an input is of the description and the method.
+        assert_eq!(of(67, 0), [("input", 7), ("predicted", 17), ("observed", 23)]);
+        let mut gathered = Gathered::default();
+        gathered.paper.runs = 67;
+        let of_recorded = claims(&gathered, &train(), &Trials::default());
+        assert!(of_recorded.iter().all(|claim| claim.truth == NOTHING), "nobody knows what is true");
     }
 
     #[test]

@@ -88,7 +88,8 @@ fn summary(page: &StudyPage) -> Markup {
             }
             p {
                 "What that is worth: " (summary::by_kind(page.claims)) ". An " em { "input" } " was put into the scenario, the description or the method: it could not fail; what is "
-                em { "recovered" } " was put in and found again by the extractor, with the error that is said; what is " em { "predicted" } " could have failed."
+                em { "recovered" } " was put in and found again by the extractor, with the error that is said; what is " em { "predicted" } " could have failed; what is "
+                em { "observed" } " stands in recorded runs, whose truth nobody knows."
             }
             @if let (Some(example), Some(cause)) = (&gathered.example, &gathered.example_aside) {
                 p { "The run of Figs. 3, 5 and 6, " (example.gated.name) ", is one of the runs that were set aside (" (cause) "): it is in no other figure, and in no claim but those on one run." }

@@ -65,7 +65,7 @@ pub(super) fn runs(gathered: &Gathered) -> Claim {
         .columns(alone(travelled_m.zip(interval_s).map(words)))
         .holds(length.zip(interval).map(|(a, b)| a && b && runs == 67))
         .by("mean from the first to the last location within 50 m, mean time between readings within 0.1 s")
-        .input()
+        .input_of_runs()
 }
 
 /// Shares of the runs above 140 km/h: those with a reading there, and those that were.
@@ -86,7 +86,7 @@ pub(super) fn profiles(gathered: &Gathered) -> [Claim; 2] {
             .columns([of_runs(over), None, of_runs(truly_over)])
             .holds(over.map(|over| over > 0.0 && over < 0.5))
             .by("a measured speed above 140 km/h in some runs and in less than half of them")
-            .input(),
+            .input_of_runs(),
         claim("2", "decelerations when coasting are significantly similar for all speed profiles")
             .columns(three(gathered, |t| {
                 let words = |sd| format!("\u{b1}{} m/s\u{b2}", number(sd, 4));
@@ -316,7 +316,7 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 5] {
             .columns([count_paper, count_gated, None])
             .holds(paper.effort_samples.mean().map(|count| count < 3.0))
             .by("intervals of continuous acceleration at 10 to 30 km/h; fewer than 3 a run, which readings every 10 s and the described effort decide")
-            .input(),
+            .input_of_runs(),
     ]
 }
 

@@ -33,7 +33,7 @@ pub fn compared(all: &[(&str, Vec<Claim>)]) -> String {
 }
 
 fn by_kind(all: &[(&str, Vec<Claim>)], first: &[Claim]) -> String {
-    let of_kind = counts(first).map(|count| format!("{}, of {}", count.kind, count.claims));
+    let of_kind = counts(first).into_iter().map(|count| format!("{}, of {}", count.kind, count.claims));
     let mut head = cells(["effort, recorder"]);
     head.extend(of_kind);
     head.extend([format!("all, of {}", first.len()), "not visible".to_owned()]);
@@ -41,7 +41,7 @@ fn by_kind(all: &[(&str, Vec<Claim>)], first: &[Claim]) -> String {
         let counts = counts(claims);
         let sum = |of: fn(&summary::ClaimCount) -> usize| counts.iter().map(of).sum::<usize>().to_string();
         let mut row = cells([name]);
-        row.extend(counts.map(|count| count.reproduced.to_string()));
+        row.extend(counts.iter().map(|count| count.reproduced.to_string()));
         row.extend([sum(|count| count.reproduced), sum(|count| count.not_visible)]);
         row
     };

@@ -16,9 +16,9 @@ pub struct ClaimCount {
     pub not_judged: usize,
 }
 
-/// Over all sets of runs.
-pub fn counts(claims: &[Claim]) -> [ClaimCount; 3] {
-    ClaimKind::ALL.map(|kind| {
+/// Over all sets of runs; of the kinds that there are.
+pub fn counts(claims: &[Claim]) -> Vec<ClaimCount> {
+    let count = |kind: ClaimKind| {
         let of = |verdict| claims.iter().filter(|c| c.kind == kind && c.verdict == verdict).count();
         ClaimCount {
             kind: kind.as_str(),
@@ -29,7 +29,8 @@ pub fn counts(claims: &[Claim]) -> [ClaimCount; 3] {
             no_data: of(Verdict::NoData),
             not_judged: of(Verdict::Elsewhere),
         }
-    })
+    };
+    ClaimKind::ALL.into_iter().map(count).filter(|count| count.claims > 0).collect()
 }
 
 /// `input 7 of 9, recovered 9 of 16, predicted 10 of 18`: of those that are judged.

@@ -26,11 +26,13 @@ pub struct Filter {
     /// Standard deviation of a noise that is drawn and added to the acceleration of each step, m/s²: section 4.2's
     /// "additive noise" read as a signal, not as Q.
     pub drawn_mps2: f64,
+    /// The same of r0, N/kg a step.
+    pub drawn_r0: f64,
 }
 
 impl From<PaperConfig> for Filter {
     fn from(config: PaperConfig) -> Self {
-        Self { config, davis_noise: [0.0; 3], drawn_mps2: 0.0 }
+        Self { config, davis_noise: [0.0; 3], drawn_mps2: 0.0, drawn_r0: 0.0 }
     }
 }
 
@@ -61,6 +63,7 @@ impl Filter {
         // Each run has a noise of its own, and the same again.
         let seed = run.name.bytes().fold(17_u64, |seed, byte| seed.wrapping_mul(31).wrapping_add(u64::from(byte)));
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut of_r0 = ChaCha8Rng::seed_from_u64(!seed);
         let mut last: Option<(f64, PaperLoop)> = None;
         for row in &run.rows {
             let readings = [row.location_m, row.speed_mps];
@@ -70,6 +73,8 @@ impl Filter {
                     let dt_s = row.time_s - before_s;
                     let unit: f64 = StandardNormal.sample(&mut rng);
                     shake(&mut filter, self.drawn_mps2 * unit, dt_s * line.direction.sign(), dt_s);
+                    let unit: f64 = StandardNormal.sample(&mut of_r0);
+                    filter.belief.mean[R0] += self.drawn_r0 * unit;
                     match filter.step(&self.config, line, &acting, row.time_s, dt_s, readings) {
                         Ok(innovation) => {
                             if readings.iter().all(Option::is_some) {
@@ -167,11 +172,14 @@ mod tests {
         let described = description::of(&simulation).unwrap();
         let run = fleet_run(&simulation, 5, 0).unwrap().recording;
         let line = Line { train: &described.train, track: &described.track, direction: run.direction };
-        let range = |davis_noise| {
-            let filter = Filter { davis_noise, ..Filter::from(PaperConfig::default()) };
+        let range = |davis_noise, drawn_r0| {
+            let filter = Filter { davis_noise, drawn_r0, ..Filter::from(PaperConfig::default()) };
             let r0: Vec<f64> = filter.pass(&line, &run).davis.iter().map(|davis| davis[0]).collect();
             r0.iter().copied().fold(0.0, f64::max) - r0.iter().copied().fold(1.0, f64::min)
         };
-        assert!(range([1e-5, 0.0, 0.0]) > 3.0 * range([0.0; 3]));
+        let still = range([0.0; 3], 0.0);
+        for moved in [range([1e-5, 0.0, 0.0], 0.0), range([0.0; 3], 1e-5)] {
+            assert!(moved > 3.0 * still, "{moved} {still}");
+        }
     }
 }

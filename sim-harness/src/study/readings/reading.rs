@@ -8,10 +8,13 @@ use rundown_truth::sensors::{Sensors, SpeedReading};
 
 /// How much older than the location the speed is, s; below zero it is newer. Ten seconds are one row.
 pub const SKEWS_S: [f64; 7] = [-8.0, -4.0, 0.0, 3.0, 5.0, 8.0, 10.0];
-/// At these the readings of gradient and Table 1 and the spread of the points are compared too.
+/// At these gradient and Table 1 are read in every way: none, the first that has most remarks, and a row.
+const CROSSED_S: [f64; 3] = [0.0, 8.0, 10.0];
+/// At these the spread of the points is compared, too.
 const CONTRASTED_S: [f64; 2] = [0.0, 8.0];
 /// Table 1's α and κ, and no knowledge of the distribution.
 const PLAIN: Spread<SIZE> = Spread::new(1e-3, 0.0, -2.0);
+const EFFORTS: [Difference; 2] = [Difference::Backward, Difference::Forward];
 /// A train so short has the gradient of a point, m.
 const POINT_M: f64 = 1.0;
 
@@ -73,14 +76,16 @@ impl Reading {
         Self { difference, gradient: Gradient::UnderTrain, initial: Initial::Deviations, points: SigmaPoints::Printed }
     }
 
-    /// The same in one thing not as the text says.
-    fn others(self) -> [Self; 4] {
-        [
-            Self { gradient: Gradient::Point, ..self },
-            Self { initial: Initial::Variances, ..self },
-            Self { points: SigmaPoints::Wide, ..self },
-            Self { points: SigmaPoints::Plain, ..self },
-        ]
+    /// Every reading of gradient and Table 1; the first is as the text says.
+    fn crossed(difference: Difference) -> [Self; 4] {
+        use {Gradient::*, Initial::*};
+        [(UnderTrain, Deviations), (Point, Deviations), (UnderTrain, Variances), (Point, Variances)]
+            .map(|(gradient, initial)| Self { gradient, initial, ..Self::of(difference) })
+    }
+
+    /// The same with points that are not spread as Table 1 says.
+    fn spread(self) -> [Self; 2] {
+        [SigmaPoints::Wide, SigmaPoints::Plain].map(|points| Self { points, ..self })
     }
 
     pub fn config(self) -> PaperConfig {
@@ -180,24 +185,28 @@ impl Recorder {
 }
 
 impl Combination {
-    /// Both efforts and every other reading, on what these recorders wrote.
+    /// Every reading on what these recorders wrote.
     pub fn of(recorders: impl Iterator<Item = Recorder> + Clone) -> Vec<Self> {
-        let efforts = [Difference::Backward, Difference::Forward].map(Reading::of);
-        let readings = efforts.into_iter().flat_map(|printed| [[printed].as_slice(), &printed.others()].concat());
+        let of = |difference| [&Reading::crossed(difference)[..], &Reading::of(difference).spread()].concat();
+        let readings = EFFORTS.into_iter().flat_map(of);
         readings.flat_map(|reading| recorders.clone().map(move |recorder| Self { reading, recorder })).collect()
     }
 
-    /// Both efforts with every recorder; the gradient of a point, Table 1 as variances and other points with truncated
-    /// speeds, without and with skew.
+    /// Both efforts with every recorder; both gradients and both readings of Table 1 with rounded and truncated speeds,
+    /// without and with a skew; other points with truncated speeds, too.
     pub fn all() -> Vec<Self> {
+        let crossed: Vec<Recorder> =
+            Recorder::all().into_iter().filter(|recorder| CROSSED_S.contains(&recorder.skew_s)).collect();
         let mut all = Vec::new();
-        for difference in [Difference::Backward, Difference::Forward] {
-            let printed = Reading::of(difference);
-            all.extend(Recorder::all().into_iter().map(|recorder| Self { reading: printed, recorder }));
-            for reading in printed.others() {
-                let recorders = CONTRASTED_S.map(|skew_s| Recorder { skew_s, speed: SpeedReading::Truncated });
-                all.extend(recorders.map(|recorder| Self { reading, recorder }));
-            }
+        let mut add = |reading, recorders: &[Recorder]| {
+            all.extend(recorders.iter().map(|recorder| Self { reading, recorder: *recorder }));
+        };
+        for difference in EFFORTS {
+            let [printed, others @ ..] = Reading::crossed(difference);
+            add(printed, &Recorder::all());
+            others.into_iter().for_each(|reading| add(reading, &crossed));
+            let contrasted = CONTRASTED_S.map(|skew_s| Recorder { skew_s, speed: SpeedReading::Truncated });
+            Reading::of(difference).spread().into_iter().for_each(|reading| add(reading, &contrasted));
         }
         all
     }
@@ -222,7 +231,7 @@ mod tests {
     #[test]
     fn every_combination_is_there_once_and_is_a_filter() {
         let all = Combination::all();
-        assert_eq!(all.len(), 2 * (2 * SKEWS_S.len() + 8));
+        assert_eq!(all.len(), 2 * (2 * SKEWS_S.len() + 3 * 2 * CROSSED_S.len() + 4));
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|before| before != one));
             let paper = one.reading.config();

@@ -16,7 +16,7 @@ const OUTLIERS: f64 = 0.01;
 /// How near the ends of r0 must come to the paper's: a third of its interval.
 const THIRD: f64 = 3.0;
 /// Noise of the acceleration, m/s²: small, any of them, and strong.
-pub const SMALL_MPS2: [f64; 3] = [1e-4, 1e-3, 1e-2];
+pub const SMALL_MPS2: [f64; 4] = [1e-4, 1e-3, 3e-3, 1e-2];
 pub const STRONG_MPS2: [f64; 2] = [0.1, 1.0];
 /// "At higher speeds": above, m/s.
 pub const FAST_MPS: f64 = 100.0 / 3.6;
@@ -55,7 +55,7 @@ pub const REMARKS: [(&str, &str); COUNT] = [
         "4.2: small acceleration noise (1e-4 to 0.01 m/s\u{b2}, Q or drawn) moves r0 by 1e-5 N/kg more in a run, none is negative",
     ),
     ("strong noise", "4.2: strong acceleration noise (0.1 or 1 m/s\u{b2}, Q or drawn) gives negative coefficients"),
-    ("noise of r", "4.2: small noise of r0 (3e-5 N/kg a step) gives negative coefficients"),
+    ("noise of r", "4.2: small noise of r0 (3e-5 N/kg a step, Q or drawn) gives negative coefficients"),
 ];
 pub const COUNT: usize = 15;
 
@@ -126,7 +126,10 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
     let margin = (R0_BAND.end() - R0_BAND.start()) / THIRD;
     let negative = [10.0, 100.0].map(|factor| negative_with(factor, filter, &again));
     let few = &passes[..passes.len().min(TRIED)];
-    let of_r = again(&Filter { davis_noise: [R0_NOISE, 0.0, 0.0], ..*filter });
+    let of_r = [
+        again(&Filter { davis_noise: [R0_NOISE, 0.0, 0.0], ..*filter }),
+        again(&Filter { drawn_r0: R0_NOISE, ..*filter }),
+    ];
     let noise = [
         NoiseRemarks::of(filter, few, &again, |filter, sd| filter.config.acceleration_noise_mps2 = sd),
         NoiseRemarks::of(filter, few, &again, |filter, sd| filter.drawn_mps2 = sd),
@@ -149,7 +152,7 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
             negative[1].iter().all(|share| *share > 0.0),
             noise.iter().any(NoiseRemarks::is_richer),
             noise.iter().any(|noise| noise.strong_negative.iter().any(|share| *share > 0.0)),
-            of_r.iter().any(Pass::is_negative),
+            of_r.iter().flatten().any(Pass::is_negative),
         ],
         log_likelihood_per_sample: likelihoods().sum::<f64>() / likelihoods().count().max(1) as f64,
         rms_kmh,
@@ -259,6 +262,17 @@ mod tests {
         };
         let judged = judge(&Filter::from(PaperConfig::default()), &[moves], wilder);
         assert_eq!(judged.holds, [true; COUNT], "{judged:?}");
+    }
+
+    #[test]
+    fn noise_of_r_may_be_drawn() {
+        let still = vec![pass(&[(0.00738, 10.0), (0.00738, 140.0)])];
+        let drawn = |filter: &Filter| match filter.drawn_r0 {
+            0.0 => still.clone(),
+            _ => vec![pass(&[(-1e-4, 10.0), (0.0, 140.0)])],
+        };
+        let judged = judge(&Filter::from(PaperConfig::default()), &still, drawn);
+        assert!(held("noise of r", &judged) && !held("strong noise", &judged));
     }
 
     #[test]
