@@ -468,8 +468,8 @@ fn readings_are_compared_on_recorded_runs_and_what_they_say_nothing_of_is_left_o
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(said.err.contains("not judged, for these runs say nothing of it: lower end, upper end"), "{}", said.err);
     let table = csv_table(&folder, "out/readings.csv");
-    // Two efforts, each as printed and in four other readings, on two recorders.
-    assert_eq!(table.rows.len(), 2 * 5 * 2);
+    // Two efforts, each with two gradients, two readings of Table 1 and, as printed, two other spreads; two recorders.
+    assert_eq!(table.rows.len(), 2 * (2 * 2 + 2) * 2);
     assert!(table.column("holds_lower_end").iter().all(|share| share.is_empty()));
     assert!(table.numbers("remarks_judged").iter().all(|judged| *judged == 13.0));
     let truncated = table.rows_of("speed", "truncated");
