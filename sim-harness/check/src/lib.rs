@@ -10,7 +10,7 @@
 //! | are rows stamped when they arrive, several at once? | `bursts` |
 //! | does it lose seconds? | [`lost_seconds`] |
 //! | did the location wrap, begin again, stand still? | [`places`] |
-//! | and the speed? | `stuck_speeds` |
+//! | and the speed? | `stuck_speeds`, `stuck_goes_on` |
 //! | how far may a train go between two rows? | `reach` |
 //! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
@@ -110,6 +110,7 @@ mod slips;
 mod smoothed;
 mod stairs;
 pub mod steps;
+mod stuck_goes_on;
 pub mod stuck_speeds;
 mod trailing;
 mod wheel_change;

@@ -15,9 +15,11 @@
 use crate::finding::{Finding, Kind};
 use crate::places::{self, LEAST_STUCK, LEAST_STUCK_M, STUCK_SHARE, StuckRows};
 use crate::steps;
+use crate::stuck_goes_on::Steps;
 use rundown_files::sample::Sample;
 
-/// Rows in a row that say the same.
+/// Rows in a row that say the same, and how many show by themselves that the speed stands still.
+const FEWEST_ROWS: usize = 2;
 const LEAST_ROWS: usize = 3;
 /// A wheel is off by less.
 const MOST_WHEEL: f64 = 0.06;
@@ -54,15 +56,18 @@ pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 pub fn found(rows: &[Sample]) -> Vec<StuckRows> {
     let usual = UsualReadings::of(rows);
     let stretches =
-        places::stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, LEAST_ROWS);
+        places::stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, FEWEST_ROWS);
+    let steps = Steps::of(rows, usual.sign, usual.fastest_mps);
     let told = stretches.into_iter().filter_map(|mut stuck| {
+        let missed_m = steps.as_ref().and_then(|steps| steps.missed_m(rows, &stuck));
         let away = Away::of(rows, &stuck, &usual)?;
-        let is_stuck = misses(rows, &stuck, &away, &usual)
-            || leaps_evenly(rows, &stuck, &usual)
-            || runs_away(rows, &stuck, &away, &usual);
+        let shows = stuck.count >= LEAST_ROWS
+            && (misses(rows, &stuck, &away, &usual)
+                || leaps_evenly(rows, &stuck, &usual)
+                || runs_away(rows, &stuck, &away, &usual));
         // What was missed first may be made up for at the end.
-        stuck.metres = stuck.metres.abs().max(away.most_m);
-        is_stuck.then_some(stuck)
+        stuck.metres = stuck.metres.abs().max(away.most_m).max(missed_m.unwrap_or(0.0));
+        (shows || missed_m.is_some()).then_some(stuck)
     });
     told.collect()
 }
