@@ -27,10 +27,11 @@ impl Coasts {
     /// All of it. `said_permille`: how far gradients may be off as track or configuration say, standard deviation;
     /// small errors are only looked for where neither says anything.
     pub fn answer(&self, train: &Train, track: &Track, said_permille: Option<f64>) -> Answer {
-        let (gradients, resistance) = self.doubts(train, track, said_permille.unwrap_or(0.0));
+        let described = self.as_described(train, track);
+        let (gradients, resistance) = self.doubts_of(&described, train, track, said_permille.unwrap_or(0.0));
         // A resistance in other units leaves at each place what it is off by at the speeds there.
         let may_be_small = said_permille.is_none() && gradients.is_none() && resistance.is_none();
-        let small = may_be_small.then(|| self.small_errors_permille(train, track)).flatten();
+        let small = may_be_small.then(|| self.small_errors_permille(train, &described)).flatten();
         Answer { gradients, resistance, small: small.map(|sd_permille| SmallErrors { sd_permille }) }
     }
 }

@@ -29,7 +29,7 @@ pub use version::Version;
 
 use doubt::explains;
 use mixture::{MOST_SD_N_PER_KG, MixtureFit};
-use places::Locked;
+use places::{AtPlaces, Locked};
 use rundown::model::direction::Direction;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
@@ -90,6 +90,29 @@ pub struct Coasts {
     driven: Vec<by_efforts::Driven>,
 }
 
+/// The stretches on the gradients as described.
+struct AsDescribed {
+    /// Force of the climb over each, N/kg.
+    climbs_n_per_kg: Vec<f64>,
+    /// Those that coast, as other versions of the gradients and of the resistance are compared with; none from too few.
+    fit: Option<MixtureFit>,
+    /// The same where slopes that nobody described may add to their scatter.
+    fit_on_others: Option<MixtureFit>,
+}
+
+impl AsDescribed {
+    fn of(stretches: &[Stretch], climbs_n_per_kg: Vec<f64>) -> Self {
+        let fit = |most_sd| MixtureFit::of(stretches, &climbs_n_per_kg, most_sd);
+        let [fit, fit_on_others] = [MOST_SD_N_PER_KG, MOST_LOCKED_SD_N_PER_KG].map(fit);
+        Self { climbs_n_per_kg, fit, fit_on_others }
+    }
+
+    /// What coasts have in common at a place; none from too few.
+    fn locked(&self, stretches: &[Stretch], asked: AtPlaces) -> Option<Locked> {
+        Locked::of(stretches, self.fit_on_others.as_ref()?, &self.climbs_n_per_kg, asked)
+    }
+}
+
 impl Coasts {
     /// Takes runs; those behind the first sixty say the same.
     pub fn add(&mut self, recordings: &[Recording], train: &Train) {
@@ -107,11 +130,18 @@ impl Coasts {
     /// far they may be off by their own description, standard deviation; what scatters no more than that is not said
     /// again.
     pub fn doubt(&self, train: &Train, track: &Track, said_permille: f64) -> Option<Doubt> {
-        let described_n_per_kg = self.climbs(Version::Described, train, track);
+        self.doubt_of(&self.as_described(train, track), train, track, said_permille)
+    }
+
+    fn as_described(&self, train: &Train, track: &Track) -> AsDescribed {
+        AsDescribed::of(&self.stretches, self.climbs(Version::Described, train, track))
+    }
+
+    fn doubt_of(&self, described: &AsDescribed, train: &Train, track: &Track, said_permille: f64) -> Option<Doubt> {
         // A level line has one version only.
-        let is_level = described_n_per_kg.iter().all(|climb| climb.abs() <= 1e-6);
-        let other = (!is_level).then(|| self.other_version(train, track, &described_n_per_kg)).flatten();
-        let by_place = || self.by_place(train, &described_n_per_kg, is_level);
+        let is_level = described.climbs_n_per_kg.iter().all(|climb| climb.abs() <= 1e-6);
+        let other = (!is_level).then(|| self.other_version(train, track, described)).flatten();
+        let by_place = || self.by_place(train, described, is_level);
         let doubt = other.or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille));
         doubt.filter(|_| is_level || !by_efforts::vouch(&self.driven, train, track))
     }
@@ -119,9 +149,19 @@ impl Coasts {
     /// What is wrong with the described gradients, or with the units of the described resistance: one of the two, which
     /// explains the coasts better.
     pub fn doubts(&self, train: &Train, track: &Track, said_permille: f64) -> (Option<Doubt>, Option<OtherUnits>) {
-        let gradients = self.doubt(train, track, said_permille);
+        self.doubts_of(&self.as_described(train, track), train, track, said_permille)
+    }
+
+    fn doubts_of(
+        &self,
+        described: &AsDescribed,
+        train: &Train,
+        track: &Track,
+        said_permille: f64,
+    ) -> (Option<Doubt>, Option<OtherUnits>) {
+        let gradients = self.doubt_of(described, train, track, said_permille);
         let by_gradients = gradients.and_then(|doubt| doubt.log_likelihood).unwrap_or(0.0);
-        match self.other_units(train, track).filter(|units| units.log_likelihood > by_gradients) {
+        match self.other_units(&train.davis(), described).filter(|units| units.log_likelihood > by_gradients) {
             Some(units) => (None, Some(units)),
             None => (gradients, None),
         }
@@ -129,18 +169,18 @@ impl Coasts {
 
     /// How far the described gradients are off, standard deviation, permille: what coasts of different runs have in
     /// common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
-    fn small_errors_permille(&self, train: &Train, track: &Track) -> Option<f64> {
-        let found = self.locked(&self.climbs(Version::Described, train, track))?;
+    fn small_errors_permille(&self, train: &Train, described: &AsDescribed) -> Option<f64> {
+        let found = described.locked(&self.stretches, AtPlaces::SmallErrors)?;
         let are_enough = self.runs >= LEAST_RUNS_SMALL && found.stretches >= LEAST_STRETCHES;
         let is_seen = are_enough && found.z > LEAST_Z_SMALL;
         is_seen.then(|| self.off_by_place_permille(found.sd_n_per_kg, train).min(MOST_SMALL_PERMILLE))
     }
 
     /// Another version explains the coasts better.
-    fn other_version(&self, train: &Train, track: &Track, described_n_per_kg: &[f64]) -> Option<Doubt> {
+    fn other_version(&self, train: &Train, track: &Track, described: &AsDescribed) -> Option<Doubt> {
         let climbs = |version| self.climbs(version, train, track);
         let fit = |climbs_n_per_kg: &[f64]| MixtureFit::of(&self.stretches, climbs_n_per_kg, MOST_SD_N_PER_KG);
-        let described = fit(described_n_per_kg)?;
+        let (described, described_n_per_kg) = (described.fit.as_ref()?, &described.climbs_n_per_kg);
         let tried = versions().filter_map(|version| Some((version, fit(&climbs(version))?)));
         // Between the described slopes and none there is always something that fits a little better.
         let is_between = |version: &Version| matches!(version, Version::TwiceOfIt | Version::HalfOfIt);
@@ -153,10 +193,10 @@ impl Coasts {
         // Coasts that scatter nearly as much as they are slowed may be held speeds.
         let sees = best.resistance_n_per_kg(&self.stretches) > LEAST_SEEN * best.sd_n_per_kg;
         let described_sd = described.sd_of(&self.stretches, described_n_per_kg, &best.shares);
-        let [one, two] = self.gains(&best, &described);
+        let [one, two] = self.gains(&best, described);
         let agree = one > LEAST_GAIN && two > LEAST_GAIN;
         let clear = best.coasted() >= LEAST_STRETCHES && best.sd_n_per_kg < LEAST_SHARPER * described_sd;
-        let z = places::better_by(&self.stretches, &best, &described);
+        let z = places::better_by(&self.stretches, &best, described);
         (agree && clear && sees && z > least_z).then(|| Doubt {
             better,
             sd_n_per_kg: best.sd_n_per_kg,
@@ -177,22 +217,18 @@ impl Coasts {
         gains
     }
 
-    /// What coasts on these climbs, N/kg, have in common at a place; none from too few.
-    fn locked(&self, climbs_n_per_kg: &[f64]) -> Option<Locked> {
-        let fit = MixtureFit::of(&self.stretches, climbs_n_per_kg, MOST_LOCKED_SD_N_PER_KG)?;
-        Locked::of(&self.stretches, &fit, climbs_n_per_kg)
-    }
-
     /// Coasts at the same place in different runs agree on a slope that is not described.
-    fn by_place(&self, train: &Train, described_n_per_kg: &[f64], is_level: bool) -> Option<Doubt> {
-        let found = self.locked(described_n_per_kg)?;
+    fn by_place(&self, train: &Train, described: &AsDescribed, is_level: bool) -> Option<Doubt> {
+        let found = described.locked(&self.stretches, AtPlaces::OtherSlopes)?;
         let (least_z, least_n_per_kg) = if is_level { LOCKED_ON_LEVEL } else { LOCKED_ON_SLOPES };
         let mostly = found.z > LOCKED_MOSTLY.0 && found.sd_n_per_kg > LOCKED_MOSTLY.1 * found.all_sd_n_per_kg;
         let is_clear = found.z > least_z || is_level && mostly;
         let is_locked = is_clear && found.sd_n_per_kg > least_n_per_kg && found.stretches >= LEAST_STRETCHES;
         let is_worse = || {
-            let level = self.locked(&vec![0.0; self.stretches.len()]);
-            level.is_some_and(|level| found.sd_n_per_kg > LEAST_WORSE * level.sd_n_per_kg)
+            let level = AsDescribed::of(&self.stretches, vec![0.0; self.stretches.len()]);
+            level
+                .locked(&self.stretches, AtPlaces::OtherSlopes)
+                .is_some_and(|level| found.sd_n_per_kg > LEAST_WORSE * level.sd_n_per_kg)
         };
         let rest = found.all_sd_n_per_kg.powi(2) - found.sd_n_per_kg.powi(2);
         (is_locked && (is_level || is_worse())).then(|| Doubt {

@@ -1,5 +1,6 @@
 //! Stretches of 20 s, one each 10 s: how the kinetic energy changed, and what the described resistance took.
 
+use crate::steps;
 use rundown::model::direction::Direction;
 use rundown::model::resistance::Davis;
 use rundown::model::train::Train;
@@ -30,6 +31,8 @@ pub struct Stretch {
     pub resistance_n_per_kg: f64,
     /// Mean over the way of the speed, m/s, and of its square, m²/s².
     pub mean_powers: [f64; 2],
+    /// What the step of the speeds makes of the gain, standard deviation, N/kg.
+    pub rounded_n_per_kg: f64,
     /// Front of the train where it begins and where it ends, m.
     pub fronts_m: [f64; 2],
     /// The way between, m.
@@ -61,6 +64,7 @@ impl Stretch {
 pub fn of(rows: &[Sample], direction: Direction, run: usize, train: &Train) -> Vec<Stretch> {
     let read = |row: &&Sample| row.location_m.is_some() && row.speed_mps.is_some();
     let rows: Vec<&Sample> = rows.iter().filter(read).collect();
+    let rounding_mps = steps::of_speed_kmh(rows.iter().copied()).map_or(0.0, steps::rounding_mps);
     let mut stretches = Vec::new();
     let mut from = 0;
     for to in 1..rows.len() {
@@ -68,7 +72,7 @@ pub fn of(rows: &[Sample], direction: Direction, run: usize, train: &Train) -> V
         if !(0.0..=LONGEST_STEP_S).contains(&dt) {
             from = to;
         } else if rows[to].time_s - rows[from].time_s >= LENGTH_S - 1e-6 {
-            stretches.extend(stretch(&rows[from..=to], direction, run, train));
+            stretches.extend(stretch(&rows[from..=to], direction, run, train, rounding_mps));
             let next_s = rows[from].time_s + BEGIN_EACH_S - 1e-6;
             from = (from..to).find(|row| rows[*row].time_s >= next_s).unwrap_or(to);
         }
@@ -76,7 +80,7 @@ pub fn of(rows: &[Sample], direction: Direction, run: usize, train: &Train) -> V
     stretches
 }
 
-fn stretch(rows: &[&Sample], direction: Direction, run: usize, train: &Train) -> Option<Stretch> {
+fn stretch(rows: &[&Sample], direction: Direction, run: usize, train: &Train, rounding_mps: f64) -> Option<Stretch> {
     let speeds = || rows.iter().filter_map(|row| row.speed_mps);
     let fronts_m = [rows.first()?.location_m?, rows.last()?.location_m?];
     let (first, last) = (speeds().next()?, speeds().next_back()?);
@@ -94,6 +98,7 @@ fn stretch(rows: &[&Sample], direction: Direction, run: usize, train: &Train) ->
     let is_one = speeds().all(|mps| mps > SLOWEST_MPS) && rate_mps2.abs() < MOST_RATE_MPS2 && agrees;
     let stretch = || Stretch {
         gain_n_per_kg: (last * last - first * first) / (2.0 * way_m),
+        rounded_n_per_kg: 0.5_f64.sqrt() * (first + last) * rounding_mps / way_m,
         resistance_n_per_kg: 0.0,
         mean_powers: sums.map(|sum| sum / way_m),
         fronts_m,

@@ -10,10 +10,8 @@
 use super::doubt::explains;
 use super::mixture::{MOST_SD_N_PER_KG, MixtureFit};
 use super::stretch::Stretch;
-use super::{Coasts, LEAST_GAIN, LEAST_SEEN, LEAST_STRETCHES, LEAST_Z, Version, places};
+use super::{AsDescribed, Coasts, LEAST_GAIN, LEAST_SEEN, LEAST_STRETCHES, LEAST_Z, places};
 use rundown::model::resistance::Davis;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
 use serde::Serialize;
 use std::fmt;
 
@@ -66,21 +64,16 @@ pub struct OtherUnits {
 impl Coasts {
     /// The conversion of the described resistance that explains the coasts; none where the description does, or nothing
     /// can be said.
-    pub fn other_units(&self, train: &Train, track: &Track) -> Option<OtherUnits> {
-        let climbs_n_per_kg = self.climbs(Version::Described, train, track);
-        self.units_beside(&train.davis(), &climbs_n_per_kg)
-    }
-
-    fn units_beside(&self, davis: &Davis, climbs_n_per_kg: &[f64]) -> Option<OtherUnits> {
+    pub(super) fn other_units(&self, davis: &Davis, described: &AsDescribed) -> Option<OtherUnits> {
         let with = |factors| -> Vec<Stretch> {
             let davis = converted(davis, factors);
             self.stretches.iter().map(|stretch| stretch.with(&davis)).collect()
         };
-        let fit = |factors| MixtureFit::of(&with(factors), climbs_n_per_kg, MOST_SD_N_PER_KG);
-        let described = fit([1.0; 3])?;
+        let fit = |factors| MixtureFit::of(&with(factors), &described.climbs_n_per_kg, MOST_SD_N_PER_KG);
+        let described = described.fit.as_ref()?;
         let tried = CONVERSIONS.into_iter().filter_map(|(words, factors)| Some((words, factors, fit(factors)?)));
         let (conversion, factors, best) = tried.max_by(|a, b| a.2.log_likelihood().total_cmp(&b.2.log_likelihood()))?;
-        let [one, two] = self.gains(&best, &described);
+        let [one, two] = self.gains(&best, described);
         if one.min(two) < LEAST_GAIN || !explains(best.sd_n_per_kg) || best.coasted() < LEAST_STRETCHES {
             return None;
         }
@@ -89,7 +82,7 @@ impl Coasts {
         let of_description: f64 = shares().map(|(stretch, share)| share * stretch.resistance_n_per_kg).sum();
         let ratio = resistance_n_per_kg * best.coasted() / of_description;
         let sees = resistance_n_per_kg > LEAST_SEEN * best.sd_n_per_kg && ratio.ln().abs() > LEAST_RATIO;
-        let z = places::better_by(&self.stretches, &best, &described);
+        let z = places::better_by(&self.stretches, &best, described);
         let beyond = |multiple: f64| {
             fit([multiple; 3]).is_none_or(|fit| best.log_likelihood() > fit.log_likelihood() + LEAST_BEYOND)
         };
@@ -142,6 +135,7 @@ mod tests {
             mean_powers: [mps, mps * mps],
             fronts_m: [from_m, from_m + 300.0],
             way_m: 300.0,
+            rounded_n_per_kg: 0.0,
             direction: Direction::Up,
             run: number as usize / 60,
         }
@@ -167,7 +161,8 @@ mod tests {
             climbs.push(climb);
             coasts.stretches.push(stretch(number, mps, gain_n_per_kg).with(described));
         }
-        coasts.units_beside(described, &climbs)
+        let described_n_per_kg = AsDescribed::of(&coasts.stretches, climbs);
+        coasts.other_units(described, &described_n_per_kg)
     }
 
     #[test]
@@ -215,7 +210,8 @@ mod tests {
                 };
                 coasts.stretches.push(stretch(number, mps, gain_n_per_kg).with(&described));
             }
-            assert_eq!(coasts.units_beside(&described, &[0.0; 1200]), None, "{seed}");
+            let level = AsDescribed::of(&coasts.stretches, vec![0.0; 1200]);
+            assert_eq!(coasts.other_units(&described, &level), None, "{seed}");
         }
     }
 }
