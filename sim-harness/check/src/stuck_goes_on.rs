@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A location that leaps does so between two rows. A train that brakes late between the last 80 and a 43 that are both
-//! right goes farther than their mean, one that has braked before goes less far. So at least two steps in a row, the one
-//! to the next speed among them, are off towards it, and none by more than that speed would make.
+//! right goes farther than their mean, one that has braked before goes less far. So at least two steps in a row, the
+//! one to the next speed among them, are off towards it, and none by more than that speed would make.
 
 use crate::places::StuckRows;
 use crate::row_step;
@@ -101,7 +101,7 @@ impl Steps {
             let is_off = off_m > noise_m && off_m < change_mps.abs() * lasts_s + noise_m;
             (goes_so && is_off).then_some((off_m, lasts_s))
         };
-        // Back from the step to the next speed; the speed may have stood still since before the first row that shows it.
+        // Back from the step to the next speed; the speed may have stood still since before its first row.
         let back = self.steps[stuck.from.saturating_sub(1)..=stuck.to].iter().rev();
         let off: Vec<(f64, f64)> = back.map_while(|step| step.as_ref().and_then(towards)).collect();
         let (all_m, longest_s) = off

@@ -40,7 +40,7 @@ impl AtPlaces {
         }
     }
 
-    /// What follows the described climb is none of it: a train that still powers a little loses speed on all climbs, and
+    /// What follows the described climb is none of it: a train that still powers a little loses speed on climbs, and
     /// a rotating mass that is off makes something of each. Beside other slopes than the described ones it is theirs.
     fn follows_climb(self) -> f64 {
         match self {
