@@ -408,8 +408,8 @@ fn the_headline_speaks_of_all_sets_and_not_of_the_first() {
 }
 
 /// `data/golden/paper` has what `rundown study --all --seeds 20 --out paper` wrote: claims/claims.md and
-/// readings/readings.md, with which docs/paper.md is compared, and study/claims.csv, whose words are those of the first
-/// set.
+/// readings/readings.md, with which docs/paper.md is compared, slope/slope.md, with which docs/study.md is, and
+/// study/claims.csv, whose words are those of the first set.
 #[test]
 fn the_first_set_of_runs_says_what_was_measured() {
     let folder = Folder::new();

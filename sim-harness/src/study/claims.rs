@@ -349,15 +349,17 @@ mod tests {
         let (home, elsewhere) = (of(32_103.0), of(18_000.0));
         assert!(home.iter().all(|claim| claim.verdict != Verdict::Elsewhere));
         for (there, here) in home.iter().zip(&elsewhere) {
-            let of_the_method = there.kind == ClaimKind::Predicted && !there.statement.contains("0.00738")
-                || there.statement.contains("third moment");
+            let has_the_papers_train =
+                ["0.00738", "manufacturer overestimates"].iter().any(|words| there.statement.contains(words));
+            let of_the_method =
+                there.kind == ClaimKind::Predicted && !has_the_papers_train || there.statement.contains("third moment");
             let expected = if of_the_method { there.verdict } else { Verdict::Elsewhere };
             assert_eq!(here.verdict, expected, "{}", here.statement);
         }
         assert_eq!(verdict(&home, "0.00738"), Verdict::Reproduced);
         assert_eq!(verdict(&elsewhere, "third moment"), Verdict::Reproduced);
-        assert!(summary::elsewhere(&elsewhere).starts_with("Of all 47 claims 30 are not judged: "));
-        assert_eq!(summary::by_kind(&elsewhere), "input 1 of 1, predicted 2 of 16");
+        assert!(summary::elsewhere(&elsewhere).starts_with("Of all 47 claims 31 are not judged: "));
+        assert_eq!(summary::by_kind(&elsewhere), "input 1 of 1, predicted 1 of 15");
         assert_eq!(summary::elsewhere(&home), "");
     }
 

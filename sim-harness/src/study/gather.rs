@@ -24,6 +24,7 @@ use rundown_check::Check;
 use rundown_files::column::{Column, record};
 use rundown_files::recording::Recording;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_units_by};
+use rundown_files::sample::Sample;
 use rundown_files::table::Record;
 use std::collections::HashMap;
 
@@ -33,6 +34,8 @@ pub const PAPERS_RUN: [f64; 4] = [0.164, 0.17, 0.57, 0.093];
 pub const PAPERS_LARGEST_BRAKE: f64 = 0.59;
 /// It runs as fast as the line permits: section 4.2 reads shares of the resistance from it that are those at 140 km/h.
 const PAPERS_TOP_KMH: f64 = 138.0;
+/// Longer than this between two rows is a hole in a picture of a run, s: no recorder of the study writes so seldom.
+const HOLE_S: f64 = 60.0;
 /// Speed at which resistances are compared, m/s: 100 km/h, the middle of the speeds of these runs.
 const COMPARED_MPS: f64 = 100.0 / 3.6;
 /// Runs that the page lists, and that have pages of their own: more would be slow to open, and `runs.csv` has all.
@@ -349,7 +352,8 @@ impl Gathered {
         self.rows += recording.rows.len() as u64;
         self.top_kmh.add(top_kmh);
         self.over_limit += u64::from(top_kmh > LIMIT_KMH);
-        let off = off_papers_run(&paper.outcome, top_kmh, train.description().max_brake_mps2);
+        let holes = holes(&recording.rows);
+        let off = holes as f64 + off_papers_run(&paper.outcome, top_kmh, train.description().max_brake_mps2);
         let is_nearer = self.example.is_none() || off < self.example_off;
         if wanted.map_or(is_nearer, |name| recording.name == name) {
             self.example_off = off;
@@ -403,9 +407,26 @@ fn off_papers_run(paper: &ViewOutcome, top_kmh: f64, max_brake_mps2: f64) -> f64
     squares.sum::<f64>().sqrt() + unlike as f64
 }
 
+/// Holes of a run: one that cannot be drawn whole is shown where there is no other.
+fn holes(rows: &[Sample]) -> usize {
+    rows.windows(2).filter(|pair| pair[1].time_s - pair[0].time_s > HOLE_S).count()
+}
+
 fn top_kmh(recording: &Recording) -> f64 {
     let speeds = recording.rows.iter().filter_map(|row| row.speed_mps);
     // Back from m/s: a reading of 140 must not lie above 140.
     let kmh = speeds.map(|speed_mps| (3.6e6 * speed_mps).round() / 1e6);
     kmh.fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_minute_without_a_row_is_a_hole() {
+        let row = |time_s| Sample { time_s, ..Sample::default() };
+        assert_eq!(holes(&[0.0, 10.0, 70.0, 80.0].map(row)), 0);
+        assert_eq!(holes(&[0.0, 61.0, 62.0, 200.0].map(row)), 2);
+    }
 }

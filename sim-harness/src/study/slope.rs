@@ -362,6 +362,8 @@ mod tests {
         assert_eq!(theirs.first(), ours.first());
         let labels = |rows: &[Vec<String>]| rows.iter().map(|row| row[0].clone()).collect::<Vec<_>>();
         assert_eq!(labels(&theirs), labels(&ours));
+        let measured = crate::output::markdown::found(&crate::output::markdown::measured("slope.md"), "| mode |");
+        assert_eq!(theirs, measured, "docs/study.md");
     }
 
     #[test]

@@ -16,9 +16,8 @@ use std::f64::consts::TAU;
 const WIDTH_N_PER_KG: f64 = 1.0;
 /// How far resistance may be from its description: a part for all speeds, N/kg, and a share.
 const PRIOR_SD: [f64; 2] = [0.003, 0.3];
-/// Gusts alone make so much, N/kg; and the step of the speeds makes what it makes, though the stretches whose speed
-/// falls by whole steps seem to scatter by less.
-const LEAST_SD_N_PER_KG: f64 = 0.002;
+/// Readings and gusts alone make so much, N/kg.
+pub const LEAST_SD_N_PER_KG: f64 = 0.002;
 /// A wider distribution is no coasting, N/kg.
 pub const MOST_SD_N_PER_KG: f64 = 0.02;
 /// Speeds that change more are not held, N/kg.
@@ -101,16 +100,25 @@ impl Mixture {
     }
 }
 
+/// Scatter that the step of the speeds makes, N/kg: stretches whose speed falls by whole steps seem to scatter by less.
+pub fn rounding_sd(stretches: &[Stretch]) -> f64 {
+    let squares = stretches.iter().map(|stretch| stretch.rounded_n_per_kg.powi(2)).sum::<f64>();
+    (squares / stretches.len().max(1) as f64).sqrt()
+}
+
 impl MixtureFit {
     /// Coasts scatter by no more than `most_sd`, N/kg. None where there are too few stretches.
     pub fn of(stretches: &[Stretch], climbs_n_per_kg: &[f64], most_sd: f64) -> Option<Self> {
-        let rounded = stretches.iter().map(|stretch| stretch.rounded_n_per_kg.powi(2)).sum::<f64>();
-        let least_sd = (rounded / stretches.len() as f64).sqrt().max(LEAST_SD_N_PER_KG).min(most_sd);
+        Self::within(stretches, climbs_n_per_kg, [LEAST_SD_N_PER_KG, most_sd])
+    }
+
+    /// Coasts scatter by a standard deviation between these, N/kg.
+    pub fn within(stretches: &[Stretch], climbs_n_per_kg: &[f64], sds: [f64; 2]) -> Option<Self> {
         (stretches.len() >= FEWEST).then_some(())?;
         let mut shares = vec![0.0; stretches.len()];
         let mut mixture = Mixture::FIRST;
         for _ in 0..STEPS {
-            let next = mixture.next(stretches, climbs_n_per_kg, [least_sd, most_sd], &mut shares);
+            let next = mixture.next(stretches, climbs_n_per_kg, sds, &mut shares);
             let stands = mixture.stands(&next);
             mixture = next;
             if stands {
@@ -223,7 +231,8 @@ mod tests {
             run: 0,
         };
         let stretches: Vec<Stretch> = (0..400).map(stretch).collect();
-        let fit = MixtureFit::of(&stretches, &[0.0; 400], MOST_SD_N_PER_KG).unwrap();
+        assert!((rounding_sd(&stretches) - 0.0057).abs() < 1e-12);
+        let fit = MixtureFit::within(&stretches, &[0.0; 400], [rounding_sd(&stretches), MOST_SD_N_PER_KG]).unwrap();
         assert!((fit.sd_n_per_kg - 0.0057).abs() < 2e-4, "{}", fit.sd_n_per_kg);
     }
 }

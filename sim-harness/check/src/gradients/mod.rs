@@ -96,20 +96,20 @@ struct AsDescribed {
     climbs_n_per_kg: Vec<f64>,
     /// Those that coast, as other versions of the gradients and of the resistance are compared with; none from too few.
     fit: Option<MixtureFit>,
-    /// The same where slopes that nobody described may add to their scatter.
-    fit_on_others: Option<MixtureFit>,
 }
 
 impl AsDescribed {
     fn of(stretches: &[Stretch], climbs_n_per_kg: Vec<f64>) -> Self {
-        let fit = |most_sd| MixtureFit::of(stretches, &climbs_n_per_kg, most_sd);
-        let [fit, fit_on_others] = [MOST_SD_N_PER_KG, MOST_LOCKED_SD_N_PER_KG].map(fit);
-        Self { climbs_n_per_kg, fit, fit_on_others }
+        let fit = MixtureFit::of(stretches, &climbs_n_per_kg, MOST_SD_N_PER_KG);
+        Self { climbs_n_per_kg, fit }
     }
 
-    /// What coasts have in common at a place; none from too few.
+    /// What coasts have in common at a place, where slopes that nobody described may add to their scatter; none from too
+    /// few.
     fn locked(&self, stretches: &[Stretch], asked: AtPlaces) -> Option<Locked> {
-        Locked::of(stretches, self.fit_on_others.as_ref()?, &self.climbs_n_per_kg, asked)
+        let sds = [asked.least_sd(stretches).min(MOST_LOCKED_SD_N_PER_KG), MOST_LOCKED_SD_N_PER_KG];
+        let fit = MixtureFit::within(stretches, &self.climbs_n_per_kg, sds)?;
+        Locked::of(stretches, &fit, &self.climbs_n_per_kg, asked)
     }
 }
 

@@ -9,7 +9,7 @@
 //! Wind, load and readings differ from run to run and leave no product; a slope that is not described does, and no
 //! shape of it is asked for.
 
-use super::mixture::MixtureFit;
+use super::mixture::{LEAST_SD_N_PER_KG, MixtureFit, rounding_sd};
 use super::stretch::Stretch;
 use nalgebra::{Matrix4, Vector4};
 use std::collections::BTreeMap;
@@ -32,11 +32,19 @@ pub enum AtPlaces {
 }
 
 impl AtPlaces {
-    /// A coast loses speed by more than so many times its scatter.
-    fn loses(self) -> f64 {
+    /// Whether a coast there, which loses so much, N/kg, may count.
+    fn loses(self, coast_n_per_kg: f64, sd_n_per_kg: f64) -> bool {
         match self {
-            Self::OtherSlopes => 0.0,
-            Self::SmallErrors => LOSES_CLEARLY,
+            Self::OtherSlopes => true,
+            Self::SmallErrors => coast_n_per_kg > LOSES_CLEARLY * sd_n_per_kg,
+        }
+    }
+
+    /// Coasts scatter by no less, N/kg.
+    pub fn least_sd(self, stretches: &[Stretch]) -> f64 {
+        match self {
+            Self::OtherSlopes => LEAST_SD_N_PER_KG,
+            Self::SmallErrors => rounding_sd(stretches).max(LEAST_SD_N_PER_KG),
         }
     }
 
@@ -84,8 +92,8 @@ impl Locked {
     pub fn of(stretches: &[Stretch], fit: &MixtureFit, climbs_n_per_kg: &[f64], asked: AtPlaces) -> Option<Self> {
         let efforts = fit.residuals(stretches, climbs_n_per_kg);
         let losing = |((stretch, share), effort): ((&Stretch, &f64), &f64)| {
-            let of_coast = effort - stretch.gain_n_per_kg;
-            if stretch.gain_n_per_kg < 0.0 && of_coast > asked.loses() * fit.sd_n_per_kg { *share } else { 0.0 }
+            let may_count = asked.loses(effort - stretch.gain_n_per_kg, fit.sd_n_per_kg);
+            if stretch.gain_n_per_kg < 0.0 && may_count { *share } else { 0.0 }
         };
         let shares: Vec<f64> = stretches.iter().zip(&fit.shares).zip(&efforts).map(losing).collect();
         let climbs: Vec<f64> = climbs_n_per_kg.iter().map(|climb| asked.follows_climb() * climb).collect();

@@ -152,7 +152,8 @@ pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> [Claim; 4] {
         claim("the manufacturer overestimates r0")
             .columns(three(gathered, |t| below(t).map(|below| format!("mean of r0 {} off", r0_words(-below)))))
             .seen(below(paper).map(|below| visible::R0.judge(below)), visible::R0)
-            .by(format!("mean over all samples against the manufacturer's; below it. {BLIND}")),
+            .by(format!("mean over all samples against the manufacturer's; below it. {BLIND}"))
+            .of_the_train(),
         claim("the coefficients are never negative with Table 1")
             .columns(three(gathered, |t| (t.runs > 0).then(|| format!("{} of {} runs negative", t.negative_runs, t.runs))))
             .holds((paper.runs > 0).then_some(paper.negative_runs == 0))
