@@ -150,16 +150,23 @@ fn a_study_and_a_tuning_find_small_errors_of_gradients_as_a_replay_does() {
 }
 
 #[test]
-fn a_gap_says_that_coasts_agree_on_small_errors_of_gradients() {
-    let folder = simulated(20);
+fn a_gap_says_small_errors_of_gradients_and_names_nothing_for_them() {
+    let folder = Folder::simulated("name = \"set\"\nruns = 20\nseed = 5\ndirections = \"both\"\n");
     folder.write("off.toml", &off_by_half(&folder.read("set/track.toml")));
-    let is_said = |track: &str| {
+    let gap = |track: &str| {
         folder.done(&["gap", "--train", "set/train.toml", "--track", track, "--runs", "set/runs", "--out", "gap"]);
         let json = folder.json("gap/gap.json");
         let caveats = json["caveats"].as_array().unwrap().clone();
-        caveats.iter().any(|caveat| caveat.as_str().unwrap().starts_with("Coasts of different runs agree"))
+        let says = caveats.iter().any(|one| one.as_str().unwrap().starts_with("The described gradients are off by"));
+        (says, json["effects"].as_array().unwrap().len(), json)
     };
-    assert_eq!(["off.toml", "set/track.toml"].map(is_said), [true, false]);
+    let (is_said, names, json) = gap("off.toml");
+    let permille = json["gradient_errors_permille"].as_f64().unwrap();
+    assert!(is_said && names == 0 && json["verdict"] == "candidate", "{json}");
+    assert!((0.25..1.0).contains(&permille) && json["p_value"].as_f64().unwrap() > 0.05, "{json}");
+    let (is_said, names, json) = gap("set/track.toml");
+    assert!(!is_said && names == 0 && json["verdict"] == "no_gap", "{json}");
+    assert!(json["gradient_errors_permille"].is_null(), "{json}");
 }
 
 #[test]

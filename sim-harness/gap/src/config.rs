@@ -151,6 +151,22 @@ settings! {
         offset_step_m: f64 = 10.0, /// Offsets are tried so far apart, m. Judgement: less than the length of a train.
         places: usize = 16, /// Parts of the line whose agreement says how certain an offset is: a gradient may begin elsewhere than described. Judgement.
     }
+    /// Small errors of the described gradients at most places of the line.
+    gradients: GradientsConfig {
+        step_m: f64 = 500.0, /// Errors are straight between points so far apart, m. Judgement: less than they are alike over.
+        most_steps: usize = 120, /// Points along the line at most. Judgement: the time it takes.
+        alike_m: f64 = 2_000.0, /// Over this distance errors become a third as alike, m. Judgement: surveys, and slopes rounded to one figure for each kilometre or two.
+        place_m: f64 = 1_000.0, /// Length of a place, m. Judgement.
+        other_way: f64 = 0.2, /// From this share of rows of the rarer direction on what a place has in both is no error of its gradient. Judgement.
+        least_places: usize = 10, /// Fewer places do not show what most are like. Judgement: a wrong gradient over 2 km is a quarter of them.
+        least_places_one_way: usize = 20, /// The same where all trains go in one direction, and a resistance at a place looks like its gradient. Measured: of 16 a tunnel of 3.4 km was taken for errors of 0.6 permille everywhere.
+        typical_permille: f64 = 0.3, /// Errors of this standard deviation, permille, of which a place must show the following share to say something. Measured: sums of slopes that are described for each kilometre or two are off by 0.2 to 0.5.
+        effect: f64 = 3.0, /// A place that is so many standard deviations further off than most has an effect. Derived: of normal errors one in 370.
+        known_share: f64 = 0.5, /// Share of the variance of such an error. Judgement.
+        sure: f64 = 3.0, /// Log-likelihood by which they must explain the places, those with effects set aside, better than none. Derived: odds of 20.
+        least_permille: f64 = 0.1, /// Smaller errors are none, permille. Derived: gradients are described to a tenth of a permille.
+        most_permille: f64 = 1.0, /// No error that is not an effect is larger, permille. Judgement: a third of the resistance at 100 km/h.
+    }
     /// The effort column, or the effort calculated from the change of speed.
     effort: EffortConfig {
         most_factor: f64 = 1.5, /// A column further off than this factor from the effort that the motion needs, or of the other sign, is refused. Judgement: masses from tables are within 20 %, other units beyond 3.

@@ -65,6 +65,11 @@ impl Findings {
         sure.then_some((spread, sd))
     }
 
+    /// What the described gradients are off by at most places, standard deviation, permille.
+    pub fn gradient_errors_permille(&self) -> Option<f64> {
+        Some(self.calibrated.gradients_permille).filter(|permille| *permille > 0.0)
+    }
+
     /// The limit of the traction that is not as believed, if one is worth a name.
     pub fn limit(&self, config: &SearchConfig) -> Option<&FoundLimit> {
         self.limits.first().filter(|found| found.value > config.enough)

@@ -153,7 +153,9 @@ pub fn investigate(
         touched.share = touched.share.beside_noise_alone(touched.multiple);
     }
     let compared = (!evaluation.compared.is_empty()).then_some((&gap, touched.as_ref()));
-    let grounds = Grounds { named: &named, candidates: &candidates, p_value, p_value_after, gap: compared };
+    let gradients_are_off = findings.gradient_errors_permille().is_some();
+    let grounds =
+        Grounds { named: &named, candidates: &candidates, p_value, p_value_after, gradients_are_off, gap: compared };
     let verdict = grounds.verdict(config);
     Ok(Some(Investigation {
         verdict,

@@ -42,6 +42,8 @@ pub(crate) struct Grounds<'a> {
     pub p_value: f64,
     /// The same with the effects in the model.
     pub p_value_after: f64,
+    /// Described gradients are off at most places.
+    pub gradients_are_off: bool,
     /// On the hold-out runs; none where nothing could be compared.
     pub gap: Option<(&'a Share, Option<&'a Touched>)>,
 }
@@ -51,7 +53,8 @@ impl Grounds<'_> {
         // The wheel of one run is put right before the gap is measured.
         let of_one_run = |n: &Named| matches!(n.effect, Effect::SpeedScale(_)) && !n.runs.is_empty();
         let unknown = |n: &Named| matches!(n.effect, Effect::Unknown(_));
-        let something = self.p_value < config.evidence.significant || !self.candidates.is_empty();
+        let something =
+            self.p_value < config.evidence.significant || !self.candidates.is_empty() || self.gradients_are_off;
         let beyond_doubt = self.p_value < config.evidence.sure;
         match self.named {
             [] if beyond_doubt => Verdict::Unknown,
@@ -99,7 +102,9 @@ mod tests {
     use rundown::model::effects::{MassError, SpeedScale};
 
     fn verdict(named: &[Named], candidates: &[Named], p_value: f64) -> Verdict {
-        Grounds { named, candidates, p_value, p_value_after: 1.0, gap: None }.verdict(&GapConfig::default())
+        let gradients_are_off = false;
+        Grounds { named, candidates, p_value, p_value_after: 1.0, gradients_are_off, gap: None }
+            .verdict(&GapConfig::default())
     }
 
     fn mass() -> Named {
@@ -117,6 +122,17 @@ mod tests {
     }
 
     #[test]
+    fn gradients_that_are_off_are_something_without_a_name() {
+        let verdict = |gradients_are_off: bool, p_value: f64| {
+            let gap = None;
+            let grounds = Grounds { named: &[], candidates: &[], p_value, p_value_after: 1.0, gradients_are_off, gap };
+            grounds.verdict(&GapConfig::default())
+        };
+        assert_eq!([false, true].map(|off| verdict(off, 0.3)), [Verdict::NoGap, Verdict::Candidate]);
+        assert_eq!(verdict(true, 0.001), Verdict::Unknown, "what exceeds them is another gap");
+    }
+
+    #[test]
     fn the_wheel_of_a_run_explains_no_low_p_value_of_all() {
         let scale = SpeedScale { measured_over_true: 1.01 };
         let wheel = Named { runs: vec!["a".to_owned()], ..Named::plain(scale.into(), Vec::new(), 20.0, 30.0) };
@@ -126,7 +142,9 @@ mod tests {
         let gap = Share { runs: 8, before: 1.03, after: 1.03, floor: 0.14, removed: Some(0.0), removed_95: None };
         let beside = |gap: &Share| {
             let (named, gap) = (std::slice::from_ref(&wheel), Some((gap, None)));
-            Grounds { named, candidates: &[], p_value: 0.3, p_value_after: 1.0, gap }.verdict(&GapConfig::default())
+            let grounds =
+                Grounds { named, candidates: &[], p_value: 0.3, p_value_after: 1.0, gradients_are_off: false, gap };
+            grounds.verdict(&GapConfig::default())
         };
         assert_eq!(beside(&gap), Verdict::PartlyExplained);
         assert_eq!(beside(&Share { before: 0.15, after: 0.15, ..gap }), Verdict::Explained);

@@ -65,7 +65,10 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     notes.extend(found.findings.differing.not_compared.iter().map(NotCompared::sentence));
     notes.extend(contradiction(found, answer.config.evidence.significant));
     notes.extend(about_gradients(&input.track_file).map(str::to_owned));
-    notes.extend(input.small_errors.as_ref().map(agreeing));
+    notes.extend(match found.findings.gradient_errors_permille() {
+        Some(permille) => Some(at_most_places(permille)),
+        None => input.small_errors.as_ref().map(agreeing),
+    });
     notes.extend(unseen_speeds(&found.findings));
     if input.left_out > 0 {
         notes.push(format!(
@@ -88,6 +91,13 @@ fn agreeing(small: &SmallErrors) -> String {
     format!(
         "Coasts of different runs agree at their places on {:.2} permille (standard deviation) that the track does not describe: errors of its gradients, or an effect at places. Where it is errors, what is named beside them may be theirs.",
         small.sd_permille
+    )
+}
+
+/// What the described gradients are off by, which the noise has.
+fn at_most_places(permille: f64) -> String {
+    format!(
+        "The described gradients are off by {permille:.2} permille (standard deviation) at most places, alike in all runs. Names and p-values are beside that: what acts at a place must exceed it."
     )
 }
 

@@ -9,6 +9,7 @@ use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::NoiseConfig;
 use crate::data::{believed::Context, interval::Interval, rows::Row};
 use crate::fit::Base;
+use crate::noise::gradients;
 use crate::noise::habits::{self, DRIVEN, Scatter, regime};
 use crate::noise::whitening::{Noise, Whitening};
 use nalgebra::{DMatrix, DVector};
@@ -35,22 +36,24 @@ pub struct Calibrated {
     pub spread: Vec<f64>,
     /// What rows of powering and of braking scatter beyond those of coasting, standard deviations, N/kg.
     pub driven_n_per_kg: [f64; 2],
+    /// What the described gradients are off by at most places, standard deviation, permille.
+    pub gradients_permille: f64,
 }
 
 impl Calibrated {
     /// With the nuisances among which effects are looked for.
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
-        self.without_nuisances(context, rows).with_common(&common(context, rows))
+        self.without_nuisances(context, rows).with_common(&self.common(context, rows))
     }
 
     /// With all that sensors of the effort do: that of the brake has a gain of its own, and each one by the speed.
     pub fn for_probes(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
-        self.without_nuisances(context, rows).with_common(&of_sensors(context, rows))
+        self.without_nuisances(context, rows).with_common(&self.of_sensors(context, rows))
     }
 
     /// With all that names are tried against: what drivers do between two readings, too.
     pub fn for_trials(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
-        let mut common = of_sensors(context, rows);
+        let mut common = self.of_sensors(context, rows);
         if has_efforts(rows) {
             let evidence = &context.config.evidence;
             let sizes = habits::judged(&self.driven_n_per_kg, evidence);
@@ -71,15 +74,31 @@ impl Calibrated {
         let driven = DRIVEN.iter().zip(self.driven_n_per_kg).find(|(which, _)| **which == regime);
         self.noise.disturbance(&row.interval) + driven.map_or(0.0, |(_, sd)| sd * sd)
     }
-}
 
-/// Gain of the effort column, if there is one, and offset of the locations, with the standard deviations of their
-/// priors.
-fn common(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
-    let config = &context.config.nuisance;
-    let gain = has_efforts(rows).then(|| (effort(rows), config.effort_gain_sd));
-    let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
-    gain.into_iter().chain([(offset, config.location_offset_sd_m)]).chain(starting_gains(context, rows)).collect()
+    /// Gain of the effort column, if there is one, offset of the locations, and errors of the gradients, with the
+    /// standard deviations of their priors.
+    fn common(&self, context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
+        let config = &context.config.nuisance;
+        let gain = has_efforts(rows).then(|| (effort(rows), config.effort_gain_sd));
+        let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
+        let one_each = gain.into_iter().chain([(offset, config.location_offset_sd_m)]);
+        let mut all: Vec<_> = one_each.chain(starting_gains(context, rows)).collect();
+        if self.gradients_permille > 0.0 {
+            all.extend(gradients::columns(context, rows).into_iter().map(|column| (column, self.gradients_permille)));
+        }
+        all
+    }
+
+    /// The same with what the sensor of the effort is off by otherwise.
+    fn of_sensors(&self, context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
+        let mut all = self.common(context, rows);
+        if has_efforts(rows) {
+            let braking = rows.iter().map(|row| row.effort_n_per_kg.min(0.0)).collect();
+            all.push((braking, context.config.nuisance.brake_gain_sd));
+            all.extend(habits::gains(rows, context.config));
+        }
+        all
+    }
 }
 
 /// What the effort column is off by beside its gain in the first seconds after a start, at all speeds and rising with
@@ -91,17 +110,6 @@ fn starting_gains(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
     let by_speed = |row: &Row| starts(row) * (row.interval.mean_speed_mps() / config.start_mps - 1.0);
     let columns: [Vec<f64>; 2] = [rows.iter().map(starts).collect(), rows.iter().map(by_speed).collect()];
     columns.map(|column| (column, context.config.nuisance.starting_gain_sd)).into()
-}
-
-/// The same with what the sensor of the effort is off by otherwise.
-fn of_sensors(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
-    let mut all = common(context, rows);
-    if has_efforts(rows) {
-        let braking = rows.iter().map(|row| row.effort_n_per_kg.min(0.0)).collect();
-        all.push((braking, context.config.nuisance.brake_gain_sd));
-        all.extend(habits::gains(rows, context.config));
-    }
-    all
 }
 
 fn has_efforts(rows: &[Row]) -> bool {
@@ -280,7 +288,7 @@ pub fn calibrate_beside(
         Some((left, _)) if measured => Scatter::of(rows, &left, &context.config.evidence).beyond_n_per_kg(),
         _ => [0.0; 2],
     };
-    (Calibrated { noise: at.noise, own: at.own, spread, driven_n_per_kg }, reached)
+    (Calibrated { noise: at.noise, own: at.own, spread, driven_n_per_kg, gradients_permille: 0.0 }, reached)
 }
 
 /// Restricted log-likelihood: of what is beyond the flexible model, whichever its coefficients are.

@@ -106,10 +106,18 @@ impl Whitening {
         if white.is_empty() {
             return self;
         }
-        let svd = DMatrix::from_columns(&white).svd(true, false);
-        let d = svd.singular_values;
-        self.log_determinant += d.iter().map(|d| 0.5 * (1.0 + d * d).ln()).sum::<f64>();
-        self.common = svd.u.map(|u| (u, d.map(|d| 1.0 - 1.0 / (1.0 + d * d).sqrt())));
+        let z = DMatrix::from_columns(&white);
+        // Of hundreds of columns far less work than their singular values, and what is lost is rounding beside 1.
+        let eigen = z.tr_mul(&z).symmetric_eigen();
+        let squares = eigen.eigenvalues.map(|square| square.max(0.0));
+        self.log_determinant += squares.iter().map(|square| 0.5 * square.ln_1p()).sum::<f64>();
+        let least = f64::EPSILON * squares.max();
+        let acting: Vec<usize> = (0..squares.len()).filter(|k| squares[*k] > least).collect();
+        let scaled = acting.iter().map(|k| eigen.eigenvectors.column(*k) / squares[*k].sqrt());
+        let scaled: Vec<DVector<f64>> = scaled.collect();
+        let shrink =
+            DVector::from_iterator(acting.len(), acting.iter().map(|k| 1.0 - 1.0 / (1.0 + squares[*k]).sqrt()));
+        self.common = (!acting.is_empty()).then(|| (z * DMatrix::from_columns(&scaled), shrink));
         self
     }
 
