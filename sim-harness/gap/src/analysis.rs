@@ -11,7 +11,7 @@ use crate::findings::{BetweenRuns, Findings};
 use crate::levels::{columns, standouts};
 use crate::noise::calibrate::{Calibrated, calibrate, calibrate_beside, flexible};
 use crate::noise::dragging::dragging;
-use crate::noise::{gradients, habits};
+use crate::noise::{gradient_errors, habits};
 use crate::readings::kinematics::Kinematics;
 use crate::search::{fits::Search, fitting::fitted, headwind::headwind};
 use crate::traction::{hypotheses::limits, powering::SteadyPower};
@@ -161,7 +161,7 @@ fn model(
             let with: Vec<Term> = found.terms.iter().cloned().chain([drags]).collect();
             (calibrated, _) = calibrate(context, &rows, measured, true, &with);
         }
-        calibrated.gradients_permille = gradients::sd_permille(context, &rows, &calibrated);
+        calibrated.gradients_permille = gradient_errors::sd_permille(context, &rows, &calibrated);
         let search = Search::new(context, &rows, &calibrated, measured);
         // So few rows would fit anything; limits can be evaluated nevertheless.
         found.terms = if rows.len() < config.search.few_rows { Vec::new() } else { search.select() };

@@ -104,8 +104,8 @@ impl AsDescribed {
         Self { climbs_n_per_kg, fit }
     }
 
-    /// What coasts have in common at a place, where slopes that nobody described may add to their scatter; none from too
-    /// few.
+    /// What coasts have in common at a place, where slopes that nobody described may add to their scatter; none from
+    /// too few.
     fn locked(&self, stretches: &[Stretch], asked: AtPlaces) -> Option<Locked> {
         let sds = [asked.least_sd(stretches).min(MOST_LOCKED_SD_N_PER_KG), MOST_LOCKED_SD_N_PER_KG];
         let fit = MixtureFit::within(stretches, &self.climbs_n_per_kg, sds)?;

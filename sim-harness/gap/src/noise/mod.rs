@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod dragging;
 pub mod dragging_units;
+pub mod gradient_errors;
 pub mod gradients;
 pub mod habit_sizes;
 pub mod habits;
