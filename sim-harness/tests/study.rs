@@ -407,6 +407,22 @@ fn the_headline_speaks_of_all_sets_and_not_of_the_first() {
     assert!(said.out.contains("Judged on one set of runs alone"), "{}", said.out);
 }
 
+/// Whichever of two runs has one.
+#[test]
+fn a_run_with_a_hole_is_not_the_one_of_the_figures() {
+    let folder = Folder::simulated("name = \"set\"\nruns = 2\nseed = 5\n");
+    for holed in ["set/runs/run001.csv", "set/runs/run002.csv"] {
+        let whole = folder.read(holed);
+        let lines: Vec<&str> = whole.lines().collect();
+        folder.write(holed, &[&lines[..60], &lines[70..]].concat().join("\n"));
+        let recorded = ["--runs", "set/runs", "--train", "set/train.toml", "--track", "set/track.toml"];
+        folder.done(&[&["study", "--no-run-pages", "--out", "out"], &recorded[..]].concat());
+        let times_s = csv_table(&folder, "out/fig3_run_paper.csv").numbers("time_s");
+        assert!(times_s.len() > 50 && times_s.windows(2).all(|pair| pair[1] - pair[0] < 60.0), "{holed}: {times_s:?}");
+        folder.write(holed, &whole);
+    }
+}
+
 /// `data/golden/paper` has what `rundown study --all --seeds 20 --out paper` wrote: claims/claims.md and
 /// readings/readings.md, with which docs/paper.md is compared, slope/slope.md, with which docs/study.md is, and
 /// study/claims.csv, whose words are those of the first set.
