@@ -20,9 +20,9 @@ use rundown_files::statistics::{median, spread};
 /// A step is off by so many times the usual scatter, and all of them together by so many.
 const STEP_NOISE: f64 = 2.0;
 const ALL_NOISE: f64 = 6.0;
-/// Together they are off by more than a train that brakes and powers once between two rows that have its speed, m/s²,
-/// and by no less than this, m.
-const LARGEST_MPS2: f64 = 1.4;
+/// No train brakes or powers by more, m/s².
+pub(crate) const LARGEST_MPS2: f64 = 1.4;
+/// Together they are off by no less, m.
 const LEAST_M: f64 = 15.0;
 /// So many steps: one alone may be a location that leaps.
 const LEAST_STEPS: usize = 2;
@@ -56,6 +56,11 @@ impl Step {
     fn is_fast(&self) -> bool {
         self.by_speed_m > LEAST_MPS * self.lasts_s
     }
+}
+
+/// What a train may miss of the way of its speed where it brakes and powers between two rows that have it, m.
+pub(crate) fn between_m(apart_s: f64) -> f64 {
+    LARGEST_MPS2 * (0.5 * apart_s).powi(2)
 }
 
 /// The steps of a run: of each how far its way by location is from what speeds usually say, m.
@@ -107,8 +112,8 @@ impl Steps {
         let (all_m, longest_s) = off
             .iter()
             .fold((0.0, 0.0_f64), |(sum_m, longest_s), (off_m, lasts_s)| (sum_m + off_m, longest_s.max(*lasts_s)));
-        let between_m = LARGEST_MPS2 * (0.5 * longest_s).powi(2);
-        let is_missed = off.len() >= LEAST_STEPS && all_m > between_m.max(ALL_NOISE * self.noise_m).max(LEAST_M);
+        let is_missed =
+            off.len() >= LEAST_STEPS && all_m > between_m(longest_s).max(ALL_NOISE * self.noise_m).max(LEAST_M);
         is_missed.then_some(all_m)
     }
 }

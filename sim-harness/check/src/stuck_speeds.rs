@@ -15,7 +15,7 @@
 use crate::finding::{Finding, Kind};
 use crate::places::{self, LEAST_STUCK, LEAST_STUCK_M, STUCK_SHARE, StuckRows};
 use crate::steps;
-use crate::stuck_goes_on::Steps;
+use crate::stuck_goes_on::{self, LARGEST_MPS2, Steps};
 use rundown_files::sample::Sample;
 
 /// Rows in a row that say the same, and how many show by themselves that the speed stands still.
@@ -28,9 +28,8 @@ const MOST_WHEEL: f64 = 0.06;
 const LEAST_LEAPT: usize = 8;
 const LEAST_LEAPT_S: f64 = 10.0;
 const LEAST_LEAPT_M: f64 = 15.0;
-/// A leap is more than any train's acceleration makes between two rows, m/s², and no less than this, m/s; from zero,
-/// which is a stand or that of a sensor with a threshold, more.
-const LARGEST_MPS2: f64 = 1.4;
+/// A leap is more than any train's acceleration makes between two rows, and no less than this, m/s; from zero, which is
+/// a stand or that of a sensor with a threshold, more.
 const LEAST_LEAP_MPS: f64 = 0.6;
 const FROM_ZERO_MPS: f64 = 3.0;
 /// The distance that it misses, as a share of that of the whole leap over all of the time: a half where the train
@@ -117,10 +116,9 @@ fn misses(rows: &[Sample], stuck: &StuckRows, away: &Away, usual: &UsualReadings
         && (stuck.count >= LEAST_STUCK || metres > far * stuck.way_m + between_m(rows, stuck) * stuck.count as f64)
 }
 
-/// What a train may miss of the way of its speed where it brakes and powers between two rows that have it, m.
+/// What a train may miss of the way of its speed between two of the rows, m.
 fn between_m(rows: &[Sample], stuck: &StuckRows) -> f64 {
-    let each_s = (rows[stuck.to].time_s - rows[stuck.from].time_s) / (stuck.count - 1).max(1) as f64;
-    LARGEST_MPS2 * (0.5 * each_s).powi(2)
+    stuck_goes_on::between_m((rows[stuck.to].time_s - rows[stuck.from].time_s) / (stuck.count - 1).max(1) as f64)
 }
 
 /// How the speed goes on: by how much, m/s, and how much more that is than a train makes in the time, m/s.

@@ -25,9 +25,12 @@ pub fn mean_median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(0.5 * (values[last / 2] + values[last.div_ceil(2)]))
 }
 
+/// Standard deviation of a normal distribution over the median of its sizes.
+pub const MEDIAN_TO_SD: f64 = 1.4826;
+
 /// Standard deviation by the median of the sizes, which a few exceptions do not move; 0 of none.
 pub fn spread(off: impl IntoIterator<Item = f64>) -> f64 {
-    median(off.into_iter().map(f64::abs)).map_or(0.0, |size| 1.4826 * size)
+    median(off.into_iter().map(f64::abs)).map_or(0.0, |size| MEDIAN_TO_SD * size)
 }
 
 /// Standard deviation of the median of so many values with this [`spread`].

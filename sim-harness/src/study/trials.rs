@@ -14,6 +14,7 @@
 
 use super::gather::{Drawn, Estimators};
 use super::readings::pass::{Filter, Pass, R0_NOISE, way};
+use super::readings::remarks::{SMALL_MPS2, STRONG_MPS2};
 use super::{moments::Moments, view::Seen};
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
@@ -36,10 +37,6 @@ const WHICH: [(&str, [bool; 3]); 4] = [
     ("r0, r1, r2", [true; 3]),
 ];
 
-/// Standard deviations of the acceleration noise that are tried, m/s²; Table 1 has none. Up to the fourth they
-/// are small.
-pub const NOISES_MPS2: [f64; 6] = [1e-4, 0.001, 0.003, 0.01, 0.1, 1.0];
-pub const SMALL_MPS2: f64 = 0.01;
 /// One sample in so many is kept.
 pub const KEPT: usize = 2;
 /// Passes whose shortest counts: other programs only make one longer.
@@ -185,7 +182,7 @@ fn noise(config: &Config, train: &Train, track: &Track, runs: &[Recording]) -> V
         let [q, drawn] = [q, drawn].map(|noisy| shaken([&quiet, &noisy], train, track, runs));
         Noise { sd_mps2, q, drawn }
     };
-    NOISES_MPS2.into_iter().map(of).collect()
+    SMALL_MPS2.into_iter().chain(STRONG_MPS2).map(of).collect()
 }
 
 fn davis_noise(config: &Config, train: &Train, track: &Track, runs: &[Recording]) -> Option<[Shaken; 2]> {

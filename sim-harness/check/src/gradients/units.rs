@@ -161,8 +161,8 @@ mod tests {
             climbs.push(climb);
             coasts.stretches.push(stretch(number, mps, gain_n_per_kg).with(described));
         }
-        let described_n_per_kg = AsDescribed::of(&coasts.stretches, climbs);
-        coasts.other_units(described, &described_n_per_kg)
+        let on_climbs = AsDescribed::of(&coasts.stretches, climbs);
+        coasts.other_units(described, &on_climbs)
     }
 
     #[test]

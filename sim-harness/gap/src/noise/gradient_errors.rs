@@ -12,10 +12,8 @@ use crate::noise::{calibrate::Calibrated, gradients::at, whitening::Whitening};
 use nalgebra::{DMatrix, DVector};
 use rundown::model::direction::Direction;
 use rundown::model::effects::{Coordinate, EffectKind};
+use rundown_files::statistics::MEDIAN_TO_SD;
 use std::collections::BTreeMap;
-
-/// Standard deviation of a normal distribution over the median of its sizes.
-const MEDIAN_TO_SD: f64 = 1.4826;
 
 /// What may act along the whole line by the speed, the effort or the described line, and so is no error at a place.
 fn beside(context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {

@@ -2,7 +2,8 @@
 
 use super::{Claim, Verdict, alone, claim, points};
 use crate::study::readings::pass::R0_NOISE;
-use crate::study::trials::{Missed, Misses, Noise, Pace, SMALL_MPS2, Shaken, Trials};
+use crate::study::readings::remarks::SMALL_MPS2;
+use crate::study::trials::{Missed, Misses, Noise, Pace, Shaken, Trials};
 use crate::study::visible::{self, Size};
 use rundown_pages::numbers::number;
 
@@ -90,7 +91,7 @@ fn noise(noises: &[Noise]) -> [Claim; 2] {
     };
     let both = |n: &Noise| [n.q, n.drawn];
     let (small, strong): (Vec<&Noise>, Vec<&Noise>) =
-        noises.iter().filter(|noise| noise.q.runs > 0).partition(|noise| noise.sd_mps2 <= SMALL_MPS2);
+        noises.iter().filter(|noise| noise.q.runs > 0).partition(|noise| SMALL_MPS2.contains(&noise.sd_mps2));
     let some = |of: &[&Noise], is: fn(&Shaken) -> bool| {
         (!of.is_empty()).then(|| of.iter().copied().flat_map(both).any(|shaken| is(&shaken)))
     };
