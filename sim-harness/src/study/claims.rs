@@ -62,7 +62,7 @@ pub struct Claim {
     pub paper: String,
     pub gated: String,
     pub truth: String,
-    /// Of the paper's mode against the truth, where the claim is one that is recovered.
+    /// Of the paper's mode against the truth, where the claim is one that is recovered, or has such an error.
     pub error: String,
     pub verdict: Verdict,
     pub why: String,
@@ -149,7 +149,7 @@ pub fn columns() -> Vec<Column<Claim>> {
     let least = "the least change that counts, with its reason";
     let place = "figure of the paper, `2` to `9`, its section, `3.1`, `3.2`, `4.1`, `4.2`, `4.4`, or its `conclusion`";
     let kind = "`input`: put into scenario, description or method; `recovered`: put in and found again; `predicted`: could have failed; `observed`: in recorded runs, whose truth is not known";
-    let error = "of the paper's mode against the truth, where the claim is `recovered`";
+    let error = "of the paper's mode against the truth, where the claim is `recovered` or has one";
     vec![
         Column::text("place", place, |claim: &Claim| claim.place),
         Column::text("kind", kind, |claim: &Claim| claim.kind.as_str()),
@@ -227,6 +227,11 @@ impl Claim {
 
     fn of_the_train(self) -> Self {
         Self { is_of_the_train: true, ..self }
+    }
+
+    /// What the paper's mode is off against the truth, of a claim that is not recovered: it decides nothing.
+    fn off_by(self, error: Option<String>) -> Self {
+        Self { error: error.unwrap_or(self.error), ..self }
     }
 
     fn of_any_train(self) -> Self {

@@ -12,7 +12,7 @@
 //! | what does the estimator say of one run, and what was true? | `view` |
 //! | and of all of them? | `gather`, `tallies`, `moments` |
 //! | what do the figures show? | `figures` |
-//! | what does the paper claim, and is it so here? | `claims`, `trials`, `visible`, `verdict` |
+//! | what does the paper claim, and is it so here? | `claims`, `clouds`, `trials`, `visible`, `verdict` |
 //! | where is it reported? | `page`, `run_pages`, `write` |
 //! | why did the paper see no tunnel? | `tunnel` |
 //! | what does the paper leave to future work? | `experiments` |
@@ -22,6 +22,7 @@
 pub(crate) mod bound;
 pub(crate) mod case;
 pub(crate) mod claims;
+pub(crate) mod clouds;
 pub(crate) mod description;
 pub(crate) mod dynamics;
 pub(crate) mod experiments;

@@ -1,7 +1,7 @@
 //! What all runs say together, through one pair of eyes: in as few numbers as one run.
 
 use super::moments::Moments;
-use super::view::{CLOUDS_KMH, POWER_KMH, PowerPoint, Seen};
+use super::view::Seen;
 use super::visible;
 
 /// Where the paper finds r0, N/kg (section 4.2).
@@ -34,11 +34,7 @@ pub struct Tallies {
     pub coast_mps2: Moments,
     /// Mean brake rate of each run in each ATB-EG step, m/s².
     pub brake_steps: [Moments; 5],
-    /// Power of the samples below and above [`CLOUDS_KMH`], within [`POWER_KMH`], kW.
-    pub clouds_kw: [Moments; 2],
-    /// Samples below the manufacturer's power in the slower cloud and above it in the faster one, and all of each.
-    pub on_their_side: [[u64; 2]; 2],
-    /// Runs with power in both clouds, of those with power on both sides of [`CLOUDS_KMH`].
+    /// Runs with power in both clouds, of those with power on both sides of [`super::view::CLOUDS_KMH`].
     pub in_both_clouds: [u64; 2],
     /// Intervals of each run that say something of the largest tractive effort.
     pub effort_samples: Moments,
@@ -89,20 +85,12 @@ impl Tallies {
         for (moments, share) in self.shares.iter_mut().zip(outcome.shares.into_iter().flatten()) {
             moments.add(share);
         }
-        for (all, of_run) in self.on_their_side.iter_mut().flatten().zip(outcome.on_their_side.iter().flatten()) {
-            *all += of_run;
-        }
         if let Some(is_in_both) = outcome.in_both_clouds {
             self.in_both_clouds[0] += u64::from(is_in_both);
             self.in_both_clouds[1] += 1;
         }
         for (moments, rate_mps2) in self.brake_steps.iter_mut().zip(outcome.brake_steps_mps2) {
             rate_mps2.into_iter().for_each(|value| moments.add(value));
-        }
-        let within = |point: &&PowerPoint| POWER_KMH.contains(&point.speed_kmh);
-        for point in points.power.iter().filter(within) {
-            let cloud = usize::from(point.speed_kmh > CLOUDS_KMH);
-            self.clouds_kw[cloud].add(point.power_kw);
         }
     }
 }

@@ -5,10 +5,13 @@
 
 use super::{case::CaseTruth, moments::Moments, visible};
 use crate::accuracy_bench::score::regime;
+use rundown::filter::ukf::Reading;
+use rundown::tick::measurement::Measurement;
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::statistics::mean_median;
+use rundown_pages::numbers::counted;
 use rundown_truth::regime::Regime as TrueRegime;
 use rundown_truth::sensors::TruthSample;
 use std::ops::RangeInclusive;
@@ -71,9 +74,6 @@ pub struct ViewOutcome {
     pub speed_rms_kmh: Option<f64>,
     /// The first acceleration has power below the manufacturer's up to [`CLOUDS_KMH`] and above it at higher speeds.
     pub in_both_clouds: Option<bool>,
-    /// Intervals of the first acceleration below the manufacturer's power up to [`CLOUDS_KMH`], and above it at higher
-    /// speeds, each with all of these speeds.
-    pub on_their_side: [[u64; 2]; 2],
     /// Share of the time in which the resistance was learned.
     pub learned_share: Option<f64>,
 }
@@ -199,7 +199,6 @@ impl Seen {
             max_power_kw: largest_mean(&points.power, &CROSS_KMH).map(|point| point.power_kw),
             cross_kw: largest(&points.power, &CROSS_KMH).map(|point| point.power_kw),
             in_both_clouds: in_both_clouds(&points.power, train),
-            on_their_side: on_their_side(&points.power, train),
             coast_mps2,
             effort_samples: Some(f64::from(features.max_effort.as_ref().map_or(0, |line| line.effort.count))),
             davis: [davis[0], davis[1], davis[2]],
@@ -259,7 +258,6 @@ impl Seen {
             max_power_kw: facts.max_power_50_90_w_per_kg.map(|p| kw * p),
             cross_kw: facts.max_power_50_90_w_per_kg.map(|p| kw * p),
             in_both_clouds: in_both_clouds(&points.power, described),
-            on_their_side: on_their_side(&points.power, described),
             coast_mps2,
             effort_samples: None,
             davis,
@@ -280,6 +278,21 @@ pub fn speed_rms_kmh(run: &ReplayedRun) -> Option<f64> {
         readings += 1.0;
     }
     (readings > 0.0).then(|| (squares / readings).sqrt())
+}
+
+/// Why the paper's mode does not follow the speed of a run of which readings were not believed; nothing where all were.
+/// A change of speed over a reading that is dropped drives one step alone, as a mean over both, and with Table 1's
+/// initial deviations and no Q the filter takes no reading's word against its own speed: what is lost stays lost.
+pub fn dropped_words(paper: &ReplayedRun) -> Option<String> {
+    let is_dropped = |(estimate, read): &(&Estimate, &Measurement)| {
+        let of_speed = estimate.innovation.map(|innovation| innovation.readings[1]);
+        read.speed_mps.is_some() && of_speed == Some(Reading::Missing)
+    };
+    let count = paper.estimates.iter().zip(&paper.measurements).filter(is_dropped).count();
+    (count > 0).then(|| {
+        let readings = counted(count, "reading of its speed was", "readings of its speed were");
+        format!("{readings} dropped as impossible for a train: what it changed over each is lost in part, and with Table 1 the filter never makes up for it")
+    })
 }
 
 /// Decides how long the first acceleration lasts.
@@ -355,18 +368,6 @@ fn in_both_clouds(points: &[PowerPoint], described: &Train) -> Option<bool> {
     let least = slow.iter().map(|p| p.power_kw).reduce(f64::min)?;
     let most = fast.iter().map(|p| p.power_kw).reduce(f64::max)?;
     Some(visible::SHARE.sees(1.0 - least / stated_kw) && visible::SHARE.sees(most / stated_kw - 1.0))
-}
-
-fn on_their_side(points: &[PowerPoint], described: &Train) -> [[u64; 2]; 2] {
-    let stated_kw = described.description().max_power_w / 1000.0;
-    let mut counts = [[0; 2]; 2];
-    for point in points.iter().filter(|p| POWER_KMH.contains(&p.speed_kmh)) {
-        let is_fast = point.speed_kmh > CLOUDS_KMH;
-        let [inside, all] = &mut counts[usize::from(is_fast)];
-        *inside += u64::from((point.power_kw > stated_kw) == is_fast);
-        *all += 1;
-    }
-    counts
 }
 
 /// Index of the ATB-EG step of a speed.
@@ -478,5 +479,24 @@ mod tests {
         ];
         let goes_on: Vec<bool> = doing.iter().map(|(t, v)| first.goes_on(*t, *v)).collect();
         assert_eq!(goes_on, [true, true, true, true, true, true, true, false, false]);
+    }
+    #[test]
+    fn a_speed_that_is_dropped_is_said() {
+        use crate::study::{case::case_study, description, gather::Estimators};
+        use rundown_files::{recording::Recording, replay::Tick, replay::replay_apart_by, sample::Sample};
+        let believed = description::of(&case_study().unwrap()).unwrap();
+        let estimators = Estimators::try_new(Default::default(), believed.train, &believed.track).unwrap();
+        let of = |odd_mps| {
+            let row = |t: u32| Sample {
+                time_s: t.into(),
+                location_m: Some(5.0 * f64::from(t)),
+                speed_mps: Some(if t == 20 { odd_mps } else { 5.0 }),
+                ..Sample::default()
+            };
+            let recording = Recording { rows: (0..40).map(row).collect(), ..Recording::default() };
+            dropped_words(&replay_apart_by(&|_| &estimators.paper, &[&recording], Tick::EverySample, || ())[0])
+        };
+        assert_eq!(of(5.5), None);
+        assert!(of(12.0).is_some_and(|words| words.starts_with("1 reading of its speed was dropped")));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Eyes, NO_TRUTH, Picture};
 use crate::report::{RunView, TruthView, figures};
-use crate::{study::case::CaseTruth, study::gather::Example};
+use crate::{study::case::CaseTruth, study::gather::Example, study::view::dropped_words};
 use rundown::tick::estimate::Estimate;
 use rundown::tick::regime::Regime;
 use rundown::{model::resistance::Davis, model::state, model::train::Train};
@@ -26,11 +26,13 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
             numbers: filled(columns, rows),
         };
     let of = format!("{}, {word} mode", run.name);
+    let dropped = if eyes == Eyes::Paper { dropped_words(run) } else { None };
+    let dropped = dropped.map_or_else(String::new, |words| format!(" {words}."));
     [
         picture(
             "fig3_run",
             format!(
-                "Speed, acceleration, effort and the three coefficients of {of}. Dashed: the largest deceleration, the largest tractive effort at each speed, the manufacturer's coefficients."
+                "Speed, acceleration, effort and the three coefficients of {of}. Dashed: the largest deceleration, the largest tractive effort at each speed, the manufacturer's coefficients.{dropped}"
             ),
             figures::motion(&view, train),
             motion_columns(),
