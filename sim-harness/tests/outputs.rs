@@ -299,10 +299,18 @@ fn every_file_of_a_study_is_declared() {
     let scenario = at("few.toml");
     std::fs::write(&scenario, "runs = 2\n").unwrap();
     let scenario = scenario.to_str().unwrap();
-    study("readings", &["--readings", "--scenario", scenario, "--seeds", "1"], &["readings.csv", "readings.json"]);
+    study(
+        "readings",
+        &["--readings", "--scenario", scenario, "--seeds", "1"],
+        &["readings.csv", "readings_crossed.csv", "readings.json"],
+    );
     ran(&[&"study", &"--experiment", &"all", &"--seeds", &"1", &"--count", &"3", &"--out", &at("all")]);
     for entry in std::fs::read_dir(at("all")).unwrap() {
         let path = entry.unwrap().path();
+        if !path.is_dir() {
+            // The page of all, and its manifest.
+            continue;
+        }
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         all_declared("study", &path, &[&format!("{name}.csv")]);
     }

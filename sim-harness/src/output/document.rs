@@ -113,8 +113,9 @@ fn study_beside(text: &mut String) {
     let vehicles = "A row for each mode and vehicle; `<runs>` is `1_run`, `10_runs`, ...";
     table(text, "rundown study: slope_after_<runs>.csv", vehicles, &about(slope::columns()));
     json_file(text, "rundown study: slope.json, --truth-slope --json", "", fields::slope());
-    let readings = "A row for each combination of readings and recorder.";
-    table(text, "rundown study: readings.csv", readings, &about(outcome::columns()));
+    let readings =
+        "A row for each combination of readings and recorder; of the crossed ones those that the second picture draws.";
+    table(text, "rundown study: readings.csv, readings_crossed.csv", readings, &about(outcome::columns()));
     json_file(text, "rundown study: readings.json, --readings --json", "", owned(fields::READINGS));
     let tunnel = "A row for each stretch of 500 m, and for each tunnel.";
     table(text, "rundown study: tunnel.csv", tunnel, &about(study::tunnel::columns()));

@@ -84,7 +84,7 @@ fn write_readings(
     as_json: bool,
     out: &Path,
 ) -> Result<ExitCode, Failure> {
-    let pictures = [readings::picture::picture(all, &words.of)];
+    let pictures = readings::picture::pictures(all, &words.of);
     let rows: Vec<_> = column::records(&pictures[0].numbers).iter().map(rundown_files::table::to_json).collect();
     let mut json = words.extent;
     json["notes"] = json!(words.notes);

@@ -1,7 +1,7 @@
 //! The comparison as a table on the screen, as records, and as a page.
 
 use super::comparison::Compared;
-use super::reading::Combination;
+use super::reading::{Combination, Gradient, Initial, Reading, SigmaPoints};
 use super::remarks::{JudgedRuns, REMARKS, SMALL_MPS2, STRONG_MPS2, TRIED};
 use crate::output::markdown::{cells, table};
 use crate::study::figures::Picture;
@@ -9,7 +9,7 @@ use crate::study::moments::Moments;
 use maud::{Markup, html};
 use rundown_files::column::Column;
 use rundown_pages::numbers::number;
-use rundown_pages::shell::{Section, column, document, figure, sortable, text_column};
+use rundown_pages::shell::{Section, choice_column, column, document, figure, sortable};
 
 /// The columns of `readings.csv`.
 pub fn columns() -> Vec<Column<Compared>> {
@@ -106,13 +106,6 @@ fn trials() -> Vec<Column<Compared>> {
     columns
 }
 
-/// The combinations, those with the most remarks first.
-fn ranked(all: &[Compared]) -> Vec<&Compared> {
-    let mut ranked: Vec<&Compared> = all.iter().collect();
-    ranked.sort_by(|a, b| b.remarks().total_cmp(&a.remarks()));
-    ranked
-}
-
 pub fn screen(all: &[Compared]) -> String {
     let mut text = format!(
         "{:8} {:5} {:10} {:7} {:9} {:>6}  {:>7} {:>9} {:>10} {:>8} {:>15}  remarks in all / some seeds\n",
@@ -128,7 +121,7 @@ pub fn screen(all: &[Compared]) -> String {
         "rms km/h",
         "r0, 1e-3 N/kg"
     );
-    for one in ranked(all) {
+    for one in all {
         let (reading, recorder) = (one.combination.reading, one.combination.recorder);
         let mean = |moments: Moments, digits| number(moments.mean(), digits);
         let end = |index: usize| number(one.moments(|j| j.r0_ends[index]).mean().map(|r0| 1e3 * r0), 3);
@@ -208,7 +201,9 @@ pub fn page(on: &str, notes: &[String], all: &[Compared], pictures: &[Picture]) 
     };
     let remarks = html! {
             p { "A remark that can be read in two ways stands here twice. The last six try other settings on the first " (TRIED) " runs of each set." }
-            ul { @for (name, statement) in REMARKS { li { strong { (name) } ": " (statement) } } }
+            ol { @for (name, statement) in REMARKS { li { strong { (name) } ": " (statement) } } }
+            p { "Share of the seeds in which each holds:" }
+            (by_remark(all))
     };
     let pictures = html! { @for picture in pictures { (figure(&picture.drawing, &picture.caption)) } };
     let sections = [
@@ -219,44 +214,81 @@ pub fn page(on: &str, notes: &[String], all: &[Compared], pictures: &[Picture]) 
     document("Readings of the paper compared", &lead, &sections)
 }
 
+/// In the order in which they are listed: a rank by remarks alone would be a verdict, and likelihoods of two recorders
+/// have no order.
 fn comparison(all: &[Compared]) -> Markup {
-    let words = ["effort", "gradient", "Table 1", "\u{3b1}, \u{3b2}, \u{3ba}", "speed"].map(text_column);
-    let numbers = [
-        column("skew", "s"),
+    let head = [
+        choice_column("reading"),
+        choice_column("speed"),
+        column("older by", "s"),
         column("remarks", "mean over seeds"),
         column("log-likelihood", "a sample"),
-        column("best initial deviations", "nats a sample"),
+        column("best deviations", "nats a sample"),
         column("filtered less read", "km/h, rms"),
-        column("r0, 1 % quantile", "10\u{207b}\u{b3} N/kg"),
-        column("99 %", "10\u{207b}\u{b3} N/kg"),
+        column("r0, 1 to 99 %", "10\u{207b}\u{b3} N/kg"),
     ];
-    let remarks = REMARKS.map(|(name, _)| column(name, "share"));
-    let with_sd = |moments: &Moments, unit: f64, digits| {
-        let [mean, sd] = [moments.mean(), moments.sd()].map(|value| number(value.map(|v| v / unit), digits));
-        format!("{mean} \u{b1} {sd}")
+    let with_sd = |moments: &Moments, digits| {
+        // What is large is known to the unit.
+        let digits = if moments.mean().is_some_and(|mean| mean.abs() >= 10.0) { 0 } else { digits };
+        let mean = number(moments.mean(), digits);
+        moments.sd().map_or(mean.clone(), |sd| format!("{mean} \u{b1} {}", number(sd, digits)))
     };
-    let rows = html! { @for one in ranked(all) {
-        @let (reading, recorder) = (one.combination.reading, one.combination.recorder);
-        tr {
-            th scope="row" { (reading.effort()) }
-            td.text { (reading.gradient_word()) }
-            td.text { (reading.initial_word()) }
-            td.text { (reading.points_word()) }
-            td.text { (recorder.speed_word()) }
-            td { (recorder.skew_s) }
-            td { (number(one.remarks(), 1)) }
-            td { (with_sd(&one.moments(|j| j.log_likelihood_per_sample), 1.0, 2)) }
-            td { (with_sd(&one.gains(), 1.0, 2)) }
-            td { (with_sd(&one.moments(|j| j.rms_kmh), 1.0, 2)) }
-            td { (with_sd(&one.moments(|j| j.r0_ends[0]), 1e-3, 3)) }
-            td { (with_sd(&one.moments(|j| j.r0_ends[1]), 1e-3, 3)) }
-            @for share in one.shares() { td { (number(share, 2)) } }
-        }
-    } };
+    let end = |one: &Compared, index: usize| number(one.moments(|j| j.r0_ends[index]).mean().map(|r0| 1e3 * r0), 3);
+    let rows = html! { @for one in all { tr {
+        (named(one))
+        td { (number(one.remarks(), 1)) }
+        td { (with_sd(&one.moments(|j| j.log_likelihood_per_sample), 1)) }
+        td { (with_sd(&one.gains(), 1)) }
+        td { (with_sd(&one.moments(|j| j.rms_kmh), 2)) }
+        td { (end(one, 0)) " to " (end(one, 1)) }
+    } } };
     html! {
-            (sortable(words.into_iter().chain(numbers).chain(remarks), rows))
-            p.small { "Mean \u{b1} standard deviation over the seeds. Likelihoods compare readings of the same recorder; between recorders the data differ." }
+            (sortable(head, rows))
+            p.small { "Mean \u{b1} standard deviation over the seeds; readings.csv has all digits, and those of r0. Likelihoods compare readings of the same recorder; between recorders the data differ. Point: the gradient is that of the train's front, not the mean under it; variances: Table 1 read as such. Best deviations: what the most likely initial deviations would add." }
     }
+}
+
+/// The effort, and what is not as the text says, in words so short that the table fits its page.
+fn short(reading: Reading) -> String {
+    let [is_point, is_variance, is_spread] = [
+        reading.gradient == Gradient::Point,
+        reading.initial == Initial::Variances,
+        reading.points != SigmaPoints::Printed,
+    ];
+    let others = [
+        (is_point, reading.gradient_word()),
+        (is_variance, reading.initial_word()),
+        (is_spread, reading.points_word()),
+    ];
+    let others = others.into_iter().filter(|(is_so, _)| *is_so).map(|(_, word)| word);
+    std::iter::once(reading.effort()).chain(others).collect::<Vec<_>>().join(", ")
+}
+
+/// What is compared: the reading, and the recorder.
+fn named(one: &Compared) -> Markup {
+    let Combination { reading, recorder } = one.combination;
+    html! {
+        th scope="row" { (short(reading)) }
+        td.text { (recorder.speed_word()) }
+        td { (recorder.skew_s) }
+    }
+}
+
+/// The share of the seeds in which each remark holds; remarks by their numbers in the list.
+fn by_remark(all: &[Compared]) -> Markup {
+    let head = [choice_column("reading"), choice_column("speed"), column("older by", "s")];
+    let numbers = (1..=REMARKS.len()).map(|number| column(&number.to_string(), ""));
+    let rows = html! { @for one in all { tr {
+        (named(one))
+        @for share in one.shares() { td { (share_of_seeds(share)) } }
+    } } };
+    sortable(head.into_iter().chain(numbers), rows)
+}
+
+fn share_of_seeds(share: Option<f64>) -> String {
+    // So that 15 columns fit a page: a whole share has no digits.
+    let digits = if share.is_some_and(|share| share.fract() == 0.0) { 0 } else { 2 };
+    number(share, digits)
 }
 
 #[cfg(test)]

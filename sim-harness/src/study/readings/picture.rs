@@ -1,10 +1,13 @@
-//! The comparison as a picture: what each reading gives over the skew of speed and location.
+//! The comparison as pictures: what each reading gives over the skew of speed and location; the efforts as the rest is
+//! printed, and both ways of reading gradient and Table 1 beside each other.
 
 use super::comparison::Compared;
 use super::outcome::columns;
+use super::reading::{Combination, Gradient, Initial, SigmaPoints};
 use super::remarks::COUNT;
 use crate::study::figures::Picture;
 use crate::study::tallies::R0_BAND;
+use plotters::style::RGBColor;
 use rundown::tick::paper::Difference;
 use rundown_files::column::filled;
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
@@ -14,7 +17,11 @@ use rundown_truth::sensors::SpeedReading;
 type Value = dyn Fn(&Compared) -> Option<f64>;
 
 /// `of`: what the values are of.
-pub fn picture(all: &[Compared], of: &str) -> Picture {
+pub fn pictures(all: &[Compared], of: &str) -> [Picture; 2] {
+    [printed(all, of), crossed(all, of)]
+}
+
+fn printed(all: &[Compared], of: &str) -> Picture {
     let r0 = |end: usize| move |one: &Compared| one.moments(|j| j.r0_ends[end]).mean().map(|r0| 1e3 * r0);
     let mut ends = unnamed(lines(all, &r0(0)));
     ends.extend(unnamed(lines(all, &r0(1))));
@@ -59,6 +66,92 @@ pub fn picture(all: &[Compared], of: &str) -> Picture {
         .into(),
         numbers: filled(columns(), all),
     }
+}
+
+/// Gradients and readings of Table 1, with their colours.
+const CROSSED: [(Gradient, Initial, &str, RGBColor); 4] = [
+    (Gradient::UnderTrain, Initial::Deviations, "mean gradient, deviations", colours::MEASURED),
+    (Gradient::Point, Initial::Deviations, "point, deviations", colours::ESTIMATED),
+    (Gradient::UnderTrain, Initial::Variances, "mean, variances", colours::TRUTH),
+    (Gradient::Point, Initial::Variances, "point, variances", colours::HELD),
+];
+
+/// A row of panels for each quantity, a column for each effort.
+fn crossed(all: &[Compared], of: &str) -> Picture {
+    let is_crossed = |one: &&Compared| one.combination.reading.points == SigmaPoints::Printed;
+    let shown: Vec<&Compared> = all.iter().filter(is_crossed).collect();
+    let skews = |gradient| {
+        let of = shown.iter().filter(move |one| one.combination.reading.gradient == gradient);
+        of.map(|one| one.combination.recorder.skew_s).collect::<Vec<f64>>()
+    };
+    // Skews at which one way alone was read say nothing of the others.
+    let both = skews(Gradient::Point);
+    let shown: Vec<&Compared> =
+        shown.into_iter().filter(|one| both.contains(&one.combination.recorder.skew_s)).collect();
+    let x = range_of(both.iter().copied());
+    let x = x.start - 0.5..x.end + 0.5;
+    let count = all.first().map_or(COUNT, Compared::of_remarks);
+    let quantities: [(String, &Value); 4] = [
+        (format!("remarks that hold, of {count}"), &|one| Some(one.remarks())),
+        ("filtered less read speed, km/h, rms".to_owned(), &|one| one.moments(|j| j.rms_kmh).mean()),
+        ("r0, 1 % quantile, 10\u{207b}\u{b3} N/kg".to_owned(), &|one| {
+            one.moments(|j| j.r0_ends[0]).mean().map(|r0| 1e3 * r0)
+        }),
+        ("log-likelihood a sample, its size (log10)".to_owned(), &|one| {
+            Some(one.moments(|j| j.log_likelihood_per_sample).mean()?.abs().max(1e-3).log10())
+        }),
+    ];
+    let mut figures = Vec::new();
+    for (row, (label, value)) in quantities.into_iter().enumerate() {
+        for (difference, effort) in [(Difference::Backward, "backward"), (Difference::Forward, "forward")] {
+            let layers = crossed_lines(&shown, difference, value);
+            let is_first = row == 0 && difference == Difference::Backward;
+            figures.push(panel(
+                &format!("{effort}: {label}"),
+                &x,
+                if is_first { layers } else { unnamed(layers) },
+                None,
+            ));
+        }
+    }
+    let rows: Vec<Compared> = shown.into_iter().cloned().collect();
+    Picture {
+        name: "readings_crossed".to_owned(),
+        caption: format!(
+            "Gradient and Table 1, each read in both ways, {of}: the gradient under the train (mean) or that of its front (point), Table 1 as deviations or as variances. Solid: rounded speeds, dashed: truncated ones. Likelihoods are negative: the lower the line, the more likely the readings."
+        ),
+        drawing: Grid::new(
+            "Gradient and Table 1, each read in both ways",
+            "A row of panels for each quantity, a column for each effort, over the skew of speed and location",
+            2,
+            figures,
+        )
+        .into(),
+        numbers: filled(columns(), &rows),
+    }
+}
+
+fn crossed_lines(shown: &[&Compared], difference: Difference, value: &Value) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    for (gradient, initial, name, colour) in CROSSED {
+        for (speed, stroke) in [(SpeedReading::Rounded, Stroke::Solid), (SpeedReading::Truncated, Stroke::Dashed)] {
+            let is_so = |one: &&&Compared| {
+                let Combination { reading, recorder } = one.combination;
+                let of_reading = (reading.difference, reading.gradient, reading.initial);
+                of_reading == (difference, gradient, initial) && recorder.speed == speed
+            };
+            let point = |one: &&Compared| Some((one.combination.recorder.skew_s, value(one)?));
+            let mut points: Vec<(f64, f64)> = shown.iter().filter(is_so).filter_map(point).collect();
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let legend = if stroke == Stroke::Solid { name } else { "" };
+            layers.push(match points.as_slice() {
+                [] => continue,
+                [_] => Layer::dots(name, colour, 1.0, points),
+                _ => Layer::line(legend, colour, stroke, points.into_iter().map(Some).collect()),
+            });
+        }
+    }
+    layers
 }
 
 fn x(all: &[Compared]) -> std::ops::Range<f64> {
