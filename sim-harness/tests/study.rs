@@ -458,7 +458,14 @@ fn an_experiment_is_a_figure_and_the_table_behind_it() {
     let folder = Folder::new();
     let said = quiet(&folder, &["study", "--experiment", "wind", "--seeds", "2", "--count", "2", "--out", "wind"]);
     assert!(said.out.starts_with("wind: What does wind do"), "{}", said.out);
-    assert_eq!(names(&folder.path("wind")), ["manifest.json", "wind.csv", "wind.svg"].map(str::to_owned).into());
+    let files = ["manifest.json", "report.html", "wind.csv", "wind.svg"];
+    assert_eq!(names(&folder.path("wind")), files.map(str::to_owned).into());
+    let page = folder.read("wind/report.html");
+    // The table of the page is that of the screen.
+    let row = said.out.lines().find(|line| line.starts_with("still air")).unwrap();
+    let cells = row.split("  ").map(str::trim).filter(|cell| cell.contains('\u{b1}'));
+    assert!(page.contains("<figure") && cells.clone().count() > 1, "{row}");
+    cells.for_each(|cell| assert!(page.contains(&format!("<td>{cell}</td>")), "{cell}"));
     // Kinds stand under their names, wrapped.
     let svg = folder.read("wind/wind.svg");
     assert!(svg.contains("\nstill air\n") && svg.contains("\nheadwind of 4"), "names on the axis");

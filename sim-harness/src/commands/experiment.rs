@@ -3,7 +3,7 @@
 use super::{Failure, screen};
 use crate::study::experiments::answer::{Answer, to_json};
 use crate::study::experiments::plan::Plan;
-use crate::study::experiments::{Experiment, catalogue};
+use crate::study::experiments::{Experiment, catalogue, page};
 use crate::study::write;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rundown_files::WriteError;
@@ -13,8 +13,10 @@ use std::process::ExitCode;
 
 /// Every experiment.
 const ALL: &str = "all";
+/// The page of one experiment, and that of all.
+const PAGE: &str = "report.html";
 /// Sets of runs, and runs of each.
-const SETS: u16 = 5;
+pub(super) const SETS: u16 = 5;
 const RUNS: usize = 20;
 
 /// How much is simulated, as the command line says.
@@ -48,20 +50,28 @@ pub(super) fn list() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Every experiment, each in a folder of its own.
+/// Every experiment, each in a folder of its own, and a page of all.
 pub(super) fn all(extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
     for (is_given, option) in [(as_json, "--json"), (extent.values.is_some(), "--values")] {
         if is_given {
             return Err(Failure::arguments(format_args!("{option}: expected one experiment, found all")));
         }
     }
-    for experiment in &catalogue::ALL {
-        run(experiment, extent, &out.join(experiment.name), false)?;
-    }
+    let answers = catalogue::ALL
+        .iter()
+        .map(|experiment| answered(experiment, extent, &out.join(experiment.name), false))
+        .collect::<Result<Vec<Answer>, Failure>>()?;
+    folder::write("study", out, &Provenance::begin(&[]), |folder| {
+        write::text(&folder.join(PAGE), &page::page(&answers))
+    })?;
     Ok(ExitCode::SUCCESS)
 }
 
 pub(super) fn run(experiment: &Experiment, extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
+    answered(experiment, extent, out, as_json).map(|_| ExitCode::SUCCESS)
+}
+
+fn answered(experiment: &Experiment, extent: &Extent, out: &Path, as_json: bool) -> Result<Answer, Failure> {
     let bar = screen::progress(0);
     let done = |all: usize| {
         bar.set_length(all as u64);
@@ -73,10 +83,11 @@ pub(super) fn run(experiment: &Experiment, extent: &Extent, out: &Path, as_json:
     let answer: Answer = experiment.answer(&plan, extent.values)?.ok_or_else(|| no_values(name))?;
     bar.finish_and_clear();
     folder::write("study", out, &Provenance::begin(&[]), |folder| -> Result<(), WriteError> {
-        write::pictures(folder, &[answer.picture()])
+        write::pictures(folder, &[answer.picture()])?;
+        write::text(&folder.join(PAGE), &page::page(std::slice::from_ref(&answer)))
     })?;
     screen::results(as_json, &format!("{:#}\n", to_json(&answer)), &answer.words(), out);
-    Ok(ExitCode::SUCCESS)
+    Ok(answer)
 }
 
 fn no_values(name: &str) -> Failure {

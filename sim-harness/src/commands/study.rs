@@ -29,7 +29,7 @@ use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Examples:
-  Every figure and table of the case study, over 20 sets of runs:
+  Every figure and table, of the case study over 20 sets of runs, of the experiments over 5:
     rundown study --all --seeds 20 --out paper
 
   The paper's 67 runs, simulated, with the truth beside every figure:
@@ -66,6 +66,7 @@ Examples:
 Files in the output folder:
   report.html, report/  Table 1 and Figs. 1 to 9, each with the paper's statement, our value and the truth
   fig*.svg, fig*.csv    each picture, and the numbers it draws
+  NAME.svg, NAME.csv    of an experiment, with a page; experiments/report.html of --all has every one
   slope_*.svg, *.csv    estimated over true deviation of the resistance; slope.csv has slopes and bounds
   claims.csv, .md       the paper's numeric claims: reproduced or not, and why
   readings.md           of --readings, its table, as docs/paper.md quotes it
@@ -111,7 +112,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["count", "example", "keep_runs", "truth_slope", "config"])]
     readings: bool,
     /// All of it: the case study with both efforts and by two recorders, its claims beside each other, the readings,
-    /// the self-test of learning and the tunnel, each in a folder of its own
+    /// the self-test of learning, the tunnel and the experiments (5 sets of runs at most), each in a folder of its own
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "tunnel", "config", "json"])]
     all: bool,
     /// Only the tunnel at Best: what the paper's mode and rundown gap make of it
@@ -217,5 +218,9 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     })?;
     codes.push(readings::compare(arguments, &part("readings"))?);
     codes.push(self_test::run(arguments, config, &part("slope"))?);
+    // More sets than an experiment's own would take longer than all the rest.
+    let sets = Some(arguments.seeds.unwrap_or(experiment::SETS).min(experiment::SETS));
+    let extent = experiment::Extent { sets, runs: None, seed: arguments.seed(), values: None };
+    codes.push(experiment::all(&extent, &part("experiments"), false)?);
     Ok(codes.into_iter().find(|code| *code != ExitCode::SUCCESS).unwrap_or(ExitCode::SUCCESS))
 }

@@ -41,6 +41,14 @@ pub struct ArmRow {
     pub values: Vec<Option<f64>>,
 }
 
+/// What an arm says of a variant over all sets, in words.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableRow<'a> {
+    pub variant: &'a str,
+    pub arm: &'static str,
+    pub cells: Vec<String>,
+}
+
 /// Between two arms of a kind, where the next kind is 1 away.
 const ASIDE: f64 = 0.12;
 
@@ -111,25 +119,37 @@ impl Answer {
         of.filter_map(|row| row.values[column]).collect()
     }
 
+    /// The table: a row for each variant and arm, a cell for each column.
+    pub fn table(&self) -> Vec<TableRow<'_>> {
+        let cell = |variant: &str, arm: Arm, column: usize| {
+            let found = self.moments(variant, arm.name, column);
+            match (found.mean(), found.sd()) {
+                (Some(mean), Some(sd)) => format!("{} \u{b1} {}", short(mean), short(sd)),
+                (Some(mean), None) => short(mean),
+                _ => numbers::NOTHING.to_owned(),
+            }
+        };
+        let row = |(variant, _, arm): (_, f64, Arm)| TableRow {
+            variant,
+            arm: arm.name,
+            cells: (0..self.columns.len()).map(|column| cell(variant, arm, column)).collect(),
+        };
+        self.groups().into_iter().map(row).collect()
+    }
+
     /// The table on the screen.
     pub fn words(&self) -> String {
-        let groups = self.groups();
-        let wide = groups.iter().map(|(variant, ..)| variant.chars().count()).max().unwrap_or(0).max(7);
-        let arms = groups.iter().map(|(.., arm)| arm.name.chars().count()).max().unwrap_or(0).max(4);
+        let rows = self.table();
+        let wide = rows.iter().map(|row| row.variant.chars().count()).max().unwrap_or(0).max(7);
+        let arms = rows.iter().map(|row| row.arm.chars().count()).max().unwrap_or(0).max(4);
         let mut text = format!("{}: {}\n\n{:wide$} {:arms$}", self.name, self.question, "variant", "mode");
         for (name, _) in &self.columns {
             text += &format!("  {name:>18}");
         }
         text += "\n";
-        for (variant, _, arm) in groups {
-            text += &format!("{variant:wide$} {:arms$}", arm.name);
-            for (column, (name, _)) in self.columns.iter().enumerate() {
-                let found = self.moments(variant, arm.name, column);
-                let cell = match (found.mean(), found.sd()) {
-                    (Some(mean), Some(sd)) => format!("{} \u{b1} {}", short(mean), short(sd)),
-                    (Some(mean), None) => short(mean),
-                    _ => numbers::NOTHING.to_owned(),
-                };
+        for TableRow { variant, arm, cells } in rows {
+            text += &format!("{variant:wide$} {arm:arms$}");
+            for (cell, (name, _)) in cells.iter().zip(&self.columns) {
                 text += &format!("  {cell:>width$}", width = name.chars().count().max(18));
             }
             text += "\n";
@@ -160,7 +180,7 @@ impl Answer {
     }
 
     /// What stands at which place of the axis, where that are kinds.
-    fn names(&self) -> Vec<(f64, String)> {
+    pub fn names(&self) -> Vec<(f64, String)> {
         let mut names: Vec<(f64, String)> = Vec::new();
         if let VariantAxis::Kinds(_) = self.axis {
             names.extend(self.groups().into_iter().map(|(variant, x, _)| (x, variant.to_owned())));
