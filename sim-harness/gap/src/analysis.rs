@@ -161,7 +161,7 @@ fn model(
             let with: Vec<Term> = found.terms.iter().cloned().chain([drags]).collect();
             (calibrated, _) = calibrate(context, &rows, measured, true, &with);
         }
-        calibrated.gradients_permille = gradient_errors::sd_permille(context, &rows, &calibrated);
+        calibrated.gradients = gradient_errors::errors(context, &rows, &calibrated);
         let search = Search::new(context, &rows, &calibrated, measured);
         // So few rows would fit anything; limits can be evaluated nevertheless.
         found.terms = if rows.len() < config.search.few_rows { Vec::new() } else { search.select() };

@@ -67,7 +67,7 @@ impl Findings {
 
     /// What the described gradients are off by at most places, standard deviation, permille.
     pub fn gradient_errors_permille(&self) -> Option<f64> {
-        Some(self.calibrated.gradients_permille).filter(|permille| *permille > 0.0)
+        Some(self.calibrated.gradients.sd_permille).filter(|permille| *permille > 0.0)
     }
 
     /// The limit of the traction that is not as believed, if one is worth a name.

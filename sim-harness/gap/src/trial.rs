@@ -20,6 +20,8 @@ pub struct Trial {
     /// Probability that chance alone makes as much of this term, or of any probe; none: it shows in limits or readings,
     /// and is tried in halves alone.
     pub p_value: Option<f64>,
+    /// The same if the gradients are as described, where they may be off.
+    pub as_described: Option<f64>,
     /// Where the runs could be halved: the term in both halves, as a multiple of what all runs say.
     pub halves: Vec<Halves>,
 }
@@ -148,11 +150,25 @@ fn of_few(z: f64, freedom: f64) -> f64 {
 
 impl Trial {
     /// Of a term that acts in too few runs to be distinguished from chance.
-    pub(crate) const IMPOSSIBLE: Self = Self { p_value: Some(1.0), halves: Vec::new() };
+    pub(crate) const IMPOSSIBLE: Self = Self { p_value: Some(1.0), as_described: None, halves: Vec::new() };
+
+    /// Of a term that chance makes as much of with this probability.
+    pub(crate) fn of(p_value: f64, halves: Vec<Halves>) -> Self {
+        Self { p_value: Some(p_value), as_described: None, halves }
+    }
+
+    /// The probability of chance, averaged over whether the gradients are as described: `beside` errors of them, which
+    /// there are with a probability, it fares so.
+    pub(crate) fn beside_errors(&mut self, may_be: f64, beside: &Self) {
+        if let (Some(alone), Some(beside)) = (self.p_value, beside.p_value) {
+            self.as_described = Some(alone);
+            self.p_value = Some(alone.max(alone + may_be * (beside - alone)));
+        }
+    }
 
     /// Of what leaves no mean residual; none where the runs cannot be halved.
     pub(crate) fn by_halves(halves: Vec<Halves>) -> Option<Self> {
-        (!halves.is_empty()).then_some(Self { p_value: None, halves })
+        (!halves.is_empty()).then_some(Self { p_value: None, as_described: None, halves })
     }
 
     /// It is no chance, and repeats.
@@ -163,7 +179,13 @@ impl Trial {
 
     /// Something may be there, with a name or without: what acts in few runs is not known to be chance.
     pub(crate) fn is_beyond_chance(&self, config: &GapConfig) -> bool {
-        *self == Self::IMPOSSIBLE || self.p_value.is_none_or(|p| p <= config.certainty.chance)
+        *self == Self::IMPOSSIBLE || self.as_described.or(self.p_value).is_none_or(|p| p <= config.certainty.chance)
+    }
+
+    /// It is no chance if the gradients are as described, and may be theirs if they are not.
+    pub(crate) fn is_of_errors(&self, config: &GapConfig) -> bool {
+        let chance = config.certainty.chance;
+        self.as_described.is_some_and(|p| p <= chance) && self.p_value.is_some_and(|p| p > chance)
     }
 
     /// Odds of chance against the name.
@@ -187,7 +209,7 @@ impl Trial {
             let [a, b] = &halves.multiples;
             json!({ "by": halves.by.name(), "halves": [first, second], "multiples": [of(a), of(b)] })
         });
-        json!({ "p_value": self.p_value, "halves": halves.collect::<Vec<_>>() })
+        json!({ "p_value": self.p_value, "p_value_as_described": self.as_described, "halves": halves.collect::<Vec<_>>() })
     }
 
     /// Why it has no name, in a clause.
@@ -198,6 +220,10 @@ impl Trial {
                 format!("{value:.1} \u{b1} {sd:.1} times as large in {}", halves.by.halves()[which])
             };
             return format!("it does not repeat: it is {} and {}", of(0), of(1));
+        }
+        if self.is_of_errors(config) {
+            return "it may be small errors of the described gradients, which too few places of the line show"
+                .to_owned();
         }
         "it acts in too few runs, or together with too much else, to be distinguished from chance".to_owned()
     }
@@ -240,7 +266,7 @@ mod tests {
         let confidence = |p_value: f64, second: f64| {
             let of = |value: f64| Figure { value, sd: 0.1 };
             let halves = Halves { by: By::Turn, multiples: [of(1.0), of(second)], freedom: 1e6 };
-            let trial = Trial { p_value: Some(p_value), halves: vec![halves] };
+            let trial = Trial::of(p_value, vec![halves]);
             let effect = rundown::model::effects::MassError { relative: 0.1 }.into();
             let mut named = crate::named::Named::plain(effect, Vec::new(), 60.0, 60.0);
             named.tried(Some(trial), &config);
@@ -256,13 +282,13 @@ mod tests {
     #[test]
     fn what_chance_makes_often_is_no_candidate_and_what_acts_in_few_runs_is_one() {
         let config = GapConfig::default();
-        let trial = |p_value: f64| Trial { p_value: Some(p_value), halves: Vec::new() };
+        let trial = |p_value: f64| Trial::of(p_value, Vec::new());
         assert!(trial(0.03).is_stood(&config));
         assert!(!trial(0.04).is_stood(&config) && !trial(0.04).is_beyond_chance(&config));
         assert!(!Trial::IMPOSSIBLE.is_stood(&config) && Trial::IMPOSSIBLE.is_beyond_chance(&config));
         let of = |value: f64| Figure { value, sd: 0.1 };
         let halves = vec![Halves { by: By::Turn, multiples: [of(2.0), of(0.0)], freedom: 1e6 }];
-        let twice = Trial { p_value: Some(0.001), halves };
+        let twice = Trial::of(0.001, halves);
         assert!(!twice.is_stood(&config) && twice.is_beyond_chance(&config));
     }
 

@@ -5,13 +5,45 @@ use crate::candidate::{Fitted, ShowsIn, Term};
 use crate::chance::{Ground, OfRun, Probe, beyond_noise, probability};
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::probes;
-use crate::noise::calibrate::Calibrated;
+use crate::noise::{calibrate::Calibrated, gradient_errors::Errors};
 use crate::trial::{By, Halves, Trial};
+use rundown::model::effects::EffectKind;
 use rundown_check::agreement::Figure;
 
 /// How each term of a model fares. `None`: one that does not show in the fit of its own law, or differs from run to
 /// run, is judged elsewhere. One that cannot be distinguished from chance has not stood its trial.
+///
+/// Where the described gradients may be off, it is tried a second time beside typical errors of them.
 pub fn trials(
+    context: &Context<'_>,
+    rows: &[Row],
+    calibrated: &Calibrated,
+    model: &[Fitted],
+    runs: &[Run],
+) -> Vec<Option<Trial>> {
+    let mut all = beside_sure_errors(context, rows, calibrated, model, runs);
+    let (config, may_be) = (context.config, calibrated.gradients.may_be);
+    // A wrong gradient is one of the errors.
+    let doubted = |(fitted, trial): (&Fitted, &Option<Trial>)| {
+        !fitted.term.is(EffectKind::GradientError) && trial.as_ref().is_some_and(|one| one.is_stood(config))
+    };
+    let doubted: Vec<bool> = model.iter().zip(&all).map(doubted).collect();
+    // What is less probable than chance may be takes no name.
+    if may_be < config.certainty.chance || !doubted.contains(&true) {
+        return all;
+    }
+    let gradients = Errors { sd_permille: config.gradients.typical_permille, may_be: 0.0 };
+    let beside = beside_sure_errors(context, rows, &Calibrated { gradients, ..calibrated.clone() }, model, runs);
+    for ((trial, beside), _) in all.iter_mut().zip(beside).zip(doubted).filter(|(_, doubted)| *doubted) {
+        if let (Some(trial), Some(beside)) = (trial, beside) {
+            trial.beside_errors(may_be, &beside);
+        }
+    }
+    all
+}
+
+/// How each term of a model fares, beside the errors of the gradients that are surely there.
+fn beside_sure_errors(
     context: &Context<'_>,
     rows: &[Row],
     calibrated: &Calibrated,
@@ -33,7 +65,7 @@ pub fn trials(
         let probe = ground.probe(&base, &columns[index]).filter(|probe| probe.can_be_tried(context.config))?;
         let observed = probe.observed();
         let reached = draws.iter().filter(|(most, draw)| most.max(probe.by_chance(draw)) >= observed).count();
-        Some(Trial { p_value: Some(probability(reached, flips)), halves: halves(&probe, &fitted.term, rows, runs) })
+        Some(Trial::of(probability(reached, flips), halves(&probe, &fitted.term, rows, runs)))
     };
     let tried = |one: (usize, &Fitted)| is_tried(&one.1.term).then(|| of_term(one).unwrap_or(Trial::IMPOSSIBLE));
     model.iter().enumerate().map(tried).collect()
@@ -125,22 +157,33 @@ mod tests {
     /// The trial of a tunnel from km 20 to 25 of which so many times as much is there in each run as was found; noise
     /// of 0.01 N/kg.
     fn trial(seed: u64, multiple: fn(usize) -> f64) -> Trial {
+        trial_of(EffectKind::TunnelDrag, &[Direction::Up, Direction::Down], 0.0, seed, multiple)
+    }
+
+    /// The same of a section of one kind, and of runs in these directions in turn, whose gradients may be off.
+    fn trial_of(
+        kind: EffectKind,
+        directions: &[Direction],
+        may_be: f64,
+        seed: u64,
+        multiple: fn(usize) -> f64,
+    ) -> Trial {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let directions = [Direction::Up, Direction::Down];
         let mut rows = Vec::new();
         for run in 0..RUNS {
             for i in 0..ROWS {
-                let mut row = Row::coasting(directions[run % 2], 1000.0 * i as f64, 25.0);
+                let mut row = Row::coasting(directions[run % directions.len()], 1000.0 * i as f64, 25.0);
                 row.interval.run = run;
                 rows.push(row);
             }
         }
         let runs: Vec<Run> = (0..RUNS).map(run).collect();
         let noise = Noise { acceleration_mps2: 0.01, ..Noise::default() };
-        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+        let gradients = Errors { sd_permille: 0.0, may_be };
+        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], gradients, ..Calibrated::default() };
         on_a_level_line(RUNS, |context| {
             let shape = Shape::Section([20_000.0, 25_000.0]);
-            let term = Term { of: candidates::of(EffectKind::TunnelDrag), shape };
+            let term = Term { of: candidates::of(kind), shape };
             let beta = vec![DRAG_N_PER_KG / term.extra(&[1.0], context, &rows).into_iter().fold(0.0, f64::max)];
             let extra = term.extra(&beta, context, &rows);
             for (row, extra) in rows.iter_mut().zip(extra) {
@@ -150,6 +193,29 @@ mod tests {
             let fitted = Fitted::certain(term, beta);
             trials(context, &rows, &calibrated, &[fitted], &runs).remove(0).unwrap()
         })
+    }
+
+    /// A half of 0.01 N/kg is half a permille over five kilometres, where 0.3 are typical.
+    #[test]
+    fn a_resistance_that_errors_of_the_gradients_may_make_has_no_name() {
+        let config = GapConfig::default();
+        // How many of four stand, and how many are of errors.
+        let of = |kind: EffectKind, directions: &[Direction], may_be: f64, multiple: fn(usize) -> f64| {
+            let trials: Vec<Trial> = (0..4).map(|seed| trial_of(kind, directions, may_be, seed, multiple)).collect();
+            let count = |is: &dyn Fn(&Trial) -> bool| trials.iter().filter(|trial| is(trial)).count();
+            let candidate = |trial: &Trial| trial.is_of_errors(&config) && trial.is_beyond_chance(&config);
+            [count(&|trial| trial.is_stood(&config)), count(&candidate)]
+        };
+        let (up, both) = (&[Direction::Up][..], &[Direction::Up, Direction::Down][..]);
+        let [stood, candidates] = of(EffectKind::TunnelDrag, up, 0.95, |_| 0.5);
+        assert!(stood <= 1 && candidates == 4 - stood, "{stood} {candidates}");
+        assert_eq!(of(EffectKind::TunnelDrag, up, 0.01, |_| 0.5), [4, 0], "they are hardly off");
+        assert_eq!(of(EffectKind::TunnelDrag, up, 0.95, |_| 3.0), [4, 0], "no errors are as large");
+        // They turn with the direction, and a gradient is one of them.
+        for (kind, directions) in [(EffectKind::TunnelDrag, both), (EffectKind::GradientError, up)] {
+            let [stood, candidates] = of(kind, directions, 0.95, |_| 0.5);
+            assert!(stood >= 3 && candidates == 0, "{kind:?} {stood} {candidates}");
+        }
     }
 
     #[test]

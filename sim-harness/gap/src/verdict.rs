@@ -56,8 +56,11 @@ impl Grounds<'_> {
         let something =
             self.p_value < config.evidence.significant || !self.candidates.is_empty() || self.gradients_are_off;
         let beyond_doubt = self.p_value < config.evidence.sure;
+        // Then what is surely there may be theirs as well.
+        let may_be_gradients =
+            self.candidates.iter().any(|one| one.trial.as_ref().is_some_and(|trial| trial.is_of_errors(config)));
         match self.named {
-            [] if beyond_doubt => Verdict::Unknown,
+            [] if beyond_doubt && !may_be_gradients => Verdict::Unknown,
             [] if something => Verdict::Candidate,
             [] => Verdict::NoGap,
             named if named.iter().all(of_one_run) && !something && !self.is_left(config) => Verdict::Explained,
@@ -99,6 +102,7 @@ impl Grounds<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trial::Trial;
     use rundown::model::effects::{MassError, SpeedScale};
 
     fn verdict(named: &[Named], candidates: &[Named], p_value: f64) -> Verdict {
@@ -130,6 +134,16 @@ mod tests {
         };
         assert_eq!([false, true].map(|off| verdict(off, 0.3)), [Verdict::NoGap, Verdict::Candidate]);
         assert_eq!(verdict(true, 0.001), Verdict::Unknown, "what exceeds them is another gap");
+    }
+
+    #[test]
+    fn what_may_be_errors_of_the_gradients_is_no_gap_without_a_name() {
+        let of = |beside: f64| {
+            let mut trial = Trial::of(0.001, Vec::new());
+            trial.beside_errors(0.5, &Trial::of(beside, Vec::new()));
+            verdict(&[], &[Named { trial: Some(trial), ..mass() }], 0.001)
+        };
+        assert_eq!([0.002, 0.5].map(of), [Verdict::Unknown, Verdict::Candidate]);
     }
 
     #[test]

@@ -65,6 +65,12 @@ pub const FIELDS: &[[&str; 4]] = &[
         "absent: it does not",
     ],
     ["effects[].trial.p_value", "1", "how often chance alone makes as much of it", IN_HALVES],
+    [
+        "effects[].trial.p_value_as_described",
+        "1",
+        "the same if the described gradients are right; `p_value` is beside errors that they may have",
+        "it is known whether they are right, it is a gradient, or as for `p_value`",
+    ],
     ["effects[].trial.halves[].by", "", "how the runs are halved: `turn`, `date`, `direction`, `unit`", NOT_TRIED],
     ["effects[].trial.halves[].halves[]", "", "what the halves are", NOT_TRIED],
     ["effects[].trial.halves[].multiples[].multiple", "1", "how large it is in each half, over all runs", NOT_TRIED],

@@ -220,8 +220,12 @@ fn candidate(answer: &Answer, one: &Named) -> String {
         Some(trial) => trial.sentence(&answer.config),
         None => String::new(),
     };
+    let settles = match &one.trial {
+        Some(trial) if trial.is_of_errors(&answer.config) => "A survey of the gradients, or runs over more of the line",
+        _ => "More runs",
+    };
     let mut text = format!(
-        "A candidate, not a name: {what}. It is not in the repaired model, because {why}. More runs would settle it."
+        "A candidate, not a name: {what}. It is not in the repaired model, because {why}. {settles} would settle it."
     );
     let mut acts = answer.input.runs.iter().filter(|run| one.runs.is_empty() || one.runs.contains(&run.name));
     let is_right = acts.any(|run| run.recorded.scale.is_some());

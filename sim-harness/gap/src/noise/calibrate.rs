@@ -9,6 +9,7 @@ use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::NoiseConfig;
 use crate::data::{believed::Context, interval::Interval, rows::Row};
 use crate::fit::Base;
+use crate::noise::gradient_errors::Errors;
 use crate::noise::gradients;
 use crate::noise::habits::{self, DRIVEN, Scatter, regime};
 use crate::noise::whitening::{Noise, Whitening};
@@ -36,8 +37,8 @@ pub struct Calibrated {
     pub spread: Vec<f64>,
     /// What rows of powering and of braking scatter beyond those of coasting, standard deviations, N/kg.
     pub driven_n_per_kg: [f64; 2],
-    /// What the described gradients are off by at most places, standard deviation, permille.
-    pub gradients_permille: f64,
+    /// What the described gradients are off by at most places.
+    pub gradients: Errors,
 }
 
 impl Calibrated {
@@ -83,8 +84,10 @@ impl Calibrated {
         let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
         let one_each = gain.into_iter().chain([(offset, config.location_offset_sd_m)]);
         let mut all: Vec<_> = one_each.chain(starting_gains(context, rows)).collect();
-        if self.gradients_permille > 0.0 {
-            all.extend(gradients::columns(context, rows).into_iter().map(|column| (column, self.gradients_permille)));
+        if self.gradients.sd_permille > 0.0 {
+            all.extend(
+                gradients::columns(context, rows).into_iter().map(|column| (column, self.gradients.sd_permille)),
+            );
         }
         all
     }
@@ -288,7 +291,7 @@ pub fn calibrate_beside(
         Some((left, _)) if measured => Scatter::of(rows, &left, &context.config.evidence).beyond_n_per_kg(),
         _ => [0.0; 2],
     };
-    (Calibrated { noise: at.noise, own: at.own, spread, driven_n_per_kg, gradients_permille: 0.0 }, reached)
+    (Calibrated { noise: at.noise, own: at.own, spread, driven_n_per_kg, gradients: Errors::default() }, reached)
 }
 
 /// Restricted log-likelihood: of what is beyond the flexible model, whichever its coefficients are.

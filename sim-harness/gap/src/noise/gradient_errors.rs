@@ -6,6 +6,7 @@
 use crate::candidate::Shape;
 use crate::candidates::{self, sensors};
 use crate::columns::{self, both_directions, hats, in_the_middle, knots};
+use crate::config::GradientsConfig;
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::{Base, median};
 use crate::noise::{calibrate::Calibrated, gradients::at, whitening::Whitening};
@@ -45,21 +46,34 @@ fn places(context: &Context<'_>, rows: &[Row]) -> Vec<Vec<usize>> {
     all.into_values().collect()
 }
 
-/// Standard deviation of the errors, permille; none where most places show none.
-pub fn sd_permille(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> f64 {
-    found(context, rows, calibrated).unwrap_or(0.0)
+/// Errors of the described gradients, as far as the places of a line show them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Standard deviation of those that are surely there, permille; 0: none.
+    pub sd_permille: f64,
+    /// Probability that there are typical ones, where none are sure.
+    pub may_be: f64,
 }
 
-fn found(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> Option<f64> {
+/// The errors of the gradients of these rows.
+pub fn errors(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> Errors {
     let config = &context.config.gradients;
-    let places = Places::of(context, rows, calibrated)?;
+    // Of places that show nothing both are as likely as before.
+    let Some(places) = Places::of(context, rows, calibrated) else {
+        return Errors { sd_permille: 0.0, may_be: probability(0.0) };
+    };
     let seen = places.seen(config.typical_permille, config.known_share);
     let (places, seen) = places.without_effects(seen, config.effect);
-    let size = places.size(&seen)?;
-    let least = if both_directions(rows) { config.least_places } else { config.least_places_one_way };
-    let is_sure = seen.len() >= least && places.gain(size)? > config.sure;
-    let permille = size / mean_of_place(config.place_m / config.alike_m);
-    (is_sure && permille > config.least_permille).then_some(permille.min(config.most_permille))
+    if let Some(sd_permille) = places.found(&seen, both_directions(rows), config) {
+        return Errors { sd_permille, may_be: 0.0 };
+    }
+    let typical = config.typical_permille * mean_of_place(config.place_m / config.alike_m);
+    Errors { sd_permille: 0.0, may_be: probability(places.gain(typical).unwrap_or(0.0)) }
+}
+
+/// Of what was as likely as not before so much log-likelihood spoke for it.
+fn probability(gain: f64) -> f64 {
+    1.0 / (1.0 + (-gain).exp())
 }
 
 /// Rows that drivers forge alike in each run, braking and while the effort changes, hardly count.
@@ -162,6 +176,15 @@ impl Places {
         }
     }
 
+    /// The standard deviation of errors that are surely there, permille.
+    fn found(&self, seen: &[usize], both_directions: bool, config: &GradientsConfig) -> Option<f64> {
+        let size = self.size(seen)?;
+        let least = if both_directions { config.least_places } else { config.least_places_one_way };
+        let is_sure = seen.len() >= least && self.gain(size)? > config.sure;
+        let permille = size / mean_of_place(config.place_m / config.alike_m);
+        (is_sure && permille > config.least_permille).then_some(permille.min(config.most_permille))
+    }
+
     /// Places of which typical errors are known to this share of their variance.
     fn seen(&self, typical: f64, share: f64) -> Vec<usize> {
         let known = self.likeliest(typical).into_iter().map(|(_, known)| known);
@@ -249,16 +272,17 @@ mod tests {
         (0..RUNS * off.len()).map(row).collect()
     }
 
-    fn calibrated(rows: &[Row], gradients_permille: f64) -> Calibrated {
+    fn calibrated(rows: &[Row], sd_permille: f64) -> Calibrated {
         let noise = Noise { acceleration_mps2: NOISE_N_PER_KG, ..Noise::default() };
-        Calibrated { noise, spread: vec![1.0; rows.len()], gradients_permille, ..Calibrated::default() }
+        let gradients = Errors { sd_permille, may_be: 0.0 };
+        Calibrated { noise, spread: vec![1.0; rows.len()], gradients, ..Calibrated::default() }
     }
 
     /// What is found of errors of so many permille.
     fn size(both: bool, sd: f64, more: fn(usize, f64) -> f64, seed: u64) -> f64 {
         on_a_level_line(RUNS, |context| {
             let rows = rows(context, both, &errors(sd, seed), more, seed);
-            sd_permille(context, &rows, &calibrated(&rows, 0.0))
+            super::errors(context, &rows, &calibrated(&rows, 0.0)).sd_permille
         })
     }
 
@@ -281,6 +305,29 @@ mod tests {
         }
         // What does not turn is none where trains go both ways.
         assert_eq!(size(true, 0.0, |km, _| 0.01 * (0.8 * km as f64).sin(), 1), 0.0);
+    }
+
+    #[test]
+    fn whether_they_may_be_off_is_what_few_places_say() {
+        let may_be = |sd: f64, places: usize| {
+            let of = |seed: u64| {
+                on_a_level_line(RUNS, |context| {
+                    let off = &errors(sd, seed)[..places];
+                    let rows = rows(context, false, off, |_, _| 0.0, seed);
+                    let found = super::errors(context, &rows, &calibrated(&rows, 0.0));
+                    assert_eq!(found.sd_permille, 0.0, "{found:?}");
+                    found.may_be
+                })
+            };
+            (0..4).map(of).sum::<f64>() / 4.0
+        };
+        let (off, right) = (may_be(0.4, 15), may_be(0.0, 15));
+        assert!(off > 0.95 && right < 0.02, "{off} {right}");
+        let few = may_be(0.0, 3);
+        assert!((0.02..0.6).contains(&few), "{few}");
+        // Many places that show none rule them out.
+        let none = may_be(0.0, 60);
+        assert!(none < 1e-6, "{none}");
     }
 
     #[test]
