@@ -16,9 +16,11 @@ use rundown_files::statistics::median;
 
 /// A smaller one does not matter, s².
 const LEAST_S2: f64 = 0.1;
-/// A smaller age is none, s. Without an age there is none of it: what the rounding of a held speed does looks like
+/// A smaller age is none, s. Without an age none of it is taken off: what the rounding of a held speed does looks like
 /// 2.4 s².
 const LEAST_AGE_S: f64 = 0.3;
+/// Minus that of means over 5 s, which hardly matter; momentary speeds of clean logs have less.
+const MEANS_S2: f64 = 25.0 / 24.0;
 /// The noise is less without it, and it is better known then.
 const PASSES: usize = 2;
 /// A row's share of what a filter makes that is computed from row to row.
@@ -34,17 +36,19 @@ pub(crate) fn take_off(recordings: &[Recording], runs: &[(usize, f64)], of_speed
             of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, *step_s, taken_s2);
         }
     };
+    let doubt = |of_speeds: &mut [Option<OfSpeed>], sd_s2: f64| {
+        runs.iter().for_each(|(i, _)| of_speeds[*i] = of_speeds[*i].take().map(|of_speed| of_speed.doubted(sd_s2)));
+    };
     let likely_s2 = likely_s2(runs, of_speeds);
     if likely_s2 == 0.0 {
+        if let Some(mean) = left(runs, of_speeds).filter(are_means) {
+            doubt(of_speeds, mean.value.abs());
+        }
         return;
     }
     let mut taken_s2 = 0.0;
     for pass in 0..=PASSES {
-        let left: Vec<Figure> = runs.iter().filter_map(|(i, _)| of_speeds[*i].as_ref()?.second_order_s2).collect();
-        if left.is_empty() {
-            return;
-        }
-        let mean = Figure::mean_of(&left);
+        let Some(mean) = left(runs, of_speeds) else { return };
         if pass < PASSES && mean.value.abs() > LEAST_S2 && mean.away_from(0.0) > SURE {
             taken_s2 += mean.value;
             compare(of_speeds, mean.value);
@@ -55,10 +59,21 @@ pub(crate) fn take_off(recordings: &[Recording], runs: &[(usize, f64)], of_speed
         if share * mean.value.abs() > LEAST_S2 {
             compare(of_speeds, share * mean.value);
         }
-        let sd_s2 = mean.sd * share.sqrt();
-        runs.iter().for_each(|(i, _)| of_speeds[*i] = of_speeds[*i].take().map(|of_speed| of_speed.doubted(sd_s2)));
+        doubt(of_speeds, mean.sd * share.sqrt());
         return;
     }
+}
+
+/// What is left of it in these runs. None: their rows do not show it.
+fn left(runs: &[(usize, f64)], of_speeds: &[Option<OfSpeed>]) -> Option<Figure> {
+    let left: Vec<Figure> = runs.iter().filter_map(|(i, _)| of_speeds[*i].as_ref()?.second_order_s2).collect();
+    (!left.is_empty()).then(|| Figure::mean_of(&left))
+}
+
+/// Speeds that are means over some seconds have it without an age. The rounding of a speed that all runs hold looks
+/// like it, so it is not taken off: all of it is a doubt.
+fn are_means(left: &Figure) -> bool {
+    left.value < -MEANS_S2 && left.away_from(0.0) > SURE
 }
 
 /// By the usual age of the speed, standard deviation; 0 where it has none.
