@@ -17,6 +17,9 @@ use nalgebra::{Matrix3, Vector3};
 /// A train that gains or loses less speed than this may power, coast or brake, m/s².
 const RISES_MPS2: f64 = 0.08;
 const FALLS_MPS2: f64 = -0.03;
+/// On hills a freight train powers while it gets slower: one that gets slower by more brakes, m/s². On 1.5 % it loses
+/// as much.
+const BRAKES_MPS2: f64 = -0.15;
 /// Creep of wheels that power, as a share of the speed: adhesion is best at one to three per cent. Where so much does
 /// not show nothing is said; and half of it a steady speed is off by beside the mean of both, standard deviation.
 const SOME_CREEP: f64 = 0.02;
@@ -28,6 +31,13 @@ const CONTRADICTS: f64 = 3.0;
 /// By how much more the speed reads while it rises than while it falls, as a share of it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Creep {
+    /// Than while it falls, and than while the train brakes.
+    than: [Option<Contrast>; 2],
+}
+
+/// One of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Contrast {
     figure: Figure,
     /// What it is more by than with other bends of the ways between the rows.
     by_bends: [f64; 2],
@@ -36,20 +46,30 @@ pub(crate) struct Creep {
 impl Creep {
     /// None: the run does not say.
     pub(crate) fn of(compared: &Compared, with_other_bends: Option<&[Compared; 2]>) -> Option<Self> {
-        let columns = columns(&compared.differences);
-        let figure = fitted(compared, &columns)?;
-        let more_than = |other: &Compared| fitted(other, &columns).map_or(0.0, |other| figure.value - other.value);
-        let by_bends = with_other_bends.map_or([0.0; 2], |all| [more_than(&all[0]), more_than(&all[1])]);
-        Some(Self { figure, by_bends })
+        let than = |falls_mps2: f64| {
+            let columns = columns(&compared.differences, falls_mps2);
+            let figure = fitted(compared, &columns)?;
+            let more_than = |other: &Compared| fitted(other, &columns).map_or(0.0, |other| figure.value - other.value);
+            let by_bends = with_other_bends.map_or([0.0; 2], |all| [more_than(&all[0]), more_than(&all[1])]);
+            Some(Contrast { figure, by_bends })
+        };
+        let than = [FALLS_MPS2, BRAKES_MPS2].map(than);
+        than.iter().any(Option::is_some).then_some(Self { than })
     }
 
     /// What runs of one recorder say together, where it matters and they contradict one wheel.
     pub(crate) fn sure<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<Figure> {
-        Self::pooled(runs).filter(|all| {
+        let is_sure = |all: &Figure| {
             all.sd * CONTRADICTS < SOME_CREEP && all.value.abs() > LEAST_SCALE && all.away_from(0.0) > CONTRADICTS
-        })
+        };
+        let than = |which: usize| {
+            Contrast::pooled(runs.clone().filter_map(move |run| run.than[which].as_ref())).filter(is_sure)
+        };
+        than(0).or_else(|| than(1))
     }
+}
 
+impl Contrast {
     fn pooled<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<Figure> {
         let figures: Vec<Figure> = runs.clone().map(|run| run.figure).collect();
         let n = figures.len() as f64;
@@ -66,10 +86,10 @@ impl Creep {
 }
 
 /// What c, h and b add to each difference, m.
-fn columns(differences: &Differences) -> [Vec<f64>; 3] {
+fn columns(differences: &Differences, falls_mps2: f64) -> [Vec<f64>; 3] {
     let share = |mps2: &f64| match *mps2 {
         mps2 if mps2 > RISES_MPS2 => [-0.5, 0.0],
-        mps2 if mps2 < FALLS_MPS2 => [0.5, 0.0],
+        mps2 if mps2 < falls_mps2 => [0.5, 0.0],
         _ => [0.0, -1.0],
     };
     let shares: Vec<[f64; 2]> = differences.mps2().iter().map(share).collect();
