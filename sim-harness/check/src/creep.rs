@@ -57,7 +57,8 @@ impl Creep {
         than.iter().any(Option::is_some).then_some(Self { than })
     }
 
-    /// What runs of one recorder say together, where it matters and they contradict one wheel.
+    /// What runs of one recorder say together, where it matters and they contradict one wheel: than while the train
+    /// brakes, when nothing drives for sure, or else than while it falls.
     pub(crate) fn sure<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<Figure> {
         let is_sure = |all: &Figure| {
             all.sd * CONTRADICTS < SOME_CREEP && all.value.abs() > LEAST_SCALE && all.away_from(0.0) > CONTRADICTS
@@ -65,7 +66,7 @@ impl Creep {
         let than = |which: usize| {
             Contrast::pooled(runs.clone().filter_map(move |run| run.than[which].as_ref())).filter(is_sure)
         };
-        than(0).or_else(|| than(1))
+        than(1).or_else(|| than(0))
     }
 }
 

@@ -9,14 +9,15 @@ const POWERS_MPS2: f64 = -0.02;
 /// Over so long before and behind, s.
 const AROUND_S: f64 = 4.0;
 
-/// The wheel turns by `factor` of the train wherever it powers, also to hold its speed.
-fn creep(recordings: &mut [Recording], recorder: &Recorder, factor: f64) {
+/// The wheel turns by `factor` of the train wherever it powers, also to hold its speed: where its speed rises, or falls
+/// by less than at `powers_mps2`.
+fn creep(recordings: &mut [Recording], recorder: &Recorder, factor: f64, powers_mps2: f64) {
     let around = (AROUND_S / recorder.step_s).ceil() as usize;
     for recording in recordings {
         let speeds: Vec<f64> = recording.rows.iter().map(|row| row.speed_mps.unwrap()).collect();
         for (i, row) in recording.rows.iter_mut().enumerate() {
             let [from, to] = [i.saturating_sub(around), (i + around).min(speeds.len() - 1)];
-            if (speeds[to] - speeds[from]) / ((to - from) as f64 * recorder.step_s) > POWERS_MPS2 {
+            if (speeds[to] - speeds[from]) / ((to - from) as f64 * recorder.step_s) > powers_mps2 {
                 let steps = (3.6 * factor * speeds[i] / recorder.quantum_kmh).round();
                 row.speed_mps = Some(steps * recorder.quantum_kmh / 3.6);
             }
@@ -33,7 +34,7 @@ fn recorders(scale: f64) -> [Recorder; 3] {
 fn wheels_that_creep_while_they_power_are_named_and_none_is_put_right() {
     for (i, recorder) in (0..).zip(recorders(1.0)) {
         let mut runs = recorder.hopping(93_000 + i, 8, 8);
-        creep(&mut runs, &recorder, 1.02);
+        creep(&mut runs, &recorder, 1.02, POWERS_MPS2);
         let read: Vec<_> = runs.iter().flat_map(|run| run.rows.iter().map(|row| row.speed_mps)).collect();
         let check = check_for_replay(&mut runs);
         let creep = found(&check, Kind::Creep);
@@ -56,5 +57,18 @@ fn a_wheel_that_is_off_at_all_times_does_not_creep() {
             let wheel = find(&check, Kind::SpeedScale).filter(|wheel| wheel.done == Done::PutRight);
             assert_eq!(wheel.is_some(), scale != 1.0, "{scale} {i} {:?}", all(&check));
         }
+    }
+}
+
+/// On climbs a train powers while it gets slower.
+#[test]
+fn creep_of_trains_that_power_while_they_get_slower_is_named_by_their_brakes() {
+    for (i, recorder) in (0..).zip(recorders(1.0)) {
+        let mut runs = recorder.runs(95_000 + i, 8, 3);
+        creep(&mut runs, &recorder, 1.02, -0.15);
+        let check = check_for_replay(&mut runs);
+        let creep = found(&check, Kind::Creep);
+        assert!(creep.done == Done::Said && (1.0..2.3).contains(&creep.figure.value), "{i} {creep}");
+        assert!(!kinds(&check).contains(&Kind::SpeedScale), "{i} {:?}", all(&check));
     }
 }

@@ -1,6 +1,6 @@
 //! Are speeds that are means found, though the efforts are means over as long, and in rows some seconds apart?
 
-use crate::simulated::{Recorder, check_for_replay, find};
+use crate::simulated::{Recorder, all, check_for_replay, find};
 use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
 
@@ -43,5 +43,23 @@ fn momentary_speeds_five_seconds_apart_are_no_means() {
     for seed in 0..6 {
         let found = check_for_replay(&mut runs(64_000 + seed, 5, 1, true));
         assert_eq!(find(&found, Kind::SmoothedSpeed), None, "{seed}");
+    }
+}
+
+#[test]
+fn means_in_whole_kmh_are_no_wheel() {
+    let fine = Recorder { quantum_kmh: 1e-3, noise_m: 1.0, ..Recorder::default() };
+    for (seed, runs) in (0..4).flat_map(|seed| [(seed, 8), (seed, 12)]) {
+        let mut recordings = fine.trams(65_000 + seed, runs, 20);
+        for recording in &mut recordings {
+            let speeds: Vec<f64> = recording.rows.iter().map(|row| row.speed_mps.unwrap()).collect();
+            for (i, row) in recording.rows.iter_mut().enumerate() {
+                let near = &speeds[i.saturating_sub(4)..(i + 5).min(speeds.len())];
+                let kmh = 3.6 * near.iter().sum::<f64>() / near.len() as f64;
+                row.speed_mps = Some(kmh.round() / 3.6);
+            }
+        }
+        let check = check_for_replay(&mut recordings);
+        assert_eq!(check.recorders[0].correction.scale, 1.0, "{seed} {:?}", all(&check));
     }
 }
