@@ -160,7 +160,7 @@ settings! {
         other_way: f64 = 0.2, /// From this share of rows of the rarer direction on what a place has in both is no error of its gradient. Judgement.
         least_places: usize = 10, /// Fewer places do not show what most are like. Judgement: a wrong gradient over 2 km is a quarter of them.
         least_places_one_way: usize = 20, /// The same where all trains go in one direction, and a resistance at a place looks like its gradient. Measured: of 16 a tunnel of 3.4 km was taken for errors of 0.6 permille everywhere.
-        typical_permille: f64 = 0.3, /// Errors of this standard deviation, permille, of which a place must show the following share to say something. Judgement.
+        typical_permille: f64 = 0.3, /// Errors of this standard deviation, permille, of which a place must show the following share to say something, and beside which a name is tried where none are sure. Judgement.
         effect: f64 = 3.0, /// A place that is so many standard deviations further off than most has an effect. Derived: of normal errors one in 370.
         known_share: f64 = 0.5, /// Share of the variance of such an error. Judgement.
         sure: f64 = 3.0, /// Log-likelihood by which they must explain the places, those with effects set aside, better than none. Derived: odds of 20.
