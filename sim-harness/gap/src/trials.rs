@@ -5,7 +5,7 @@ use crate::candidate::{Fitted, ShowsIn, Term};
 use crate::chance::{Ground, OfRun, Probe, beyond_noise, probability};
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::probes;
-use crate::noise::{calibrate::Calibrated, gradient_errors::Errors};
+use crate::noise::{calibrate::Calibrated, gradients::Errors};
 use crate::trial::{By, Halves, Trial};
 use rundown::model::effects::EffectKind;
 use rundown_check::agreement::Figure;

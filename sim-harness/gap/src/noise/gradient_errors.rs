@@ -9,7 +9,11 @@ use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::GradientsConfig;
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::{Base, median};
-use crate::noise::{calibrate::Calibrated, gradients::at, whitening::Whitening};
+use crate::noise::{
+    calibrate::Calibrated,
+    gradients::{Errors, at},
+    whitening::Whitening,
+};
 use nalgebra::{DMatrix, DVector};
 use rundown::model::direction::Direction;
 use rundown::model::effects::{Coordinate, EffectKind};
@@ -44,15 +48,6 @@ fn places(context: &Context<'_>, rows: &[Row]) -> Vec<Vec<usize>> {
         all.entry(place.floor() as i64).or_default().push(index);
     }
     all.into_values().collect()
-}
-
-/// Errors of the described gradients, as far as the places of a line show them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
-    /// Standard deviation of those that are surely there, permille; 0: none.
-    pub sd_permille: f64,
-    /// Probability that there are typical ones, where none are sure.
-    pub may_be: f64,
 }
 
 /// The errors of the gradients of these rows.

@@ -9,6 +9,15 @@
 
 use crate::data::{believed::Context, rows::Row};
 
+/// Errors of the described gradients, as far as the places of a line show them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Standard deviation of those that are surely there, permille; 0: none.
+    pub sd_permille: f64,
+    /// Probability that there are typical ones, where none are sure.
+    pub may_be: f64,
+}
+
 /// The middle of the train at the middle of an interval, m along the line, and the force of a permille there, N/kg.
 pub fn at(context: &Context<'_>, row: &Row) -> (f64, f64) {
     let (train, sign) = (context.believed.train(), row.direction.sign());
