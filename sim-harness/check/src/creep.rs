@@ -8,6 +8,9 @@
 //! another one than that of a speed that falls, c, neither is a wheel's. A steady speed may be held by power, or be
 //! that of a coast on a descent: what it is off by itself, h, is left to it. So is what means over some seconds make of
 //! speeds that turn, b Δa ([`crate::second_order`]), which goes with the rises as c does.
+//!
+//! On climbs a train powers while it gets slower. So c is asked twice: against all speeds that fall, and against those
+//! that fall so fast that the train brakes, where slower falls are left to h. The second is preferred.
 
 use crate::LEAST_SCALE;
 use crate::agreement::{BENDS_SD, FEW_RUNS, Figure};
@@ -28,14 +31,15 @@ const SECOND_ORDER_S2: f64 = 10.0;
 /// So many standard deviations: nothing is put right by it, so less than what is sure suffices.
 const CONTRADICTS: f64 = 3.0;
 
-/// By how much more the speed reads while it rises than while it falls, as a share of it.
+/// By how much more the speed reads while it rises than while it falls, and than while the train brakes, as a share of
+/// it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Creep {
-    /// Than while it falls, and than while the train brakes.
-    than: [Option<Contrast>; 2],
+    beside_falls: Option<Contrast>,
+    beside_brakes: Option<Contrast>,
 }
 
-/// One of them.
+/// c against one kind of falling speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Contrast {
     figure: Figure,
@@ -46,27 +50,25 @@ struct Contrast {
 impl Creep {
     /// None: the run does not say.
     pub(crate) fn of(compared: &Compared, with_other_bends: Option<&[Compared; 2]>) -> Option<Self> {
-        let than = |falls_mps2: f64| {
+        let beside = |falls_mps2: f64| {
             let columns = columns(&compared.differences, falls_mps2);
             let figure = fitted(compared, &columns)?;
             let more_than = |other: &Compared| fitted(other, &columns).map_or(0.0, |other| figure.value - other.value);
             let by_bends = with_other_bends.map_or([0.0; 2], |all| [more_than(&all[0]), more_than(&all[1])]);
             Some(Contrast { figure, by_bends })
         };
-        let than = [FALLS_MPS2, BRAKES_MPS2].map(than);
-        than.iter().any(Option::is_some).then_some(Self { than })
+        let [beside_falls, beside_brakes] = [FALLS_MPS2, BRAKES_MPS2].map(beside);
+        (beside_falls.is_some() || beside_brakes.is_some()).then_some(Self { beside_falls, beside_brakes })
     }
 
-    /// What runs of one recorder say together, where it matters and they contradict one wheel: than while the train
-    /// brakes, when nothing drives for sure, or else than while it falls.
+    /// What runs of one recorder say together, where it matters and they contradict one wheel: against
+    /// braking, when surely nothing drives, or else against all falls.
     pub(crate) fn sure<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<Figure> {
         let is_sure = |all: &Figure| {
             all.sd * CONTRADICTS < SOME_CREEP && all.value.abs() > LEAST_SCALE && all.away_from(0.0) > CONTRADICTS
         };
-        let than = |which: usize| {
-            Contrast::pooled(runs.clone().filter_map(move |run| run.than[which].as_ref())).filter(is_sure)
-        };
-        than(1).or_else(|| than(0))
+        let pooled = |of: fn(&Self) -> Option<&Contrast>| Contrast::pooled(runs.clone().filter_map(of)).filter(is_sure);
+        pooled(|run| run.beside_brakes.as_ref()).or_else(|| pooled(|run| run.beside_falls.as_ref()))
     }
 }
 

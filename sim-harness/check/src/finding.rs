@@ -50,7 +50,7 @@ kinds! {
         => "look at the zero of its sensor; where it is not changed r(v) is learned at speeds that are off by as much";
     SpeedScale "the speed is off by a factor: read over true"
         => "compare the wheel diameter of the recorder, or the length of the track";
-    Creep "the speed reads more while it rises than while it falls, as of wheels that creep while they power: by"
+    Creep "the speed reads more while it rises than while it falls or the train brakes, as of wheels that creep while they power: by"
         => "take the speed from an axle that is not driven, or from a radar";
     WheelChange "the speed's scale changes: after over before"
         => "look when the wheels were turned, or their diameter was entered";

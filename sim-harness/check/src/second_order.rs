@@ -1,4 +1,4 @@
-//! What an age of the speed adds to the way besides, in all runs of a recorder.
+//! What an age of the speed, or a mean over some seconds, adds to the way besides, in all runs of a recorder.
 //!
 //! ```text
 //! x - ∫ v_r dt = ... + τ Δv_r + c Δa
@@ -19,15 +19,17 @@ const LEAST_S2: f64 = 0.1;
 /// A smaller age is none, s. Without an age none of it is taken off: what the rounding of a held speed does looks like
 /// 2.4 s².
 const LEAST_AGE_S: f64 = 0.3;
-/// Minus that of means over 5 s, which hardly matter; momentary speeds of clean logs have less.
+/// That of means over 5 s without its sign, s²: shorter ones hardly matter, and that of momentary speeds in clean logs is
+/// nearer to zero.
 const MEANS_S2: f64 = 25.0 / 24.0;
 /// The noise is less without it, and it is better known then.
 const PASSES: usize = 2;
 /// A row's share of what a filter makes that is computed from row to row.
 const OF_ROW: f64 = 0.5;
 
-/// Compares speed and location of these runs again without it, where it is beyond doubt, or an age makes it likely;
-/// what is not known of it is a doubt of scale and offset. `runs`: places and times between rows.
+/// Where the speed has an age: compares speed and location of these runs again without it, as far as it is beyond doubt
+/// or the age makes it likely; what is not known of it is a doubt of scale and offset. Without an age nothing is taken
+/// off, and all of it is a doubt where the speeds look like means. `runs`: places and times between rows.
 pub(crate) fn take_off(recordings: &[Recording], runs: &[(usize, f64)], of_speeds: &mut [Option<OfSpeed>]) {
     let compare = |of_speeds: &mut [Option<OfSpeed>], more_s2: f64| {
         for (i, step_s) in runs {

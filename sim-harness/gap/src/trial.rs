@@ -157,8 +157,8 @@ impl Trial {
         Self { p_value: Some(p_value), as_described: None, halves }
     }
 
-    /// The probability of chance, averaged over whether the gradients are as described: `beside` errors of them, which
-    /// there are with a probability, it fares so.
+    /// Takes the mean of this p-value and of that `beside` errors of the gradients, which are there with the probability
+    /// `may_be`; never less than without them.
     pub(crate) fn beside_errors(&mut self, may_be: f64, beside: &Self) {
         if let (Some(alone), Some(beside)) = (self.p_value, beside.p_value) {
             self.as_described = Some(alone);
@@ -209,7 +209,8 @@ impl Trial {
             let [a, b] = &halves.multiples;
             json!({ "by": halves.by.name(), "halves": [first, second], "multiples": [of(a), of(b)] })
         });
-        json!({ "p_value": self.p_value, "p_value_as_described": self.as_described, "halves": halves.collect::<Vec<_>>() })
+        let halves: Vec<_> = halves.collect();
+        json!({ "p_value": self.p_value, "p_value_as_described": self.as_described, "halves": halves })
     }
 
     /// Why it has no name, in a clause.
@@ -222,7 +223,8 @@ impl Trial {
             return format!("it does not repeat: it is {} and {}", of(0), of(1));
         }
         if self.is_of_errors(config) {
-            return "it may be small errors of the described gradients, which too few places of the line show"
+            return "it may be small errors of the described gradients: the places of the line do not show whether there \
+                    are any"
                 .to_owned();
         }
         "it acts in too few runs, or together with too much else, to be distinguished from chance".to_owned()

@@ -28,7 +28,7 @@ pub fn trials(
         !fitted.term.is(EffectKind::GradientError) && trial.as_ref().is_some_and(|one| one.is_stood(config))
     };
     let doubted: Vec<bool> = model.iter().zip(&all).map(doubted).collect();
-    // What is less probable than chance may be takes no name.
+    // So improbable errors would raise a p-value by less than `chance`.
     if may_be < config.certainty.chance || !doubted.contains(&true) {
         return all;
     }

@@ -56,7 +56,7 @@ impl Grounds<'_> {
         let something =
             self.p_value < config.evidence.significant || !self.candidates.is_empty() || self.gradients_are_off;
         let beyond_doubt = self.p_value < config.evidence.sure;
-        // Then what is surely there may be theirs as well.
+        // Errors of the gradients that may make a candidate may make the gap, too.
         let may_be_gradients =
             self.candidates.iter().any(|one| one.trial.as_ref().is_some_and(|trial| trial.is_of_errors(config)));
         match self.named {

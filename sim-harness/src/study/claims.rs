@@ -149,7 +149,7 @@ pub fn columns() -> Vec<Column<Claim>> {
     let least = "the least change that counts, with its reason";
     let place = "figure of the paper, `2` to `9`, its section, `3.1`, `3.2`, `4.1`, `4.2`, `4.4`, or its `conclusion`";
     let kind = "`input`: put into scenario, description or method; `recovered`: put in and found again; `predicted`: could have failed; `observed`: in recorded runs, whose truth is not known";
-    let error = "of the paper's mode against the truth, where the claim is `recovered` or has one";
+    let error = "of the paper's mode against the truth, of a claim that is `recovered`, and of the two on shares (of one run, of runs above 140 km/h)";
     vec![
         Column::text("place", place, |claim: &Claim| claim.place),
         Column::text("kind", kind, |claim: &Claim| claim.kind.as_str()),

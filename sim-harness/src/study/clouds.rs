@@ -8,7 +8,7 @@
 //! Schwarz's criterion.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Middle and half of the window of powers, km/h: speeds in about -1 to 1.
 const MIDDLE_KMH: f64 = 90.0;
@@ -165,7 +165,7 @@ fn as_one(points: &[Member], grows: bool) -> f64 {
     let all = points.len() as f64;
     let variance = points.iter().map(square).sum::<f64>() / all;
     let log_scales: f64 = points.iter().map(|point| scale(point).ln()).sum();
-    -0.5 * all * ((2.0 * PI * variance).ln() + 1.0) - log_scales
+    -0.5 * all * ((TAU * variance).ln() + 1.0) - log_scales
 }
 
 #[cfg(test)]

@@ -291,7 +291,7 @@ pub fn dropped_words(paper: &ReplayedRun) -> Option<String> {
     let count = paper.estimates.iter().zip(&paper.measurements).filter(is_dropped).count();
     (count > 0).then(|| {
         let readings = counted(count, "reading of its speed was", "readings of its speed were");
-        format!("{readings} dropped as impossible for a train: what it changed over each is lost in part, and with Table 1 the filter never makes up for it")
+        format!("{readings} dropped as impossible for a train: what the speed changed by over each is lost in part, and with Table 1 the filter never makes up for it")
     })
 }
 
@@ -480,6 +480,7 @@ mod tests {
         let goes_on: Vec<bool> = doing.iter().map(|(t, v)| first.goes_on(*t, *v)).collect();
         assert_eq!(goes_on, [true, true, true, true, true, true, true, false, false]);
     }
+
     #[test]
     fn a_speed_that_is_dropped_is_said() {
         use crate::study::{case::case_study, description, gather::Estimators};

@@ -69,7 +69,7 @@ pub const FIELDS: &[[&str; 4]] = &[
         "effects[].trial.p_value_as_described",
         "1",
         "the same if the described gradients are right; `p_value` is beside errors that they may have",
-        "it is known whether they are right, it is a gradient, or as for `p_value`",
+        "it has not stood its trial anyhow, errors are sure or hardly possible, it is a gradient, or as for `p_value`",
     ],
     ["effects[].trial.halves[].by", "", "how the runs are halved: `turn`, `date`, `direction`, `unit`", NOT_TRIED],
     ["effects[].trial.halves[].halves[]", "", "what the halves are", NOT_TRIED],

@@ -2,6 +2,7 @@
 //!
 //! It is as large as most places of the line show, by the median of their sizes, so that what acts at a few of them
 //! keeps its name. In both directions it is what turns at a place, beside what does not.
+//! Where none are sure: how probable typical ones are.
 
 use crate::candidate::Shape;
 use crate::candidates::{self, sensors};
@@ -234,7 +235,7 @@ mod tests {
     const NOISE_N_PER_KG: f64 = 0.005;
 
     /// Errors of so many permille over 60 km, by the kilometre, alike over two.
-    fn errors(sd: f64, seed: u64) -> Vec<f64> {
+    fn drawn(sd: f64, seed: u64) -> Vec<f64> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let alike = (-0.5_f64).exp();
@@ -276,8 +277,8 @@ mod tests {
     /// What is found of errors of so many permille.
     fn size(both: bool, sd: f64, more: fn(usize, f64) -> f64, seed: u64) -> f64 {
         on_a_level_line(RUNS, |context| {
-            let rows = rows(context, both, &errors(sd, seed), more, seed);
-            super::errors(context, &rows, &calibrated(&rows, 0.0)).sd_permille
+            let rows = rows(context, both, &drawn(sd, seed), more, seed);
+            errors(context, &rows, &calibrated(&rows, 0.0)).sd_permille
         })
     }
 
@@ -307,9 +308,9 @@ mod tests {
         let may_be = |sd: f64, places: usize| {
             let of = |seed: u64| {
                 on_a_level_line(RUNS, |context| {
-                    let off = &errors(sd, seed)[..places];
+                    let off = &drawn(sd, seed)[..places];
                     let rows = rows(context, false, off, |_, _| 0.0, seed);
-                    let found = super::errors(context, &rows, &calibrated(&rows, 0.0));
+                    let found = errors(context, &rows, &calibrated(&rows, 0.0));
                     assert_eq!(found.sd_permille, 0.0, "{found:?}");
                     found.may_be
                 })
@@ -338,7 +339,7 @@ mod tests {
     fn named(is_known: bool, tunnel_n_per_kg: f64, seed: u64) -> Vec<Term> {
         on_a_level_line(RUNS, |context| {
             let tunnel = |km: usize, _: f64| if (30..34).contains(&km) { tunnel_n_per_kg } else { 0.0 };
-            let rows = rows(context, true, &errors(0.4, seed), tunnel, seed);
+            let rows = rows(context, true, &drawn(0.4, seed), tunnel, seed);
             let calibrated = calibrated(&rows, if is_known { 0.4 } else { 0.0 });
             Search::new(context, &rows, &calibrated, false).select()
         })
@@ -360,7 +361,7 @@ mod tests {
     fn errors_that_most_places_have_are_no_gap_without_a_name() {
         let p_value = |permille: f64, seed: u64| {
             on_a_level_line(RUNS, |context| {
-                let rows = rows(context, false, &errors(0.4, seed), |_, _| 0.0, seed);
+                let rows = rows(context, false, &drawn(0.4, seed), |_, _| 0.0, seed);
                 evidence(context, &rows, &calibrated(&rows, permille)).1
             })
         };

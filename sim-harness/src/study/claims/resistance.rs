@@ -63,7 +63,7 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
         claim("the speed profile is accurately reproduced")
             .columns(of_example(example, LOOP, tracked, view::speed_rms_kmh, |_| None))
             .holds(paper.and_then(view::speed_rms_kmh).map(|rms| rms < 1.0))
-            .by(paper.and_then(view::dropped_words).map_or_else(String::new, |words| words + ". ") + "root mean square of filtered less measured speed of this run; below the 1 km/h of the reading. That the speed is tracked says nothing of the resistance"),
+            .by(paper.and_then(view::dropped_words).map_or_else(String::new, |words| words + "; ") + "root mean square of filtered less measured speed of this run; below the 1 km/h of the reading. That the speed is tracked says nothing of the resistance"),
         claim("the deceleration of the final brake stays below 59 % of the largest")
             .columns(of_example(example, Example::features, percent, brake, true_brake))
             .holds(features.and_then(brake).map(|share| share < PAPERS_LARGEST_BRAKE))

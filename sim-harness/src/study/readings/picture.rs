@@ -80,15 +80,12 @@ const CROSSED: [(Gradient, Initial, &str, RGBColor); 4] = [
 fn crossed(all: &[Compared], of: &str) -> Picture {
     let is_crossed = |one: &&Compared| one.combination.reading.points == SigmaPoints::Printed;
     let shown: Vec<&Compared> = all.iter().filter(is_crossed).collect();
-    let skews = |gradient| {
-        let of = shown.iter().filter(move |one| one.combination.reading.gradient == gradient);
-        of.map(|one| one.combination.recorder.skew_s).collect::<Vec<f64>>()
-    };
     // Skews at which one way alone was read say nothing of the others.
-    let both = skews(Gradient::Point);
+    let is_point = |one: &&&Compared| one.combination.reading.gradient == Gradient::Point;
+    let crossed_s: Vec<f64> = shown.iter().filter(is_point).map(|one| one.combination.recorder.skew_s).collect();
     let shown: Vec<&Compared> =
-        shown.into_iter().filter(|one| both.contains(&one.combination.recorder.skew_s)).collect();
-    let x = range_of(both.iter().copied());
+        shown.into_iter().filter(|one| crossed_s.contains(&one.combination.recorder.skew_s)).collect();
+    let x = range_of(crossed_s.iter().copied());
     let x = x.start - 0.5..x.end + 0.5;
     let count = all.first().map_or(COUNT, Compared::of_remarks);
     let quantities: [(String, &Value); 4] = [
@@ -146,7 +143,7 @@ fn crossed_lines(shown: &[&Compared], difference: Difference, value: &Value) -> 
             let legend = if stroke == Stroke::Solid { name } else { "" };
             layers.push(match points.as_slice() {
                 [] => continue,
-                [_] => Layer::dots(name, colour, 1.0, points),
+                [_] => Layer::dots(legend, colour, 1.0, points),
                 _ => Layer::line(legend, colour, stroke, points.into_iter().map(Some).collect()),
             });
         }
