@@ -19,8 +19,8 @@ const LEAST_S2: f64 = 0.1;
 /// A smaller age is none, s. Without an age none of it is taken off: what the rounding of a held speed does looks like
 /// 2.4 s².
 const LEAST_AGE_S: f64 = 0.3;
-/// That of means over 5 s without its sign, s²: shorter ones hardly matter, and that of momentary speeds in clean logs is
-/// nearer to zero.
+/// That of means over 5 s without its sign, s²: shorter ones hardly matter, and that of momentary speeds in clean logs
+/// is nearer to zero.
 const MEANS_S2: f64 = 25.0 / 24.0;
 /// The noise is less without it, and it is better known then.
 const PASSES: usize = 2;

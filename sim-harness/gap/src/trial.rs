@@ -157,8 +157,8 @@ impl Trial {
         Self { p_value: Some(p_value), as_described: None, halves }
     }
 
-    /// Takes the mean of this p-value and of that `beside` errors of the gradients, which are there with the probability
-    /// `may_be`; never less than without them.
+    /// Takes the mean of this p-value and of that `beside` errors of the gradients, which are there with the
+    /// probability `may_be`; never less than without them.
     pub(crate) fn beside_errors(&mut self, may_be: f64, beside: &Self) {
         if let (Some(alone), Some(beside)) = (self.p_value, beside.p_value) {
             self.as_described = Some(alone);
