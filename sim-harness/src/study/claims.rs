@@ -62,7 +62,8 @@ pub struct Claim {
     pub paper: String,
     pub gated: String,
     pub truth: String,
-    /// Of the paper's mode against the truth, where the claim is one that is recovered, or has such an error.
+    /// Of the paper's mode against the truth: of a claim that is recovered, and of the two on shares, where it decides
+    /// nothing.
     pub error: String,
     pub verdict: Verdict,
     pub why: String,

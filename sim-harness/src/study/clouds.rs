@@ -97,9 +97,6 @@ pub fn clouds(points: impl Iterator<Item = (f64, f64)>, split_kmh: f64, least_sd
     let mut points: Vec<Member> = points.map(point).collect();
     let all = points.len() as f64;
     let of_fast = |points: &[Member]| points.iter().map(|point| point.fast).sum::<f64>();
-    if of_fast(&points) < FEWEST || all - of_fast(&points) < FEWEST {
-        return None;
-    }
     let (mut change, mut before) = (Change::at(split_kmh), f64::NEG_INFINITY);
     let mut best: Option<(f64, [Cloud; 2], Change)> = None;
     for _ in 0..STEPS {
