@@ -1,12 +1,13 @@
 //! The heights along a track, and a train that stands on them.
 //!
 //! In: gradients from somewhere on, sorted, at most [`MAX_GRADIENTS`]. Out: heights, and the rise under a train: a
-//! search for its front, O(log n), and a walk over the few pieces under it. Heights are summed once, at construction.
-//! Before the first entry the height is 0 (flat); the last gradient goes on.
+//! search for its front, O(log n), among the pieces that begin in the same cell of the line, mostly one or none; and a
+//! walk over the few pieces under it. Heights are summed once, at construction. Before the first entry the height is 0
+//! (flat); the last gradient goes on.
 
 use crate::Real;
 use crate::model::direction::Direction;
-use crate::plain::plain;
+use crate::plain::{Bytes, Plain, plain};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -45,22 +46,38 @@ const FLAT_START: Piece = Piece {
     height_m: 0.0,
 };
 
+/// Equal parts of a line in which a search begins. Lines have some dozens of gradients.
+const CELLS: usize = 64;
+
 /// The pieces of a track.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Profile {
     /// The first is the flat start, so every location lies in a piece.
     pieces: Vec<Piece, { MAX_GRADIENTS + 1 }>,
+    /// Cells in a metre.
+    #[serde(skip)]
+    cells_per_m: Real,
+    /// The last piece that begins before each cell; behind them, the last one.
+    #[serde(skip)]
+    before_cell: [u16; CELLS + 1],
 }
 
-plain! {
-    struct Profile { pieces }
+impl Plain for Profile {
+    const START: Self = Self::NONE;
+
+    /// The cells follow from the pieces and the length of the line.
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        self.pieces.pass(bytes);
+    }
 }
 
 impl Profile {
-    pub(crate) const NONE: Self = Self { pieces: Vec::new() };
+    pub(crate) const NONE: Self = Self { pieces: Vec::new(), cells_per_m: 0.0, before_cell: [0; CELLS + 1] };
 
-    /// To the flat start.
-    pub(crate) fn restart(&mut self) {
+    /// To the flat start of a line of this length, which is above 0.
+    pub(crate) fn restart(&mut self, length_m: Real) {
+        self.cells_per_m = CELLS as Real / length_m;
+        self.before_cell.fill(0);
         self.pieces.clear();
         // An empty list has room.
         let _first = self.pieces.push(FLAT_START).is_ok();
@@ -85,7 +102,20 @@ impl Profile {
             slope: gradient.permille / 1000.0,
             height_m: last.height_at_m(gradient.from_m),
         };
-        self.pieces.push(piece).is_ok()
+        let (cell, index) = (self.cell(gradient.from_m), self.pieces.len() as u16);
+        let has_room = self.pieces.push(piece).is_ok();
+        if has_room {
+            self.before_cell.iter_mut().skip(cell + 1).for_each(|before| *before = index);
+        }
+        has_room
+    }
+
+    /// Where a search for a location begins: it never falls where the location rises, so what begins in an earlier cell
+    /// lies behind it, and what begins in a later one ahead. Off the line it is the first or the last; the first for
+    /// what is no number.
+    #[inline]
+    fn cell(&self, location_m: Real) -> usize {
+        ((location_m * self.cells_per_m) as u32 as usize).min(CELLS - 1)
     }
 
     pub(crate) fn height_m(&self, location_m: Real) -> Real {
@@ -119,15 +149,15 @@ impl Profile {
     /// The point at a location.
     #[inline]
     fn search(&self, location_m: Real) -> TrackPoint {
-        // By halves of a power of two, the flat start being behind every location: less to do than for halves of what
-        // is left.
-        let (mut index, mut ahead) = (0, 1 << (self.pieces.len() | 1).ilog2());
-        while ahead > 0 {
-            let there = index + ahead;
-            if self.pieces.get(there).is_some_and(|piece| piece.from_m <= location_m) {
-                index = there;
+        let cell = self.cell(location_m);
+        let (mut index, mut last) = (usize::from(self.before_cell[cell]), usize::from(self.before_cell[cell + 1]));
+        while index < last {
+            let middle = (index + last).div_ceil(2);
+            if self.begin_m(middle) <= location_m {
+                index = middle;
+            } else {
+                last = middle - 1;
             }
-            ahead /= 2;
         }
         self.point(index, location_m)
     }
@@ -302,7 +332,7 @@ mod tests {
 
     fn profile() -> Profile {
         let mut profile = Profile::NONE;
-        profile.restart();
+        profile.restart(1000.0);
         for (from_m, permille) in [(100.0, 4.0), (300.0, -6.0), (310.0, 0.0), (900.0, 10.0)] {
             assert!(profile.push(Gradient { from_m, permille }));
         }
@@ -321,16 +351,32 @@ mod tests {
     fn a_search_finds_the_last_piece_that_has_begun() {
         let mut profile = Profile::NONE;
         assert_eq!(profile.search(10.0).index, 0);
-        profile.restart();
-        for pieces in 1..70_u32 {
-            for location_m in (0..720).map(|i| Real::from(i) - 5.0) {
-                let begun = profile.pieces.partition_point(|piece| piece.from_m <= location_m);
-                assert_eq!(profile.search(location_m).index, begun - 1, "{pieces} pieces, {location_m}");
+        // Some pieces a cell and many; a line that ends before its gradients and one that goes on; before its start.
+        for (length_m, apart_m) in [(700.0, 10.0), (5000.0, 10.0), (100.0, 10.0), (64.0, 0.25), (1e7, 0.1)] {
+            profile.restart(length_m);
+            for pieces in 1..70_u32 {
+                for location_m in (0..720).map(|i| 0.1 * apart_m * (Real::from(i) - 105.0)) {
+                    let begun = profile.pieces.partition_point(|piece| piece.from_m <= location_m);
+                    assert_eq!(profile.search(location_m).index, begun - 1, "{pieces} pieces, {location_m}");
+                }
+                assert_eq!(profile.search(Real::NAN).index, 0);
+                assert_eq!(profile.search(Real::NEG_INFINITY).index, 0);
+                assert_eq!(profile.search(Real::INFINITY).index, profile.len());
+                let from_m = apart_m * (Real::from(pieces) - 10.0);
+                assert!(profile.push(Gradient { from_m, permille: 1.0 }));
             }
-            assert_eq!(profile.search(Real::NAN).index, 0);
-            assert_eq!(profile.search(Real::NEG_INFINITY).index, 0);
-            assert!(profile.push(Gradient { from_m: 10.0 * Real::from(pieces), permille: 1.0 }));
         }
+    }
+
+    #[test]
+    fn a_full_track_is_searched_to_its_end() {
+        let mut profile = Profile::NONE;
+        profile.restart(1000.0);
+        let full = (0..MAX_GRADIENTS as u32).map(|i| Gradient { from_m: 2.0 * Real::from(i), permille: 1.0 });
+        assert!(full.map(|gradient| profile.push(gradient)).all(|has_room| has_room));
+        assert!(!profile.push(Gradient { from_m: 1e6, permille: 1.0 }));
+        assert_eq!(profile.search(1e6).index, MAX_GRADIENTS);
+        assert_eq!(profile.search(1.0).index, 1);
     }
 
     #[test]

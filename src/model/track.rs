@@ -103,7 +103,7 @@ impl Track {
             return Err(TrackError::Length { found: length_m });
         }
         self.length_m = length_m;
-        self.profile.restart();
+        self.profile.restart(length_m);
         self.curves.clear();
         self.targets.clear();
         Ok(())
