@@ -14,6 +14,7 @@
 //! `count` is seconds.
 
 use super::Statistic;
+use super::statistic::WeightedMoments;
 use crate::Real;
 use crate::model::units::KmPerHour;
 use crate::plain::{Bytes, Plain};
@@ -94,7 +95,8 @@ impl HeldSpeeds {
         let below = to_top.len().saturating_sub(width);
         let centre_mps = |bin: Real| KmPerHour(bin / BINS_PER_KMH).to_mps();
         let total = sum(to_top.get(below..)?) as Real;
-        let (mut passed, mut median, mut mean) = (0.0, None, 0.0);
+        let (mut passed, mut median) = (0.0, None);
+        let mut moments = WeightedMoments::ZEROED;
         for (i, time_ms) in to_top.iter().enumerate().skip(below) {
             if *time_ms == 0 {
                 continue;
@@ -105,17 +107,9 @@ impl HeldSpeeds {
                 median = Some(centre_mps(i as Real + inside - 0.5));
             }
             passed += time_ms;
-            mean += centre_mps(i as Real) * time_ms / total;
+            moments.add(centre_mps(i as Real), time_ms);
         }
-        let mut squares = 0.0;
-        for (i, time_ms) in to_top.iter().enumerate().skip(below) {
-            if *time_ms == 0 {
-                continue;
-            }
-            let change = centre_mps(i as Real) - mean;
-            squares += change * change * Real::from(*time_ms) / total;
-        }
-        let statistic = Statistic { count: (total / 1000.0) as u32, mean, sd: crate::roots::square_root(squares) };
+        let statistic = Statistic { count: (total / 1000.0) as u32, mean: moments.mean(), sd: moments.sd(1.0) };
         Some((median?, statistic))
     }
 }

@@ -100,20 +100,16 @@ impl FeatureExtractor {
     /// goes on from.
     fn stops_before(&mut self, config: &FeatureConfig, tick: &Observation) -> bool {
         let here = |stands: &Observation| (tick.location_m - stands.location_m).abs() < PLATFORM_M;
-        let Some(stands) = self.course.stop_ahead(config).filter(here) else {
+        let Some(mut stands) = self.course.stop_ahead(config).filter(here) else {
             return false;
         };
         self.take(config, &stands);
         let until_s = tick.time_s - config.window_s;
-        let effort_n_per_kg = Some(stands.gradient_n_per_kg);
-        let standing = Observation {
-            time_s: until_s,
-            dt_s: until_s - stands.time_s,
-            effort_n_per_kg,
-            acceleration_mps2: Some(0.0),
-            ..stands
-        };
-        self.take(config, &standing);
+        stands.dt_s = until_s - stands.time_s;
+        stands.time_s = until_s;
+        stands.effort_n_per_kg = Some(stands.gradient_n_per_kg);
+        stands.acceleration_mps2 = Some(0.0);
+        self.take(config, &stands);
         true
     }
 
@@ -154,10 +150,11 @@ impl FeatureExtractor {
         let is_there =
             |stop: &SwitchingPoint| self.before.is_none_or(|last| (last.location_m - stop.location_m).abs() < LEFT_M);
         (features.final_coast, features.final_brake) = final_phases(self.recent.len(), at, is_there, line_speed_mps);
-        let recent = self.recent.iter().map(|(_, point)| point);
         features.switching_points.clear();
         features.switching_points_lost = self.lost;
-        for point in self.older.iter().chain(recent) {
+        for i in 0..self.older.len() + self.recent.len() {
+            let point = self.older.get(i).or_else(|| at(i.wrapping_sub(self.older.len())));
+            let Some(point) = point else { break };
             if features.switching_points.push(*point).is_err() {
                 features.switching_points_lost = features.switching_points_lost.saturating_add(1);
             }
@@ -244,7 +241,9 @@ impl FeatureExtractor {
     }
 
     fn add_boundaries(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) {
-        for boundary in &self.phases.push(config, end_s, interval) {
+        let mut known = self.phases.push(config, end_s, interval);
+        self.phases.split_coast(|since_s| self.course.burst_of_power(since_s), &mut known);
+        for boundary in &known {
             let same =
                 |(old, _): &(Boundary, SwitchingPoint)| (old.time_s, old.from) == (boundary.time_s, boundary.from);
             if self.recent.back().is_some_and(same) {
@@ -256,10 +255,16 @@ impl FeatureExtractor {
             {
                 self.lost = self.lost.saturating_add(1);
             }
-            let point = self.course.locate(config, boundary, None, None);
+            let point = self.course.locate(config, boundary, [Real::MIN, Real::MIN, Real::MAX]);
             // There is room now.
             let _kept = self.recent.push_back((*boundary, point)).is_ok();
         }
+    }
+
+    /// When this switching point is, where there is one.
+    #[inline(never)]
+    fn place_s(&self, i: usize, otherwise_s: Real) -> Real {
+        self.recent.get(i).map_or(otherwise_s, |(_, point)| point.time_s)
     }
 
     /// Places those points again whose surroundings are still coming in.
@@ -272,10 +277,12 @@ impl FeatureExtractor {
             if boundary.time_s < open_since_s {
                 return;
             }
-            let previous = i.checked_sub(1).and_then(|i| self.recent.get(i));
-            let after_s = previous.map(|(_, point)| point.time_s);
-            let before_s = self.recent.get(i + 1).map(|(next, _)| next.time_s);
-            let point = self.course.locate(config, &boundary, after_s, before_s);
+            let after_s = self.place_s(i.wrapping_sub(1), Real::MIN);
+            // What looks like a short cruise may be the mean of power and coast.
+            let is_mean = boundary.from == Regime::Cruise && boundary.time_s - after_s < 3.0 * config.window_s;
+            let since_s = if is_mean { self.place_s(i.wrapping_sub(2), after_s) } else { after_s };
+            let before_s = self.place_s(i + 1, Real::MAX);
+            let point = self.course.locate(config, &boundary, [since_s, after_s, before_s]);
             if let Some((_, place)) = self.recent.get_mut(i) {
                 *place = point;
             }

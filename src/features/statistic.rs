@@ -34,14 +34,21 @@ impl WeightedMoments {
         }
     }
 
+    /// Mean of the values.
+    pub(super) fn mean(&self) -> Real {
+        self.mean
+    }
+
+    /// Standard deviation of the values, with so many times their variance.
+    #[inline(never)]
+    pub(super) fn sd(&self, times: Real) -> Real {
+        crate::roots::square_root((self.squares / self.weight * times).max(0.0))
+    }
+
     /// Standard deviation with n - 1 in the denominator.
     pub(super) fn statistic(&self) -> Statistic {
         let n = Real::from(self.count);
-        let sd = if self.count < 2 {
-            0.0
-        } else {
-            crate::roots::square_root((self.squares / self.weight * n / (n - 1.0)).max(0.0))
-        };
+        let sd = if self.count < 2 { 0.0 } else { self.sd(n / (n - 1.0)) };
         Statistic { count: self.count, mean: self.mean, sd }
     }
 }
@@ -49,7 +56,7 @@ impl WeightedMoments {
 /// Least squares of y = a + b x.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LineFit {
-    count: u32,
+    count: Real,
     x: Real,
     y: Real,
     xx: Real,
@@ -63,11 +70,11 @@ plain! {
 
 impl LineFit {
     /// No point.
-    pub(super) const ZEROED: Self = Self { count: 0, x: 0.0, y: 0.0, xx: 0.0, xy: 0.0, yy: 0.0 };
+    pub(super) const ZEROED: Self = Self { count: 0.0, x: 0.0, y: 0.0, xx: 0.0, xy: 0.0, yy: 0.0 };
 
     /// Adds a point.
     pub(super) fn add(&mut self, x: Real, y: Real) {
-        self.count = self.count.saturating_add(1);
+        self.count += 1.0;
         self.x += x;
         self.y += y;
         self.xx += x * x;
@@ -75,24 +82,55 @@ impl LineFit {
         self.yy += y * y;
     }
 
-    /// None without points. Points at one x give the mean and no slope. The standard deviation is that about the line,
-    /// 0 where nothing is left for it.
+    /// And those of `all` that are not `before`, at one x: their values were taken as x there, and each is `less` here.
+    pub(super) fn and_level(&self, x: Real, [all, before]: [&Self; 2], less: Real) -> Self {
+        let count = all.count - before.count;
+        let sum = all.x - before.x;
+        let y = sum - count * less;
+        Self {
+            count: all.count,
+            x: self.x + count * x,
+            y: self.y + y,
+            xx: self.xx + count * x * x,
+            xy: self.xy + x * y,
+            yy: self.yy + all.xx - before.xx - less * (sum + y),
+        }
+    }
+
+    /// Least squares. A `prior` slope of 0 counts as much as points whose squares of x about their mean add up to it.
+    /// Points at one x give the mean and no slope.
+    pub(super) fn least_squares(&self, prior: Real) -> FittedLine {
+        let n = self.count;
+        let xx = self.xx + prior;
+        let mean = self.y / n;
+        let determinant = n * xx - self.x * self.x;
+        // One x only: what is left of the difference is rounding.
+        let sloped = determinant > 1e-9 * n * xx;
+        let slope = if sloped { (n * self.xy - self.x * self.y) / determinant } else { 0.0 };
+        let at_0 = mean - slope * self.x / n;
+        FittedLine { at_0, slope, rest: self.yy - at_0 * self.y - slope * self.xy, sloped }
+    }
+
+    /// None without points. The standard deviation is that about the line, 0 where nothing is left for it.
     pub(super) fn line(&self) -> Option<EffortLine> {
-        if self.count == 0 {
+        let n = self.count;
+        if n == 0.0 {
             return None;
         }
-        let n = Real::from(self.count);
-        let mean = self.y / n;
-        let determinant = n * self.xx - self.x * self.x;
-        // One x only: what is left of the difference is rounding.
-        let sloped = determinant > 1e-9 * n * self.xx;
-        let slope = if sloped { (n * self.xy - self.x * self.y) / determinant } else { 0.0 };
-        let at_lower = mean - slope * self.x / n;
-        let free = n - if sloped { 2.0 } else { 1.0 };
-        let rest = (self.yy - at_lower * self.y - slope * self.xy).max(0.0);
-        let sd = if free > 0.0 { crate::roots::square_root(rest / free) } else { 0.0 };
-        Some(EffortLine { effort: Statistic { count: self.count, mean, sd }, at_lower_n_per_kg: at_lower, slope })
+        let line = self.least_squares(0.0);
+        let free = n - if line.sloped { 2.0 } else { 1.0 };
+        let sd = if free > 0.0 { crate::roots::square_root(line.rest.max(0.0) / free) } else { 0.0 };
+        let effort = Statistic { count: n as u32, mean: self.y / n, sd };
+        Some(EffortLine { effort, at_lower_n_per_kg: line.at_0, slope: line.slope })
     }
+}
+
+/// y = `at_0` + `slope` x, and the sum of squares that it leaves.
+pub(super) struct FittedLine {
+    pub(super) at_0: Real,
+    pub(super) slope: Real,
+    pub(super) rest: Real,
+    sloped: bool,
 }
 
 #[cfg(test)]
