@@ -75,8 +75,8 @@ fn coast(
         by_wind: 2.0 * (config.wind_change_mps * davis.r2) as f32,
     };
     let steps = pieces(ahead_m, STEP_M, MOST_STEPS);
-    let step_m = ahead_m / steps;
-    for _ in 0..steps as u32 {
+    let step_m = ahead_m / Real::from(steps);
+    for _ in 0..steps {
         if let Err(Stands { after_m }) = way.advance(step_m) {
             // v² is nearly straight over the distance, and its deviation is that of where the step began.
             let sd = here.sd_of(here.energy(&way.by_energy), &way.by_energy, estimate, way.noise_energy);

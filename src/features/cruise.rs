@@ -16,6 +16,7 @@
 use super::Statistic;
 use super::statistic::WeightedMoments;
 use crate::Real;
+use crate::model::pieces::whole;
 use crate::model::units::KmPerHour;
 use crate::plain::{Bytes, Plain};
 use crate::tick::snapshot::InPlace;
@@ -52,14 +53,13 @@ impl HeldSpeeds {
         let bin = |mps: Real| (mps * 3.6 * BINS_PER_KMH + 0.5).clamp(0.0, BINS as Real - 0.5);
         let (a, b) = (bin(from_mps), bin(to_mps));
         let (low, high) = (a.min(b), a.max(b));
-        let (first, last) = (low as usize, high as usize);
+        let (first, last) = (whole(low) as usize, whole(high) as usize);
         let dt_ms = dt_s * 1000.0;
         for (i, time_ms) in self.time_ms.iter_mut().enumerate().take(last + 1).skip(first) {
             let left = low.max(i as Real);
             let right = high.min(i as Real + 1.0);
             let share = if high - low > 1e-6 { (right - left) / (high - low) } else { 1.0 };
-            // A cast of a float saturates.
-            *time_ms = time_ms.saturating_add((dt_ms * share + 0.5) as u32);
+            *time_ms = time_ms.saturating_add(whole(dt_ms * share + 0.5));
             if share == 1.0 {
                 return;
             }
@@ -68,7 +68,7 @@ impl HeldSpeeds {
 
     /// Bins of the highest level, none when no speed was held.
     fn level(&self, band_kmh: Real) -> Option<&[u32]> {
-        let width = (band_kmh * BINS_PER_KMH) as usize + 1;
+        let width = whole(band_kmh * BINS_PER_KMH) as usize + 1;
         let total: u64 = sum(&self.time_ms);
         if total == 0 {
             return None;
@@ -91,7 +91,7 @@ impl HeldSpeeds {
     /// Median and statistic of the level, m/s.
     pub(super) fn cruise_speed(&self, band_kmh: Real) -> Option<(Real, Statistic)> {
         let to_top = self.level(band_kmh)?;
-        let width = (band_kmh * BINS_PER_KMH) as usize + 1;
+        let width = whole(band_kmh * BINS_PER_KMH) as usize + 1;
         let below = to_top.len().saturating_sub(width);
         let centre_mps = |bin: Real| KmPerHour(bin / BINS_PER_KMH).to_mps();
         let total = sum(to_top.get(below..)?) as Real;
@@ -109,7 +109,7 @@ impl HeldSpeeds {
             passed += time_ms;
             moments.add(centre_mps(i as Real), time_ms);
         }
-        let statistic = Statistic { count: (total / 1000.0) as u32, mean: moments.mean(), sd: moments.sd(1.0) };
+        let statistic = Statistic { count: whole(total / 1000.0), mean: moments.mean(), sd: moments.sd(1.0) };
         Some((median?, statistic))
     }
 }

@@ -4,6 +4,7 @@
 
 use super::{EffortLine, Statistic};
 use crate::Real;
+use crate::model::pieces::whole;
 use crate::plain::plain;
 
 /// Mean and standard deviation of values that lasted for different times (Welford's recurrence with weights).
@@ -120,7 +121,7 @@ impl LineFit {
         let line = self.least_squares(0.0);
         let free = n - if line.sloped { 2.0 } else { 1.0 };
         let sd = if free > 0.0 { crate::roots::square_root(line.rest.max(0.0) / free) } else { 0.0 };
-        let effort = Statistic { count: n as u32, mean: self.y / n, sd };
+        let effort = Statistic { count: whole(n), mean: self.y / n, sd };
         Some(EffortLine { effort, at_lower_n_per_kg: line.at_0, slope: line.slope })
     }
 }

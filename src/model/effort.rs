@@ -45,7 +45,8 @@ pub fn over_steps(
     step_s: Real,
 ) -> Effort {
     let interval_s = to.time_s - from.time_s;
-    let steps = pieces(interval_s, step_s, MOST_STEPS);
+    let count = pieces(interval_s, step_s, MOST_STEPS);
+    let steps = Real::from(count);
     let mean_mps = 0.5 * (from.speed_mps + to.speed_mps);
     let at = |step: Real| {
         let share = step / steps;
@@ -60,7 +61,7 @@ pub fn over_steps(
     };
     let mut begin = Spot::new(line, acting, davis, *from);
     let (mut effort_n_per_kg, mut resistance_n_per_kg) = (0.0, 0.0);
-    for step in 1..=steps as u32 {
+    for step in 1..=count {
         let end = Spot::new(line, acting, davis, at(step.into()));
         let effort = between(line, acting, davis, [&begin, &end]);
         effort_n_per_kg += effort.effort_n_per_kg;

@@ -7,6 +7,7 @@
 
 use crate::Real;
 use crate::model::direction::Direction;
+use crate::model::pieces::whole;
 use crate::plain::{Bytes, Plain, plain};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -115,7 +116,7 @@ impl Profile {
     /// what is no number.
     #[inline]
     fn cell(&self, location_m: Real) -> usize {
-        ((location_m * self.cells_per_m) as u32 as usize).min(CELLS - 1)
+        (whole(location_m * self.cells_per_m) as usize).min(CELLS - 1)
     }
 
     pub(crate) fn height_m(&self, location_m: Real) -> Real {

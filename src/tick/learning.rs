@@ -446,7 +446,8 @@ impl Segment {
         fine_sd_mps: Option<f32>,
     ) -> Result<(Innovation<2>, bool), NotPositiveDefinite> {
         let ukf = Ukf { spread: config.spread, gate: [Some(config.gate); 2], reuse_points: false };
-        let sub_steps = pieces(tick.dt_s, config.sub_step_s, MOST_SUB_STEPS);
+        let count = pieces(tick.dt_s, config.sub_step_s, MOST_SUB_STEPS);
+        let sub_steps = Real::from(count);
         let h_s = tick.dt_s / sub_steps;
         // White acceleration noise of this tick, spread over its sub-steps so that their sum has the same variance.
         let gusts = config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0;
@@ -454,7 +455,7 @@ impl Segment {
         let noise_mps2 = crate::roots::square_root(((gusts + tick.track_density) / tick.dt_s + effort) * sub_steps);
         let mut begin_s = tick.time_s - tick.dt_s;
         let (began_mps, believed) = (self.belief.mean[SPEED], davis(&self.belief.mean));
-        for _ in 0..sub_steps as u32 {
+        for _ in 0..count {
             let (x, evaluate) = (&self.belief.mean, Evaluate::Midway);
             let motion = Motion::new(line, x, tick.effort.n_per_kg.into(), h_s, evaluate)
                 .with_effects(line, acting, x, begin_s, evaluate);

@@ -152,7 +152,7 @@ impl PaperLoop {
 
         let mut belief = self.belief;
         let sub_steps = pieces(dt_s, config.sub_step_s, MOST_SUB_STEPS);
-        let h_s = dt_s / sub_steps;
+        let h_s = dt_s / Real::from(sub_steps);
         let motion = |belief: &Gaussian<SIZE>, step: u32| {
             let (x, evaluate) = (&belief.mean, config.evaluate);
             let begin_s = time_s - dt_s + Real::from(step) * h_s;
@@ -160,7 +160,7 @@ impl PaperLoop {
                 .with_effects(line, acting, x, begin_s, evaluate)
                 .with_noise(config.acceleration_noise_mps2)
         };
-        let last = sub_steps as u32 - 1;
+        let last = sub_steps - 1;
         for step in 0..last {
             let motion = motion(&belief, step);
             ukf.predict(&mut belief, &motion)?;
