@@ -373,8 +373,8 @@ mod tests {
     fn a_full_track_is_searched_to_its_end() {
         let mut profile = Profile::NONE;
         profile.restart(1000.0);
-        let full = (0..MAX_GRADIENTS as u32).map(|i| Gradient { from_m: 2.0 * Real::from(i), permille: 1.0 });
-        assert!(full.map(|gradient| profile.push(gradient)).all(|has_room| has_room));
+        let mut full = (0..MAX_GRADIENTS as u32).map(|i| Gradient { from_m: 2.0 * Real::from(i), permille: 1.0 });
+        assert!(full.all(|gradient| profile.push(gradient)));
         assert!(!profile.push(Gradient { from_m: 1e6, permille: 1.0 }));
         assert_eq!(profile.search(1e6).index, MAX_GRADIENTS);
         assert_eq!(profile.search(1.0).index, 1);
