@@ -47,8 +47,8 @@ const FLAT_START: Piece = Piece {
     height_m: 0.0,
 };
 
-/// Equal parts of a line in which a search begins. Lines have some dozens of gradients; more parts have no room beside the
-/// records of the board in the emulator.
+/// Equal parts of a line in which a search begins. Lines have some dozens of gradients; more parts have no room beside
+/// the records of the board in the emulator.
 const CELLS: usize = 40;
 
 /// The pieces of a track.
