@@ -241,9 +241,7 @@ impl FeatureExtractor {
     }
 
     fn add_boundaries(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) {
-        let mut known = self.phases.push(config, end_s, interval);
-        self.phases.split_coast(|since_s| self.course.burst_of_power(since_s), &mut known);
-        for boundary in &known {
+        for boundary in &self.phases.push(config, end_s, interval) {
             let same =
                 |(old, _): &(Boundary, SwitchingPoint)| (old.time_s, old.from) == (boundary.time_s, boundary.from);
             if self.recent.back().is_some_and(same) {
@@ -278,9 +276,11 @@ impl FeatureExtractor {
                 return;
             }
             let after_s = self.place_s(i.wrapping_sub(1), Real::MIN);
-            // What looks like a short cruise may be the mean of power and coast.
-            let is_mean = boundary.from == Regime::Cruise && boundary.time_s - after_s < 3.0 * config.window_s;
-            let since_s = if is_mean { self.place_s(i.wrapping_sub(2), after_s) } else { after_s };
+            // What looks like a short cruise between power and coast may be their mean.
+            let was_powered =
+                self.recent.get(i.wrapping_sub(1)).is_some_and(|(before, _)| before.from == Regime::Traction);
+            let is_short = boundary.from == Regime::Cruise && boundary.time_s - after_s < 3.0 * config.window_s;
+            let since_s = if was_powered && is_short { self.place_s(i.wrapping_sub(2), after_s) } else { after_s };
             let before_s = self.place_s(i + 1, Real::MAX);
             let point = self.course.locate(config, &boundary, [since_s, after_s, before_s]);
             if let Some((_, place)) = self.recent.get_mut(i) {

@@ -30,9 +30,6 @@ use heapless::{Deque, Vec};
 /// Samples of other regimes that are kept before the phase is closed. More of them are an end at any length.
 const MAX_PENDING: usize = 16;
 
-/// Half of a burst of power too short for the recogniser, s.
-const HALF_BURST_S: Real = 3.0;
-
 /// Where the samples change from one regime to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Boundary {
@@ -127,24 +124,6 @@ impl Phases {
     /// Speeds held so far.
     pub(super) fn held_speeds(&self) -> &HeldSpeeds {
         &self.held_speeds
-    }
-
-    /// A burst of power too short for the recogniser splits the coast that goes on; `burst_since` finds its middle.
-    pub(super) fn split_coast(&mut self, burst_since: impl FnOnce(Real) -> Option<Real>, known: &mut Boundaries) {
-        let Some(mut burst) = self.last.filter(|last| last.to == Regime::Coast && self.pending.is_empty()) else {
-            return;
-        };
-        let Some(middle_s) = burst_since(burst.time_s) else {
-            return;
-        };
-        (burst.from, burst.to) = (Regime::Coast, Regime::Traction);
-        for time_s in [middle_s - HALF_BURST_S, middle_s] {
-            burst.time_s = time_s;
-            // One interval makes few boundaries known where none of its samples waits: there is room.
-            let _kept = known.push(burst).is_ok();
-            self.last = Some(burst);
-            (burst.from, burst.to) = (burst.to, burst.from);
-        }
     }
 
     /// The first tick of a run. Standing it needs no interval to be recognised, and departure is then a switching
