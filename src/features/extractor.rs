@@ -253,7 +253,7 @@ impl FeatureExtractor {
             {
                 self.lost = self.lost.saturating_add(1);
             }
-            let point = self.course.locate(config, boundary, [Real::MIN, Real::MIN, Real::MAX]);
+            let point = self.course.locate(config, boundary, [Real::MIN, Real::MIN, Real::MAX, Real::MAX]);
             // There is room now.
             let _kept = self.recent.push_back((*boundary, point)).is_ok();
         }
@@ -281,8 +281,13 @@ impl FeatureExtractor {
                 self.recent.get(i.wrapping_sub(1)).is_some_and(|(before, _)| before.from == Regime::Traction);
             let is_short = boundary.from == Regime::Cruise && boundary.time_s - after_s < 3.0 * config.window_s;
             let since_s = if was_powered && is_short { self.place_s(i.wrapping_sub(2), after_s) } else { after_s };
-            let before_s = self.place_s(i + 1, Real::MAX);
-            let point = self.course.locate(config, &boundary, [since_s, after_s, before_s]);
+            let next_s = self.place_s(i + 1, Real::MAX);
+            // A coast that was found before this boundary ends it there.
+            let before_s = match self.recent.get(i + 1) {
+                Some((next, _)) if next_s >= boundary.time_s => next.time_s,
+                _ => next_s,
+            };
+            let point = self.course.locate(config, &boundary, [since_s, after_s, before_s, next_s]);
             if let Some((_, place)) = self.recent.get_mut(i) {
                 *place = point;
             }

@@ -199,22 +199,22 @@ impl Course {
         })
     }
 
-    /// The switching point of a boundary. `after_s` and `before_s` are the neighbouring switching points, where there
-    /// are any; `since_s` is the one since which the train held its speed or had power.
+    /// The switching point of a boundary, between `after_s` and `before_s`, where there are neighbours; since `since_s`
+    /// the train held its speed or had power, and what follows begins at `next_s`.
     pub(super) fn locate(
         &self,
         config: &FeatureConfig,
         boundary: &Boundary,
-        [since_s, after_s, before_s]: [Real; 3],
+        [since_s, after_s, before_s, next_s]: [Real; 4],
     ) -> SwitchingPoint {
         let found = if boundary.to == Regime::Standstill {
             self.stop(config, boundary)
         } else {
-            self.coast_onset(config, boundary, since_s, before_s)
+            self.coast_onset(config, boundary, since_s, next_s)
                 .or_else(|| self.crossing(config, boundary, after_s, before_s))
         };
         let nowhere = Knot { time_s: boundary.time_s, impulse_mps: 0.0, speed_mps: 0.0, location_m: 0.0 };
-        let knot = found.or_else(|| self.at(boundary.time_s.min(before_s).max(after_s))).unwrap_or(nowhere);
+        let knot = found.or_else(|| self.at(boundary.time_s.min(before_s))).unwrap_or(nowhere);
         SwitchingPoint {
             time_s: knot.time_s,
             location_m: knot.location_m,
@@ -225,12 +225,12 @@ impl Course {
     }
 
     /// Where the coast after a boundary begins, by the best fit.
-    fn coast_onset(&self, config: &FeatureConfig, boundary: &Boundary, since_s: Real, before_s: Real) -> Option<Knot> {
+    fn coast_onset(&self, config: &FeatureConfig, boundary: &Boundary, since_s: Real, next_s: Real) -> Option<Knot> {
         if boundary.to != Regime::Coast || !matches!(boundary.from, Regime::Traction | Regime::Cruise) {
             return None;
         }
         let [back, on] = FIT_WINDOWS.map(|windows| windows * config.window_s);
-        let end_s = (boundary.time_s + on).min(before_s - BUILD_UP_S);
+        let end_s = (boundary.time_s + on).min(next_s - BUILD_UP_S);
         let start = self.first(since_s.max(boundary.time_s - back), 0.0);
         // The present is no knot on every tick.
         let end = self.first(end_s, 0.0).min(self.knots.len());
