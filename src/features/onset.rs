@@ -32,7 +32,7 @@
 //!
 //! Measured on 400 runs with a known truth, readings of whole km/h every 10 s (`host-tests/tests/features.rs`): start
 //! of the final brake within 2.5 s in 90 % of the runs (median 1.4 s late, for the brake takes 1 to 6 s to build up),
-//! of the final coast within 6.8 s, stop within 0.6 s. Every 1 s: 2.9, 5.1 and 0.4 s.
+//! of the final coast within 6.8 s, stop within 0.6 s. Every 1 s: 2.9, 2.6 and 0.4 s.
 //!
 //! Memory: 64 knots at least a sixth of `window_s` apart, 107 s of a fast log.
 
