@@ -64,17 +64,13 @@ pub(crate) struct Profile {
     before_cell: [u16; CELLS + 1],
 }
 
-impl Plain for Profile {
-    const START: Self = Self::NONE;
-
-    /// The cells follow from the pieces and the length of the line.
-    fn pass(&mut self, bytes: &mut Bytes<'_>) {
-        self.pieces.pass(bytes);
-    }
-}
-
 impl Profile {
     pub(crate) const NONE: Self = Self { pieces: Vec::new(), cells_per_m: 0.0, before_cell: [0; CELLS + 1] };
+
+    /// For a digest alone: the cells, which follow from the pieces and the length of the line, are left out.
+    pub(crate) fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        self.pieces.pass(bytes);
+    }
 
     /// To the flat start of a line of this length, which is above 0.
     pub(crate) fn restart(&mut self, length_m: Real) {
@@ -106,8 +102,8 @@ impl Profile {
         };
         let (cell, index) = (self.cell(gradient.from_m), self.pieces.len() as u16);
         let has_room = self.pieces.push(piece).is_ok();
-        if has_room {
-            self.before_cell.iter_mut().skip(cell + 1).for_each(|before| *before = index);
+        if has_room && let Some(later) = self.before_cell.get_mut(cell + 1..) {
+            later.fill(index);
         }
         has_room
     }
