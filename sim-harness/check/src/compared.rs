@@ -239,6 +239,7 @@ pub(crate) struct Fit {
     pub(crate) beta: Vector3<f64>,
     /// Variance of the walk, m² a second, over that of the location's white noise, m².
     pub(crate) ratio: f64,
+    whitening: Whitening,
     pub(crate) information: Matrix3<f64>,
     /// Variance of the location's white noise, m².
     pub(crate) variance: f64,
@@ -249,27 +250,46 @@ pub(crate) struct Fit {
 }
 
 /// The filter that makes the differences' noise white: location noise of 1 m², walk of `ratio` m² a second.
-fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &mut Vec<f64>) -> Vec<f64> {
-    let mut white = Vec::with_capacity(column.len());
-    variances.clear();
-    let (mut before, mut variance_before) = (0.0, 1.0);
-    for (i, value) in column.iter().enumerate() {
-        let diagonal = 2.0 + ratio * differences.dt[i] + differences.doubt[i];
-        let gain = if differences.linked[i] { -1.0 / variance_before } else { 0.0 };
-        let variance = diagonal + if differences.linked[i] { gain } else { 0.0 };
-        let innovation = value - gain * before;
-        white.push(innovation / variance.sqrt());
-        variances.push(variance);
-        (before, variance_before) = (innovation, variance);
+#[derive(Clone, Debug)]
+pub(crate) struct Whitening {
+    /// What each difference has of the innovation before it.
+    gains: Vec<f64>,
+    /// Standard deviations of the innovations, m.
+    deviations: Vec<f64>,
+    /// Logarithm of the determinant of their covariance.
+    log_determinant: f64,
+}
+
+impl Whitening {
+    fn of(differences: &Differences, ratio: f64) -> Self {
+        let count = differences.y.len();
+        let (mut gains, mut deviations) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut variance, mut log_determinant) = (1.0_f64, 0.0);
+        for i in 0..count {
+            let gain = if differences.linked[i] { -1.0 / variance } else { 0.0 };
+            variance = 2.0 + ratio * differences.dt[i] + differences.doubt[i] + gain;
+            gains.push(gain);
+            deviations.push(variance.sqrt());
+            log_determinant += variance.ln();
+        }
+        Self { gains, deviations, log_determinant }
     }
-    white
+
+    fn apply(&self, column: &[f64]) -> Vec<f64> {
+        let mut before = 0.0;
+        let rows = column.iter().zip(&self.gains).zip(&self.deviations);
+        rows.map(|((value, gain), deviation)| {
+            before = value - gain * before;
+            before / deviation
+        })
+        .collect()
+    }
 }
 
 fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
-    let mut variances = Vec::new();
-    let columns = [&differences.by_speed, &differences.dt, &differences.dv]
-        .map(|column| whitened(differences, ratio, column, &mut variances));
-    let mut y = whitened(differences, ratio, &differences.y, &mut variances);
+    let whitening = Whitening::of(differences, ratio);
+    let columns = [&differences.by_speed, &differences.dt, &differences.dv].map(|column| whitening.apply(column));
+    let mut y = whitening.apply(&differences.y);
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let normal = Matrix3::from_fn(|i, j| dot(&columns[i], &columns[j]));
     // A run at one speed has no skew; what it cannot say stays at zero instead of failing.
@@ -295,8 +315,9 @@ fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
     let straight = differences.straight(ratio, 1.0);
     let squares: f64 = residuals.iter().zip(&straight).map(|(residual, straight)| straight * residual * residual).sum();
     let variance = (squares / (straight.iter().sum::<f64>() - 3.0).max(1.0)).max(1e-8);
-    let log_likelihood = -0.5 * (n * variance.ln() + variances.iter().map(|v| v.ln()).sum::<f64>());
-    Some(Fit { beta, ratio, information: normal / variance, variance, log_likelihood, columns, residuals })
+    let log_likelihood = -0.5 * (n * variance.ln() + whitening.log_determinant);
+    let information = normal / variance;
+    Some(Fit { beta, ratio, whitening, information, variance, log_likelihood, columns, residuals })
 }
 
 /// The fit with the most likely ratio of the two noises. None: too few differences.
@@ -376,7 +397,7 @@ impl Compared {
 
     /// A cause that adds so many metres to each difference, whitened as they are.
     pub(crate) fn whitened(&self, metres: &[f64]) -> Vec<f64> {
-        whitened(&self.differences, self.fit.ratio, metres, &mut Vec::new())
+        self.fit.whitening.apply(metres)
     }
 
     /// What scale, offset and skew take up of a cause that adds so many metres to each difference, and its whitened
