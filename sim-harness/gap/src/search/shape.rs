@@ -3,6 +3,7 @@
 
 use crate::candidate::{Dial, Shape, ShapeLimits, Side, Term};
 use crate::candidates::unknown::STEEP;
+use crate::columns::in_the_middle;
 use crate::fit::{ANYWHERE, Base, Climb, Gain, LOSS_AT_LIMIT};
 use crate::search::fits::Search;
 use rundown::model::effects::Coordinate;
@@ -83,10 +84,13 @@ pub fn refined(search: &Search<'_>, base: &Base, term: Term) -> Term {
     at(value, None)
 }
 
-/// A step that is not steep: both ends moved as long as it fits better.
+/// A step that is not steep: both ends moved as long as it fits better, among the days or degrees that the runs have.
+/// An end that none of them has seen is only another size, and a line over all of them fits ever better on its way out.
 fn ramp(search: &Search<'_>, base: &Base, term: &Term, (which, ends, side): (Coordinate, [f64; 2], Side)) -> [f64; 2] {
     /// Longest move, of days or degrees, and the shortest.
     const MOVES: (f64, f64) = (8.0, 0.1);
+    let seen = search.rows.iter().filter_map(|row| in_the_middle(which, row));
+    let range = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), at| (least.min(at), most.max(at)));
     let climb = Climb {
         steps: [MOVES.0; 2],
         shrink: 0.5,
@@ -95,7 +99,7 @@ fn ramp(search: &Search<'_>, base: &Base, term: &Term, (which, ends, side): (Coo
         better: 1e-9,
         first: -1.0,
         both: false,
-        range: ANYWHERE,
+        range,
     };
     let at = |ends: [f64; 2]| {
         let steep = ends[1] - ends[0] < 2.0 * STEEP - 1e-9;
@@ -168,4 +172,49 @@ pub fn limits(base: &Base, search: &Search<'_>, term: &Term, half: f64) -> Optio
     }
     let shape = (turned.shape(number.value.0), turned.shape(number.value.1));
     Some(ShapeLimits { shape, beta, second: second.map(|Profile { value: (low, high), .. }| (low.exp(), high.exp())) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::candidates;
+    use crate::data::{believed::tests::on_a_level_line, rows::Row};
+    use crate::noise::{calibrate::Calibrated, whitening::Noise};
+    use rundown::model::direction::Direction;
+    use rundown::model::effects::EffectKind;
+
+    /// Where the ends of a step over days come to rest, of 60 runs, one a day, with this much on each day.
+    fn ends(n_per_kg: impl Fn(f64) -> f64) -> [f64; 2] {
+        on_a_level_line(60, |context| {
+            let row = |i: usize| {
+                let mut row = Row::coasting(Direction::Up, 900.0 * (i % 20) as f64, 30.0);
+                row.interval.run = i / 20;
+                row.interval.begin_s = 20.0 * (i % 20) as f64;
+                let day = (i / 20) as f64;
+                row.interval.day = Some(day);
+                // Two sizes in turn are the noise.
+                row.residual_n_per_kg = n_per_kg(day) + if i % 2 == 0 { 0.002 } else { -0.002 };
+                row
+            };
+            let rows: Vec<Row> = (0..60 * 20).map(row).collect();
+            let noise = Noise { acceleration_mps2: 0.002, ..Noise::default() };
+            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let search = Search::new(context, &rows, &calibrated, false);
+            let base = search.base(&[]).unwrap();
+            let shape = Shape::Step(Coordinate::Day, [30.0 - STEEP, 30.0 + STEEP], Side::Above);
+            let term = Term { of: candidates::of(EffectKind::Unknown), shape };
+            let Shape::Step(_, ends, _) = refined(&search, &base, term).shape else { unreachable!() };
+            ends
+        })
+    }
+
+    #[test]
+    fn the_ends_of_a_step_stay_among_the_days_of_the_runs() {
+        // What grows on all days, from something on the first one, is fitted best by ends far outside.
+        let [from, to] = ends(|day| 0.01 + 1e-4 * day);
+        assert!((0.0..=59.0).contains(&from) && (0.0..=59.0).contains(&to), "{from} {to}");
+        // What grows for some days is found as it is.
+        let [from, to] = ends(|day| 0.01 * ((day - 20.0) / 20.0).clamp(0.0, 1.0));
+        assert!((from - 20.0).abs() < 1.0 && (to - 40.0).abs() < 1.0, "{from} {to}");
+    }
 }
