@@ -41,6 +41,8 @@ pub struct Fitted {
     pub rivals: Vec<(Term, f64)>,
     /// Without an effort column: drivers who brake lightly on descents would show it as well.
     pub may_be_brakes: bool,
+    /// A section of the line explains what it does, and is refused because drivers may have made what shows it.
+    pub may_be_refused: bool,
 }
 
 impl Fitted {
@@ -58,6 +60,7 @@ impl Fitted {
             shape: None,
             rivals: Vec::new(),
             may_be_brakes: false,
+            may_be_refused: false,
         }
     }
 

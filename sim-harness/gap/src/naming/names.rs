@@ -97,6 +97,13 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
     if fitted.may_be_brakes {
         named.or_else("light brakes on descents", certainty.confounded, candidates::EFFORT);
     }
+    if fitted.may_be_refused && !naming.measured {
+        named.or_else(
+            "a section where the slope, or what drivers do, is another",
+            certainty.confounded,
+            candidates::EFFORT,
+        );
+    }
     Some(named)
 }
 
@@ -117,7 +124,29 @@ fn of_limit(found: &FoundLimit, naming: &Naming<'_>) -> Option<Named> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::candidate::Shape;
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::readings::kinematics::Kinematics;
     use rundown::model::effects::TunnelDrag;
+
+    #[test]
+    fn what_a_refused_section_explains_has_doubt() {
+        on_a_level_line(20, |context| {
+            let kinematics = Kinematics::default();
+            let name = |may_be_refused: bool, measured: bool| {
+                let naming = Naming { measured, ..Naming::plain(context, &kinematics) };
+                let shape = Shape::Powers([true, false, false]);
+                let term = Term { of: candidates::of(EffectKind::DavisError), shape };
+                let fitted = Fitted { may_be_refused, gain: 40.0, ..Fitted::certain(term, vec![2e-3]) };
+                of_term(0, &fitted, &naming).unwrap()
+            };
+            for sure in [name(false, false), name(true, true)] {
+                assert!(sure.or_else.is_none() && sure.confidence > 0.9);
+            }
+            let doubted = name(true, false);
+            assert!(doubted.or_else.is_some() && doubted.confidence < 0.7);
+        });
+    }
 
     #[test]
     fn an_interval_that_holds_zero_may_be_none_at_all() {

@@ -8,7 +8,7 @@
 use crate::candidate::{Family, Shape, Size, Term};
 use crate::fit::{Base, Gain, choices};
 use crate::noise::{dragging::RunScore, dragging_units::choice};
-use crate::search::{fits::Search, shape};
+use crate::search::{fits::Search, scan::Scan, shape};
 use std::collections::BTreeMap;
 
 /// A term with what was found of it.
@@ -40,6 +40,34 @@ impl Search<'_> {
     /// cannot name.
     pub fn in_place(&self, others: &[Term]) -> Vec<Found> {
         self.offered(self.families.iter().chain(&self.unsearched), others)
+    }
+
+    /// Sections beside a model, one of each kind, that gain enough and are refused all the same: drivers may have made
+    /// what shows them, or a part of the rows denies them.
+    fn refused_sections(&self, base: &Base) -> Vec<Term> {
+        let refused = |scan: &Scan| {
+            let term = scan.term.with(Shape::Section(scan.refined(base)?));
+            let gain = base.gain(&self.white(&term))?;
+            let beta = gain.beta.as_slice();
+            let value = gain.gain.min(gain.without_best) - term.penalty(self.context, self.rows);
+            let refused = value > self.enough() && self.is_plausible(&term, beta) && !self.agrees(base, &term, beta);
+            refused.then_some(term)
+        };
+        self.scans.iter().filter_map(refused).collect()
+    }
+
+    /// Whether a section that is refused explains what a term does: in its place it fits as well, and beside it the
+    /// term gains too little. What is refused as an effect is there all the same, and the term may be its shadow.
+    pub fn may_be_refused_section(&self, others: &[Term], term: &Term, near: f64) -> bool {
+        let with = |second: &Term| [others, std::slice::from_ref(second)].concat();
+        let score = self.score(&with(term));
+        let explains = |section: Term| {
+            let model = with(&section);
+            let beside = || self.gain(&self.base(&model)?, term).map(|gain| gain.gain);
+            let penalty = term.penalty(self.context, self.rows);
+            score - self.score(&model) < near && beside().is_none_or(|gain| gain - penalty < self.enough())
+        };
+        self.base(others).is_some_and(|base| self.refused_sections(&base).into_iter().any(explains))
     }
 
     fn offered<'f>(&self, families: impl Iterator<Item = &'f Family>, model: &[Term]) -> Vec<Found> {
@@ -272,5 +300,46 @@ impl Search<'_> {
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::candidates;
+    use crate::data::{believed::tests::on_a_level_line, rows::Row};
+    use crate::noise::{calibrate::Calibrated, whitening::Noise};
+    use rundown::model::{direction::Direction, effects::EffectKind};
+
+    /// Whether a wind may be a section that is refused, of runs that coast in one direction with this much extra
+    /// resistance at each place.
+    fn may_be_refused(n_per_kg: impl Fn(f64) -> f64) -> bool {
+        on_a_level_line(30, |context| {
+            let row = |i: usize| {
+                let location_m = 500.0 + 1_000.0 * (i % 60) as f64;
+                let mut row = Row::coasting(Direction::Up, location_m, 30.0);
+                row.interval.run = i / 60;
+                row.interval.begin_s = 20.0 * (i % 60) as f64;
+                row.residual_n_per_kg = n_per_kg(location_m) + if i.is_multiple_of(2) { 0.001 } else { -0.001 };
+                row
+            };
+            let rows: Vec<Row> = (0..30 * 60).map(row).collect();
+            let noise = Noise { acceleration_mps2: 0.002, ..Noise::default() };
+            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let search = Search::new(context, &rows, &calibrated, false);
+            let wind = Term { of: candidates::of(EffectKind::SteadyWind), shape: Shape::Number(0.0) };
+            search.may_be_refused_section(&[], &wind, context.config.certainty.near)
+        })
+    }
+
+    #[test]
+    fn a_wind_that_is_all_in_a_section_which_drivers_may_have_made_may_be_that_section() {
+        let within = |location_m: f64| (20_000.0..30_000.0).contains(&location_m);
+        // Less resistance there: light power. More of it no driver without brakes can make, and it is not refused.
+        assert!(may_be_refused(|location_m| if within(location_m) { -0.01 } else { 0.0 }));
+        assert!(!may_be_refused(|location_m| if within(location_m) { 0.01 } else { 0.0 }));
+        // Less everywhere is the wind; beside it a section is another matter.
+        assert!(!may_be_refused(|_| -0.005));
+        assert!(!may_be_refused(|location_m| if within(location_m) { -0.02 } else { -0.005 }));
     }
 }

@@ -193,7 +193,7 @@ mod tests {
                 let day = (i / 20) as f64;
                 row.interval.day = Some(day);
                 // Two sizes in turn are the noise.
-                row.residual_n_per_kg = n_per_kg(day) + if i % 2 == 0 { 0.002 } else { -0.002 };
+                row.residual_n_per_kg = n_per_kg(day) + if i.is_multiple_of(2) { 0.002 } else { -0.002 };
                 row
             };
             let rows: Vec<Row> = (0..60 * 20).map(row).collect();
