@@ -47,7 +47,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             dispersion,
             shape: beside.as_ref().and_then(|beside| shape::limits(beside, search, term, half)),
             may_be_brakes: beside.is_some_and(|beside| search.may_be_brakes(&beside, term, adds)),
-            may_be_refused: search.may_be_refused_section(&others, term, certainty.near * dispersion),
+            may_be_refused: search.may_be_refused_section(&others, term),
             section: search.section(&others, term, half, beta.first().copied().unwrap_or(1.0)),
             rivals: rivals.into_iter().filter_map(rival).collect(),
             beta,

@@ -56,16 +56,14 @@ impl Search<'_> {
         self.scans.iter().filter_map(refused).collect()
     }
 
-    /// Whether a section that is refused explains what a term does: in its place it fits as well, and beside it the
-    /// term gains too little. What is refused as an effect is there all the same, and the term may be its shadow.
-    pub fn may_be_refused_section(&self, others: &[Term], term: &Term, near: f64) -> bool {
-        let with = |second: &Term| [others, std::slice::from_ref(second)].concat();
-        let score = self.score(&with(term));
+    /// Whether a section that is refused explains what a term does: beside it the term gains too little. What is
+    /// refused as an effect is there all the same, and the term may be its shadow.
+    pub fn may_be_refused_section(&self, others: &[Term], term: &Term) -> bool {
+        let penalty = term.penalty(self.context, self.rows);
         let explains = |section: Term| {
-            let model = with(&section);
-            let beside = || self.gain(&self.base(&model)?, term).map(|gain| gain.gain);
-            let penalty = term.penalty(self.context, self.rows);
-            score - self.score(&model) < near && beside().is_none_or(|gain| gain - penalty < self.enough())
+            let base = self.base(&[others, &[section]].concat());
+            let gain = base.and_then(|base| self.gain(&base, term));
+            gain.is_none_or(|gain| gain.gain - penalty < self.enough())
         };
         self.base(others).is_some_and(|base| self.refused_sections(&base).into_iter().any(explains))
     }
@@ -328,7 +326,7 @@ mod tests {
             let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
             let search = Search::new(context, &rows, &calibrated, false);
             let wind = Term { of: candidates::of(EffectKind::SteadyWind), shape: Shape::Number(0.0) };
-            search.may_be_refused_section(&[], &wind, context.config.certainty.near)
+            search.may_be_refused_section(&[], &wind)
         })
     }
 

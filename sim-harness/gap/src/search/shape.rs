@@ -91,6 +91,9 @@ fn ramp(search: &Search<'_>, base: &Base, term: &Term, (which, ends, side): (Coo
     const MOVES: (f64, f64) = (8.0, 0.1);
     let seen = search.rows.iter().filter_map(|row| in_the_middle(which, row));
     let range = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), at| (least.min(at), most.max(at)));
+    if range.0 > range.1 {
+        return ends;
+    }
     let climb = Climb {
         steps: [MOVES.0; 2],
         shrink: 0.5,
