@@ -251,7 +251,7 @@ pub(crate) struct Fit {
 
 /// The filter that makes the differences' noise white: location noise of 1 m², walk of `ratio` m² a second.
 #[derive(Clone, Debug)]
-pub(crate) struct Whitening {
+struct Whitening {
     /// What each difference has of the innovation before it.
     gains: Vec<f64>,
     /// Standard deviations of the innovations, m.

@@ -256,7 +256,7 @@ mod tests {
                 row.residual_n_per_kg = 0.004 * noise + extra;
             }
             let noise = Noise { acceleration_mps2: 0.004, ..Noise::default() };
-            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
             let runs: Vec<Run> = (0..RUNS).map(run).collect();
             let trial =
                 trials(context, &rows, &calibrated, &[Fitted::certain(term, vec![1.0])], &runs).remove(0).unwrap();

@@ -100,7 +100,7 @@ mod tests {
         };
         let rows: Vec<Row> = (0..30 * 60).map(row).collect();
         let noise = Noise { acceleration_mps2: 0.005, ..Noise::default() };
-        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+        let calibrated = Calibrated::even(noise, rows.len());
         Search::new(context, &rows, &calibrated, false).select()
     }
 

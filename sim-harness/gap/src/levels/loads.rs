@@ -87,7 +87,7 @@ mod tests {
                 }
             }
             let noise = Noise { acceleration_mps2: 0.01, ..Noise::default() };
-            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
             standouts(context, &rows, |_| calibrated.clone(), &[], &runs)
         })
     }

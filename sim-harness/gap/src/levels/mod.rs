@@ -332,7 +332,7 @@ mod tests {
                         rows.push(row);
                     }
                 }
-                let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+                let calibrated = Calibrated::even(noise, rows.len());
                 let shape = Shape::Powers([true, false, false]);
                 let term = Term { of: candidates::of(EffectKind::DavisError), shape };
                 let model = Fitted::certain(term, vec![wrong_r0]);

@@ -41,6 +41,12 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
+    /// One noise for that many rows, and no nuisance.
+    #[cfg(test)]
+    pub(crate) fn even(noise: Noise, rows: usize) -> Self {
+        Self { noise, spread: vec![1.0; rows], ..Self::default() }
+    }
+
     /// With the nuisances among which effects are looked for.
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
         self.without_nuisances(context, rows).with_common(&self.common(context, rows))

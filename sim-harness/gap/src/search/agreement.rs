@@ -161,7 +161,7 @@ mod tests {
                 };
                 let rows: Vec<Row> = (0..30 * 20).map(row).collect();
                 let noise = Noise { acceleration_mps2: 0.004, ..Noise::default() };
-                let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+                let calibrated = Calibrated::even(noise, rows.len());
                 let search = Search::new(context, &rows, &calibrated, effort_n_per_kg.is_some());
                 let shape = Shape::Section([5_000.0, 6_000.0]);
                 let term = Term { of: candidates::of(EffectKind::GradientError), shape };

@@ -210,7 +210,7 @@ mod tests {
                 rows.push(row);
             }
             let noise = Noise { acceleration_mps2: 0.005, ..Noise::default() };
-            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
             let search = Search::new(context, &rows, &calibrated, true);
             let terms = search.select();
             let gain = search.effort_gain(&terms).unwrap();
@@ -269,7 +269,7 @@ mod tests {
                 row.residual_n_per_kg = extra + 0.003 * noise;
             }
             let noise = Noise { acceleration_mps2: 0.003, ..Noise::default() };
-            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
             assert_eq!(Search::new(context, &rows, &calibrated, false).select(), [curves]);
         });
     }

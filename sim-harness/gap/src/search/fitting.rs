@@ -83,7 +83,7 @@ mod tests {
             };
             let rows: Vec<Row> = (0..30 * 60).map(row).collect();
             let noise = Noise { acceleration_mps2: 0.002, ..Noise::default() };
-            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
             let search = Search::new(context, &rows, &calibrated, false);
             let kind = |term: &Term| term.of.facts().kind;
             let near = |of: &Fitted| -> Vec<Option<EffectKind>> {

@@ -323,7 +323,7 @@ mod tests {
             };
             let rows: Vec<Row> = (0..30 * 60).map(row).collect();
             let noise = Noise { acceleration_mps2: 0.002, ..Noise::default() };
-            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
             let search = Search::new(context, &rows, &calibrated, false);
             let wind = Term { of: candidates::of(EffectKind::SteadyWind), shape: Shape::Number(0.0) };
             search.may_be_refused_section(&[], &wind)

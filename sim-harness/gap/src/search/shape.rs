@@ -201,7 +201,7 @@ mod tests {
             };
             let rows: Vec<Row> = (0..60 * 20).map(row).collect();
             let noise = Noise { acceleration_mps2: 0.002, ..Noise::default() };
-            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
             let search = Search::new(context, &rows, &calibrated, false);
             let base = search.base(&[]).unwrap();
             let shape = Shape::Step(Coordinate::Day, [30.0 - STEEP, 30.0 + STEEP], Side::Above);

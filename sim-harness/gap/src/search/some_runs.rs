@@ -178,7 +178,7 @@ mod tests {
                 }
             }
             let noise = Noise { acceleration_mps2: 0.004, ..Noise::default() };
-            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
             let search = Search::new(context, &rows, &calibrated, true);
             let term = Term { of: candidates::of(EffectKind::TrainLengthError), shape: Shape::Number(asked_m) };
             let found = search.in_some_runs(&term, &search.left_in_runs(&[]).unwrap());
