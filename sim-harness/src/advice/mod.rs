@@ -3,6 +3,7 @@
 //!
 //! In: the estimator, the runs as replayed. Out: notes, one line each.
 
+pub(crate) mod before_brakes;
 pub(crate) mod coasts;
 pub(crate) mod foreseen;
 mod unlike;

@@ -39,7 +39,7 @@ const SCATTER: f64 = 1.5;
 const FEW_COASTS: f64 = 8.0;
 
 /// From this share on, what short hops taught is worth a word.
-const MANY_HOPS: f64 = 0.5;
+pub(super) const MANY_HOPS: f64 = 0.5;
 
 /// A vehicle after a run.
 #[derive(Debug)]

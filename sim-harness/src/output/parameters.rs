@@ -57,7 +57,8 @@ pub(super) fn learned_kmh(run: &ReplayedRun) -> Option<[f64; 2]> {
 /// Whether the vehicle's resistance would be published, how the run's coasts were foreseen, and what it taught about r
 /// at some speeds.
 pub(super) fn foresight() -> Vec<Column<ReplayedRun>> {
-    let published = "whether the board would publish the vehicle's resistance between runs: `learned`, or why not";
+    let published = "whether the board would publish the vehicle's resistance between runs: `learned`, or why not; `not_yet`, \
+                     too, where falls before brakes, which it does not compare, say that r is larger";
     let scatter = "errors of foreseen coasts over what is expected of them, rms over the last tens of runs, at least 1";
     let mut columns = vec![
         Column::text("published", published, |run: &ReplayedRun| run.learned.as_str()),

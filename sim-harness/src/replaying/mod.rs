@@ -12,7 +12,7 @@ mod stream;
 pub use source::Runs;
 pub use stream::{CHUNK, StreamError};
 
-use crate::advice::{Advice, coasts, vehicle::After};
+use crate::advice::{Advice, before_brakes::BeforeBrakes, coasts, vehicle::After};
 use crate::learned_train::Results;
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
@@ -258,15 +258,20 @@ impl Opened {
         let own = self.own_estimators(&recordings)?;
         let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
         let (carried, tick) = (self.request.carried, self.request.tick);
-        let runs = if carried {
+        let mut runs = if carried {
             replay_carried_by(&model, &recordings, tick, done)
         } else {
             replay_apart_by(&model, &recordings, tick, done)
         };
+        let mut before_brakes = BeforeBrakes::default();
+        if own.is_empty() {
+            before_brakes.judge(&self.estimator, carried, &mut runs);
+        }
         let mut advice = Advice::default();
         advice.coasts = self.taught_by_coasts(&recordings, &own);
         advice.add(&runs);
         summary.notes.extend(advice.notes(&self.estimator, summary.says_gradients()));
+        summary.notes.extend(before_brakes.notes());
         let Summary { failed, notes, gradient_doubt, small_errors, .. } = summary;
         let Request { tables, run_pages, .. } = self.request;
         let Self { config, train, core_train, track, provenance, .. } = self;

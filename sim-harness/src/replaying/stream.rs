@@ -5,7 +5,7 @@
 //! [`CHUNK`] at a time.
 
 use super::{Opened, ReplayError, Summary, learned};
-use crate::advice::Advice;
+use crate::advice::{Advice, before_brakes::BeforeBrakes};
 use crate::output::tables::Table;
 use crate::output::{features, files, json, parameters};
 use rundown::estimator::config::Mode;
@@ -62,6 +62,7 @@ impl Opened {
             let mut outputs = Outputs::begin(&self, folder)?;
             let mut vehicles = HashMap::new();
             let mut advice = Advice::default();
+            let mut before_brakes = BeforeBrakes::default();
             let mut summary = Summary { notes: self.first_notes(), ..Summary::default() };
             let mut off = self.off_track();
             while let Some(chunk) = self.next_chunk(CHUNK)? {
@@ -77,12 +78,15 @@ impl Opened {
                     advice.coasts = self.taught_by_coasts(&recordings, &own);
                 }
                 let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
-                let runs = if self.request.carried {
+                let mut runs = if self.request.carried {
                     replay_units_by(&model, &recordings, self.request.tick, &mut vehicles, &done)
                 } else {
                     replay_apart_by(&model, &recordings, self.request.tick, &done)
                 };
                 drop(recordings);
+                if own.is_empty() {
+                    before_brakes.judge(&self.estimator, self.request.carried, &mut runs);
+                }
                 advice.add(&runs);
                 summary.count(&runs, self.config.mode);
                 outputs.add(&runs)?;
@@ -91,6 +95,7 @@ impl Opened {
             summary.notes.extend(self.of_no_run());
             summary.first(&off);
             summary.notes.extend(advice.notes(&self.estimator, summary.says_gradients()));
+            summary.notes.extend(before_brakes.notes());
             let mut said = HashSet::new();
             summary.notes.retain(|note| said.insert(note.clone()));
             if summary.runs == 0 || self.request.strict && summary.said() > 0 {
