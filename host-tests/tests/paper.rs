@@ -10,6 +10,7 @@ use rundown::model::line::Line;
 use rundown::model::motion::Motion;
 use rundown::tick::paper::Difference;
 use rundown::tick::regime::{PaperRule, Regime};
+use rundown_files::replay::{Tick, replay};
 
 /// Section 4.1, per rotating mass.
 const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
@@ -74,6 +75,34 @@ fn at_140_kmh_air_takes_three_quarters_of_the_resistance() {
     let r = DAVIS.resistance_n_per_kg(v);
     let percent = DAVIS.terms_n_per_kg(v).map(|term| (100.0 * term / r).round());
     assert_eq!(percent, [13.0, 11.0, 76.0]);
+}
+
+/// From power to brake in rows of a second, without the speeds of five of them.
+#[test]
+fn what_the_speed_changed_by_while_no_speed_was_read_is_made_up_for() {
+    let true_mps = |time_s: f64| if time_s < 40.0 { 0.5 * time_s } else { 20.0 - 0.6 * (time_s - 40.0) };
+    let row = |second: u32| {
+        let time_s = f64::from(second);
+        let location_m = (0..second).map(|t| true_mps(f64::from(t) + 0.5)).sum::<f64>();
+        let is_read = !(38..43).contains(&second);
+        Sample {
+            time_s,
+            location_m: Some(location_m),
+            speed_mps: is_read.then(|| true_mps(time_s)),
+            ..Sample::default()
+        }
+    };
+    let run = Recording { rows: (0..60).map(row).collect(), ..Recording::default() };
+    let config = Config::with_mode(Mode::Paper);
+    let estimator = Estimator::try_new(config, train(), Track::try_new(10_000.0, []).unwrap()).unwrap();
+    let replayed = replay(&estimator, &mut estimator.new_vehicle(), &run, Tick::EverySample);
+    let last = replayed.estimates.last().unwrap();
+    assert!(near(last.belief.mean[SPEED], true_mps(59.0), 0.05), "{last:?}");
+    // What is reported is the mean since the reading before, never the jump that makes up.
+    let again = &replayed.estimates[43];
+    let mean_mps2 = (true_mps(43.0) - true_mps(37.0)) / 6.0;
+    assert!(near(again.effort_n_per_kg.unwrap(), mean_mps2, 0.03), "{again:?}");
+    assert!(near(again.acceleration_mps2.unwrap(), mean_mps2, 0.02), "{again:?}");
 }
 
 #[test]

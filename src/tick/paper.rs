@@ -8,6 +8,10 @@
 //! 4. `u[k]`, the same at the filtered state: what is reported, and with the backward effort drives the next step.
 //!
 //! Kept exact, as the reference. Its true resistance cancels out: the estimate does not follow it.
+//!
+//! Of readings that are missing the paper says nothing. With the forward effort the first step with a reading again is
+//! driven by all that the speed changed by meanwhile and the steps without one did not: Table 1 believes the filter's
+//! own speed, so what is lost once stays lost. What is reported is the mean since the reading before.
 
 use crate::Real;
 use crate::filter::elimination::NotPositiveDefinite;
@@ -82,10 +86,12 @@ pub struct PaperLoop {
     pub acceleration_mps2: Real,
     reading_mps: Option<Real>,
     since_reading_s: Real,
+    /// What the filtered speed changed by in steps without a reading since, m/s.
+    meanwhile_mps: Real,
 }
 
 plain! {
-    struct PaperLoop { belief, effort_n_per_kg, acceleration_mps2, reading_mps, since_reading_s }
+    struct PaperLoop { belief, effort_n_per_kg, acceleration_mps2, reading_mps, since_reading_s, meanwhile_mps }
 }
 
 impl PaperLoop {
@@ -96,6 +102,7 @@ impl PaperLoop {
         acceleration_mps2: 0.0,
         reading_mps: None,
         since_reading_s: 0.0,
+        meanwhile_mps: 0.0,
     };
 
     /// Begins with the first readings, Table 1's standard deviations and a belief of the Davis coefficients.
@@ -118,7 +125,7 @@ impl PaperLoop {
         belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
         belief.covariance.fixed_view_mut::<3, 3>(R0, R0).copy_from(&davis.covariance);
         let effort_n_per_kg = effort::of_paper(line, acting, &state::davis(&belief.mean), 0.0, &point(time_s, &belief));
-        Self { belief, effort_n_per_kg, acceleration_mps2: 0.0, reading_mps: speed_mps, since_reading_s: 0.0 }
+        Self { belief, effort_n_per_kg, reading_mps: speed_mps, ..Self::ZEROED }
     }
 
     /// One step of `dt_s` up to `time_s`, with the readings of location and speed.
@@ -137,16 +144,16 @@ impl PaperLoop {
         let [_, speed_mps] = readings;
         let ukf = Ukf { spread: config.spread, gate: [None; 2], reuse_points: config.reuse_points };
         let since_reading_s = self.since_reading_s + dt_s;
-        let by_readings = match (self.reading_mps, speed_mps) {
-            (Some(before), Some(now)) => Some((now - before) / since_reading_s),
-            _ => None,
-        };
         let before_mps = self.belief.mean[SPEED];
+        let change_mps = self.reading_mps.zip(speed_mps).map(|(before, now)| now - before);
+        let by_readings = change_mps.map(|change_mps| change_mps / since_reading_s);
         let effort_of = |belief: &Gaussian<SIZE>, acceleration_mps2| {
             effort::of_paper(line, acting, &state::davis(&belief.mean), acceleration_mps2, &point(time_s, belief))
         };
-        let driving_n_per_kg = match (config.difference, by_readings) {
-            (Difference::Forward, Some(a)) => effort_of(&self.belief, a),
+        let driving_n_per_kg = match (config.difference, change_mps) {
+            (Difference::Forward, Some(change_mps)) => {
+                effort_of(&self.belief, (change_mps - self.meanwhile_mps) / dt_s)
+            }
             _ => self.effort_n_per_kg,
         };
 
@@ -173,15 +180,19 @@ impl PaperLoop {
         let last = motion(&belief, last);
         let innovation = ukf.step(&mut belief, &last, &observation, &readings)?;
 
+        let meanwhile_mps = self.meanwhile_mps + (belief.mean[SPEED] - before_mps);
         self.belief = belief;
-        self.acceleration_mps2 = (belief.mean[SPEED] - before_mps) / dt_s;
         self.since_reading_s = since_reading_s;
+        self.meanwhile_mps = meanwhile_mps;
+        self.acceleration_mps2 = (belief.mean[SPEED] - before_mps) / dt_s;
         if let Some(a) = by_readings {
             self.effort_n_per_kg = effort_of(&belief, a);
+            self.acceleration_mps2 = meanwhile_mps / since_reading_s;
         }
         if speed_mps.is_some() {
             self.reading_mps = speed_mps;
             self.since_reading_s = 0.0;
+            self.meanwhile_mps = 0.0;
         }
         Ok(innovation)
     }

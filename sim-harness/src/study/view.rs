@@ -83,6 +83,9 @@ pub struct Points {
     pub davis: Vec<[f64; 3]>,
     /// Speed in km/h and brake rate in m/s² of each interval of braking.
     pub brake: Vec<(f64, f64)>,
+    /// Brake rates of the first and of the last interval of the last brake above 40 km/h that are brake throughout,
+    /// m/s².
+    pub first_and_last_brake_mps2: Option<[f64; 2]>,
     /// Speed in km/h, power in kW and location in m of each interval of the first acceleration.
     pub power: Vec<PowerPoint>,
     /// Time in s and regime of each sample.
@@ -122,21 +125,25 @@ struct Interval {
 }
 
 impl Points {
-    /// With the mean deceleration while coasting; `kw` is the power of 1 W/kg.
-    fn of(davis: Vec<[f64; 3]>, intervals: impl Iterator<Item = Interval>, kw: f64) -> (Self, Option<f64>) {
+    /// With the mean deceleration while coasting; `kw` is the power of 1 W/kg. `in_part`: so many intervals at each end
+    /// of a brake may be brake in part.
+    fn of(
+        davis: Vec<[f64; 3]>,
+        intervals: impl Iterator<Item = Interval>,
+        kw: f64,
+        in_part: usize,
+    ) -> (Self, Option<f64>) {
         let mut points = Self { davis, ..Self::default() };
         let mut first = FirstAcceleration::default();
         let mut coasting = Moments::default();
         let mut follows = false;
+        let mut brakes = vec![];
         for interval in intervals {
             let Interval { dt_s, speed_mps, location_m, .. } = interval;
             let speed_kmh = 3.6 * speed_mps;
-            if interval.regime == Some(Regime::Brake)
-                && let Some(rate_mps2) = interval.rate_mps2
-                && rate_mps2 >= LEAST_BRAKE_MPS2
-            {
-                points.brake.push((speed_kmh, rate_mps2));
-            }
+            let rate_mps2 = interval.rate_mps2.filter(|rate_mps2| *rate_mps2 >= LEAST_BRAKE_MPS2);
+            let brake = rate_mps2.filter(|_| interval.regime == Some(Regime::Brake));
+            brakes.push(brake.map(|rate_mps2| (speed_kmh, rate_mps2)));
             if interval.regime == Some(Regime::Coast)
                 && COASTING_KMH.contains(&speed_kmh)
                 && let Some(rate_mps2) = interval.rate_mps2
@@ -151,6 +158,8 @@ impl Points {
             }
             follows = effort.is_some();
         }
+        points.first_and_last_brake_mps2 = first_and_last(&brakes, in_part);
+        points.brake = brakes.into_iter().flatten().collect();
         (points, coasting.mean())
     }
 }
@@ -175,7 +184,7 @@ impl Seen {
         };
         let davis = run.estimates.iter().map(|estimate| estimate.belief.mean);
         let davis = davis.map(|mean| [mean[state::R0], mean[state::R1], mean[state::R2]]).collect();
-        let (mut points, coast_mps2) = Points::of(davis, run.estimates.windows(2).enumerate().map(interval), kw);
+        let (mut points, coast_mps2) = Points::of(davis, run.estimates.windows(2).enumerate().map(interval), kw, 1);
         let times_s = run.estimates.iter().map(|estimate| estimate.time_s);
         points.regimes = times_s.zip(run.regimes.iter().copied()).collect();
         let moving = |regime: Regime| features.regime_time_s[regime as usize];
@@ -236,7 +245,7 @@ impl Seen {
             }
         };
         let (mut points, coast_mps2) =
-            Points::of(vec![davis; truth.samples.len()], truth.samples.windows(2).map(interval), kw);
+            Points::of(vec![davis; truth.samples.len()], truth.samples.windows(2).map(interval), kw, 0);
         points.regimes = truth.samples.iter().map(|sample| (sample.time_s, regime(sample.regime))).collect();
         let rate_mps2 =
             |pair: &[TruthSample]| (pair[0].speed_mps - pair[1].speed_mps) / (pair[1].time_s - pair[0].time_s);
@@ -281,8 +290,8 @@ pub fn speed_rms_kmh(run: &ReplayedRun) -> Option<f64> {
 }
 
 /// Why the paper's mode does not follow the speed of a run of which readings were not believed; nothing where all were.
-/// A change of speed over a reading that is dropped drives one step alone, as a mean over both, and with Table 1's
-/// initial deviations and no Q the filter takes no reading's word against its own speed: what is lost stays lost.
+/// Until the next one the effort is that of before; what the speed changed by meanwhile the forward effort makes up for
+/// then, the backward one never.
 pub fn dropped_words(paper: &ReplayedRun) -> Option<String> {
     let is_dropped = |(estimate, read): &(&Estimate, &Measurement)| {
         let of_speed = estimate.innovation.map(|innovation| innovation.readings[1]);
@@ -291,7 +300,7 @@ pub fn dropped_words(paper: &ReplayedRun) -> Option<String> {
     let count = paper.estimates.iter().zip(&paper.measurements).filter(is_dropped).count();
     (count > 0).then(|| {
         let readings = counted(count, "reading of its speed was", "readings of its speed were");
-        format!("{readings} dropped as impossible for a train: what the speed changed by over each is lost in part, and with Table 1 the filter never makes up for it")
+        format!("{readings} dropped as impossible for a train, and the effort of before acted on over each")
     })
 }
 
@@ -312,6 +321,16 @@ impl FirstAcceleration {
         }
         self.without < OVER_SAMPLES
     }
+}
+
+/// Of intervals in their order, none where the train does not brake.
+fn first_and_last(brakes: &[Option<(f64, f64)>], in_part: usize) -> Option<[f64; 2]> {
+    let of_one = |brake: &[Option<(f64, f64)>]| {
+        let inner = brake.get(in_part..brake.len().saturating_sub(in_part))?.iter().flatten();
+        let mut fast = inner.filter(|(speed_kmh, _)| *speed_kmh > ATB_STEPS_KMH[3]).map(|(_, rate_mps2)| *rate_mps2);
+        Some([fast.next()?, fast.next_back()?])
+    };
+    brakes.rsplit(Option::is_none).find_map(of_one)
 }
 
 /// Mean of each ATB-EG step, of intervals of one length.
@@ -460,6 +479,18 @@ mod tests {
         points[3].follows = false;
         assert_eq!(of(&points), Some((60.0, 2100.0)), "two and two are the longest");
         assert_eq!(of(&points[..1]), None);
+    }
+
+    #[test]
+    fn a_brake_begins_and_ends_between_its_own_intervals() {
+        let brake = |rates: &[f64]| -> Vec<_> { rates.iter().map(|rate| Some((90.0, *rate))).collect() };
+        let of = |parts: &[Vec<Option<(f64, f64)>>]| first_and_last(&parts.join(&None), 1);
+        assert_eq!(of(&[brake(&[0.1, 0.2, 0.3, 0.4, 0.1])]), Some([0.2, 0.4]));
+        assert_eq!(of(&[brake(&[0.1, 0.2, 0.1])]), None, "one interval has no beginning and end");
+        assert_eq!(of(&[brake(&[0.1, 0.2, 0.3, 0.1]), brake(&[0.4; 2])]), Some([0.2, 0.3]));
+        let slow = vec![Some((39.0, 0.6)); 3];
+        assert_eq!(of(&[[brake(&[0.1, 0.2, 0.3]), slow].concat()]), Some([0.2, 0.3]), "that is another behaviour");
+        assert_eq!(first_and_last(&brake(&[0.1, 0.2]), 0), Some([0.1, 0.2]));
     }
 
     #[test]
