@@ -3,7 +3,7 @@
 use super::{Failure, screen};
 use crate::study::experiments::answer::{Answer, to_json};
 use crate::study::experiments::plan::Plan;
-use crate::study::experiments::{Experiment, catalogue, page};
+use crate::study::experiments::{Experiment, catalogue, markdown, page};
 use crate::study::write;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rundown_files::WriteError;
@@ -61,7 +61,8 @@ pub(super) fn all(extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode
         .iter()
         .map(|experiment| answered(experiment, extent, &out.join(experiment.name), false))
         .collect::<Result<Vec<Answer>, Failure>>()?;
-    folder::write("study", out, &Provenance::begin(&[]), |folder| {
+    folder::write("study", out, &Provenance::begin(&[]), |folder| -> Result<(), WriteError> {
+        write::text(&folder.join("experiments.md"), &markdown::markdown(&answers))?;
         write::text(&folder.join(PAGE), &page::page(&answers))
     })?;
     Ok(ExitCode::SUCCESS)

@@ -70,6 +70,7 @@ Files in the output folder:
   slope_*.svg, *.csv    estimated over true deviation of the resistance; slope.csv has slopes and bounds
   claims.csv, .md       the paper's numeric claims: reproduced or not, and why
   readings.md           of --readings, its table, as docs/paper.md quotes it
+  experiments.md        of --experiment all, their tables, as docs/after-the-paper.md has their figures
   slope.md              of --truth-slope, its table, as docs/study.md quotes it
   runs.csv, .parquet    a row for each run: both modes and the truth
   train.toml, track.toml  of simulated runs: what recorded ones bring with them";

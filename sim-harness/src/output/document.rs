@@ -41,8 +41,8 @@ another, or no list, has. The manifest alone has times: all other files have the
 What is not on this page is no table: pages (`.html`, with their `.js`), pictures (`.svg`), descriptions and
 configurations (`.toml`, in [formats.md](formats.md)), the files of other programs
 ([replay.md](replay.md#train-characteristics-for-other-tools)), a frame (`effect.frame`), and tables in words
-(`.md`): those of the benches, and `claims.md`, `readings.md` and `slope.md` of `rundown study`, from which documents
-quote.
+(`.md`): those of the benches, and `claims.md`, `readings.md`, `slope.md` and `experiments.md` of `rundown study`, from
+which documents quote.
 ";
 
 const ABSENT: &str = "Where `null when` says `absent`, the key is not there.";

@@ -9,8 +9,10 @@
 //! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth:
 //! [`ClaimKind`]. Into recorded runs nothing was put, and nobody knows what is true of them.
 
+mod brake;
 mod driving;
 pub mod markdown;
+mod power;
 mod resistance;
 mod sets;
 pub mod summary;
@@ -126,9 +128,9 @@ pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim>
     claims.extend(trials::trials(trials));
     claims.extend(driving::regimes(gathered, train));
     claims.extend(driving::style(gathered));
-    claims.extend(driving::brake(gathered));
-    claims.push(driving::transition(train));
-    claims.extend(driving::power(gathered, train));
+    claims.extend(brake::brake(gathered));
+    claims.push(power::transition(train));
+    claims.extend(power::power(gathered, train));
     claims.push(resistance::estimated(gathered));
     claims.push(trials::recognised(trials.thinned.as_ref()));
     if is_recorded(gathered) {
@@ -208,17 +210,12 @@ impl Claim {
 
     /// Whether the criterion is met; none where there are no data.
     fn holds(self, holds: Option<bool>) -> Self {
-        let verdict = match holds {
-            Some(true) => Verdict::Reproduced,
-            Some(false) => Verdict::Not,
-            None => Verdict::NoData,
-        };
-        Self { verdict, ..self }
+        Self { verdict: holds.map_or(Verdict::NoData, Verdict::from), ..self }
     }
 
     /// Judged by changes against what could be seen of them.
     fn seen(self, verdict: Option<Verdict>, least: Size) -> Self {
-        Self { verdict: verdict.unwrap_or(Verdict::NoData), least: Some(least), ..self }
+        Self { verdict: verdict.unwrap_or(Verdict::NoData), ..self }.least(least)
     }
 
     /// By which criterion.
@@ -230,7 +227,7 @@ impl Claim {
         Self { is_of_the_train: true, ..self }
     }
 
-    /// What the paper's mode is off against the truth, of a claim that is not recovered: it decides nothing.
+    /// What the paper's mode is off against the truth, where that decides nothing.
     fn off_by(self, error: Option<String>) -> Self {
         Self { error: error.unwrap_or(self.error), ..self }
     }
@@ -249,39 +246,44 @@ impl Claim {
         Self { is_in_the_runs: true, ..self.input() }
     }
 
-    /// The scenario was made so, and the extractor must find it: what the paper's mode found and what was true differ
-    /// by no more than the margin. Comes after the criterion; without a truth that alone decides.
-    fn recovered(self, found: Option<f64>, truth: Option<f64>, margin: f64, words: impl Fn(f64) -> String) -> Self {
-        let claim = Self { kind: ClaimKind::Recovered, ..self }.of_the_train();
+    /// The scenario was made so, and the extractor must find it: what it found meets the criterion, and so does the
+    /// truth. Without a truth the former alone decides.
+    fn recovered(self, found: Option<Verdict>, was: Option<Verdict>) -> Self {
+        let is_otherwise = found == Some(Verdict::Reproduced) && was.is_some_and(|was| was != Verdict::Reproduced);
+        let verdict = if is_otherwise { Verdict::Not } else { found.unwrap_or(Verdict::NoData) };
+        let in_truth = was.map_or("", |_| "; so in truth, too");
+        Self { kind: ClaimKind::Recovered, verdict, why: self.why + in_truth, ..self }.of_the_train()
+    }
+
+    /// What the paper's mode found and what was true differ by no more than the margin. Comes after the criterion.
+    fn within(self, found: Option<f64>, truth: Option<f64>, margin: f64, words: impl Fn(f64) -> String) -> Self {
         let Some((found, truth)) = found.zip(truth) else {
-            return claim;
+            return self;
         };
         let error = found - truth;
-        let misses = claim.verdict == Verdict::Reproduced && error.abs() > margin;
+        let misses = self.verdict == Verdict::Reproduced && error.abs() > margin;
         Self {
-            verdict: if misses { Verdict::Not } else { claim.verdict },
+            verdict: if misses { Verdict::Not } else { self.verdict },
             error: words(error),
-            why: format!("{}; found within {} of the truth", claim.why, words(margin)),
-            ..claim
+            why: format!("{}; found within {} of the truth", self.why, words(margin)),
+            ..self
         }
     }
 
-    /// The scenario was made so, and the extractor must find that it is: a claim without a number of its own. `error`
-    /// is said, and decides nothing. Comes after the criterion; without a truth that alone decides.
-    fn found_again(self, was: Option<bool>, error: Option<f64>, words: impl Fn(f64) -> String) -> Self {
-        let claim = Self { kind: ClaimKind::Recovered, ..self }.of_the_train();
-        let is_otherwise = was == Some(false) && claim.verdict == Verdict::Reproduced;
-        Self {
-            verdict: if is_otherwise { Verdict::Not } else { claim.verdict },
-            error: error.map_or(claim.error, words),
-            ..claim
-        }
+    /// By what could be seen.
+    fn least(self, least: Size) -> Self {
+        Self { least: Some(least), ..self }
     }
 }
 
 /// The columns of a claim on the description, or on the paper's mode alone.
 fn alone(text: Option<String>) -> ClaimColumns {
     [text, None, None]
+}
+
+/// What the criterion says of what the paper's mode found, and of what was true.
+fn both<V: Into<Verdict>>(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<V>) -> [Option<Verdict>; 2] {
+    [&gathered.paper, &gathered.truth].map(|tallies| of(tallies).map(Into::into))
 }
 
 /// The columns of one quantity.

@@ -126,6 +126,8 @@ pub struct Gathered {
     pub travelled_m: Moments,
     /// Mean time between the readings of each run, s.
     pub interval_s: Moments,
+    /// As described; none without runs.
+    pub track: Option<Track>,
     pub rows: u64,
     pub drawn: Vec<Drawn>,
     /// The first [`LISTED`] runs.
@@ -228,6 +230,7 @@ pub fn gather(
         gathered.show_aside(aside, wanted);
         done(count);
     }
+    gathered.track = Some(estimators.paper.track().clone());
     gathered.checks = source.found().to_vec();
     gathered.notes = source.notes();
     let known = vehicles.into_iter();

@@ -34,6 +34,10 @@ pub struct Tallies {
     pub coast_mps2: Moments,
     /// Mean brake rate of each run in each ATB-EG step, m/s².
     pub brake_steps: [Moments; 5],
+    /// Runs whose brake begins visibly gentler than it ends, of those of which both are known.
+    pub gentle_first: [u64; 2],
+    /// By how much it ends harder, m/s².
+    pub brake_gain_mps2: Moments,
     /// Runs with power in both clouds, of those with power on both sides of [`super::view::CLOUDS_KMH`].
     pub in_both_clouds: [u64; 2],
     /// Intervals of each run that say something of the largest tractive effort.
@@ -84,6 +88,11 @@ impl Tallies {
         }
         for (moments, share) in self.shares.iter_mut().zip(outcome.shares.into_iter().flatten()) {
             moments.add(share);
+        }
+        if let Some([first, last]) = points.first_and_last_brake_mps2 {
+            self.brake_gain_mps2.add(last - first);
+            self.gentle_first[0] += u64::from(visible::RATE.sees(last - first));
+            self.gentle_first[1] += 1;
         }
         if let Some(is_in_both) = outcome.in_both_clouds {
             self.in_both_clouds[0] += u64::from(is_in_both);

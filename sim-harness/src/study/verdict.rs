@@ -23,3 +23,9 @@ impl Verdict {
         }
     }
 }
+
+impl From<bool> for Verdict {
+    fn from(holds: bool) -> Self {
+        if holds { Self::Reproduced } else { Self::Not }
+    }
+}

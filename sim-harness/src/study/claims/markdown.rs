@@ -103,10 +103,10 @@ mod tests {
         let (default, best) = (of("forward"), of("skewed, put right"));
         for sentence in [
             format!(
-                "By the default {} of the 47 hold, and of the 18 that could have failed {}.",
+                "By the default {} of the 50 hold, and of the 18 that could have failed {}.",
                 default[4], default[3]
             ),
-            format!("With the skewed recorder and its readings put right for the features {} of the 47 hold", best[4]),
+            format!("With the skewed recorder and its readings put right for the features {} of the 50 hold", best[4]),
         ] {
             assert!(words.contains(&sentence), "{sentence}");
         }

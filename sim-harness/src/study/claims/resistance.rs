@@ -52,6 +52,7 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let exceeds = |run: &ReplayedRun| largest_share(&Seen::of_replay(run, train), train);
     let truly_exceeds = |truth: &CaseTruth| largest_share(&Seen::of_truth(truth, train), train);
     let of_truth = |of: &dyn Fn(&CaseTruth) -> Option<f64>| example.and_then(|example| of(example.truth.as_ref()?));
+    let above = |share: Option<f64>| share.map(|share| visible::SHARE.judge(share - 1.0));
     let error_of_effort = features.and_then(exceeds).zip(of_truth(&truly_exceeds)).map(|(found, was)| found - was);
     let constant = || constant(gathered);
     let path = paper.map(path);
@@ -71,9 +72,10 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
             .input_of_runs(),
         claim("the effort exceeds the manufacturer's boundary at the end of the acceleration")
             .columns(of_example(example, Example::features, percent, exceeds, truly_exceeds))
-            .seen(features.and_then(exceeds).map(|share| visible::SHARE.judge(share - 1.0)), visible::SHARE)
-            .by(format!("largest effort between two samples of this run above {CLOUDS_KMH} km/h, of the manufacturer's at that speed; above 100 %, in truth, too. Single readings in whole km/h are too large where they are the largest"))
-            .found_again(of_truth(&truly_exceeds).map(|share| share > 1.0), error_of_effort, points),
+            .by(format!("largest effort between two samples of this run above {CLOUDS_KMH} km/h, of the manufacturer's at that speed; above 100 %. Single readings in whole km/h are too large where they are the largest"))
+            .recovered(above(features.and_then(exceeds)), above(of_truth(&truly_exceeds)))
+            .least(visible::SHARE)
+            .off_by(error_of_effort.map(points)),
         claim("the coefficients decrease at the beginning of the run")
             .columns([falls.map(|fall| format!("r0 {} until 80 km/h", r0_words(-fall))), None, constant()])
             .seen(falls.map(|fall| visible::R0.judge(fall)), visible::R0)

@@ -36,9 +36,9 @@ pub(super) fn recognised(misses: Option<&[Misses; 2]>) -> Claim {
     let [paper, gated] = misses.map_or([None, None], |[all, _]| [wrong(&all.paper), wrong(&all.gated)]);
     claim("conclusion", "the current regime is determined successfully")
         .columns([words(paper), words(gated), misses.map(|_| "0 %".to_owned())])
-        .holds(paper.map(|share| share <= MOST_WRONG))
         .by("samples whose regime is not the true one; at most a tenth, and the paper gives no number")
-        .recovered(paper, paper.map(|_| 0.0), MOST_WRONG, points)
+        .recovered(paper.map(|share| (share <= MOST_WRONG).into()), None)
+        .off_by(paper.map(points))
 }
 
 fn thinned(misses: Option<&[Misses; 2]>) -> [Claim; 2] {

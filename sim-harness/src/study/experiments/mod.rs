@@ -13,7 +13,7 @@
 //! | many variants in several modes | `sweep`, `swept` |
 //! | the recognised regime as an input of the paper's filter | `feedback` |
 //! | do units or drivers differ by more than their runs? | `units`, `styles`, `groups` |
-//! | how much is simulated, what comes out | `plan`, `answer`, `page` |
+//! | how much is simulated, what comes out | `plan`, `answer`, `page`, `markdown` |
 //!
 //! Each set of runs is of a vehicle of its own, 15 % of resistance around what is described; the variants of an
 //! experiment share vehicles, drivers and weather, so that they differ in what the experiment changes alone.
@@ -21,6 +21,7 @@
 pub(crate) mod answer;
 pub(crate) mod catalogue;
 pub(crate) mod look;
+pub(crate) mod markdown;
 pub(crate) mod metrics;
 pub(crate) mod page;
 pub(crate) mod plan;
