@@ -45,7 +45,7 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 6] {
     let [bounded, truly_bounded] = both(gathered, |t| Some((0.95..=1.10).contains(&largest(t)?)));
     let [count_paper, count_gated, _] =
         three(gathered, |t| mean(&t.effort_samples, 1).map(|count| format!("{count} a run")));
-    let clouds = Compared::of(gathered, stated_kw);
+    let clouds = BothClouds::of(gathered, stated_kw);
     [
         clouds.two(stated_kw),
         clouds.no_gradient(gathered, train),
@@ -73,13 +73,13 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 6] {
 }
 
 /// The points of Fig. 9 as two clouds, as both modes and the truth have them.
-struct Compared {
+struct BothClouds {
     paper: Option<Clouds>,
     gated: Option<Clouds>,
     truth: Option<Clouds>,
 }
 
-impl Compared {
+impl BothClouds {
     fn of(gathered: &Gathered, stated_kw: f64) -> Self {
         let of = |seen: fn(&Drawn) -> Option<&Seen>| {
             let power = gathered.drawn.iter().filter_map(seen).flat_map(|seen| &seen.points.power);
