@@ -77,32 +77,48 @@ fn at_140_kmh_air_takes_three_quarters_of_the_resistance() {
     assert_eq!(percent, [13.0, 11.0, 76.0]);
 }
 
-/// From power to brake in rows of a second, without the speeds of five of them.
-#[test]
-fn what_the_speed_changed_by_while_no_speed_was_read_is_made_up_for() {
-    let true_mps = |time_s: f64| if time_s < 40.0 { 0.5 * time_s } else { 20.0 - 0.6 * (time_s - 40.0) };
+/// From power to brake in rows of a second, in the `paper` mode; speeds are read where `is_read`.
+fn with_missing_speeds(difference: Difference, is_read: impl Fn(u32) -> bool) -> Vec<Estimate> {
     let row = |second: u32| {
-        let time_s = f64::from(second);
         let location_m = (0..second).map(|t| true_mps(f64::from(t) + 0.5)).sum::<f64>();
-        let is_read = !(38..43).contains(&second);
-        Sample {
-            time_s,
-            location_m: Some(location_m),
-            speed_mps: is_read.then(|| true_mps(time_s)),
-            ..Sample::default()
-        }
+        let time_s = f64::from(second);
+        let speed_mps = is_read(second).then(|| true_mps(time_s));
+        Sample { time_s, location_m: Some(location_m), speed_mps, ..Sample::default() }
     };
     let run = Recording { rows: (0..60).map(row).collect(), ..Recording::default() };
-    let config = Config::with_mode(Mode::Paper);
+    let mut config = Config::with_mode(Mode::Paper);
+    config.paper.difference = difference;
     let estimator = Estimator::try_new(config, train(), Track::try_new(10_000.0, []).unwrap()).unwrap();
-    let replayed = replay(&estimator, &mut estimator.new_vehicle(), &run, Tick::EverySample);
-    let last = replayed.estimates.last().unwrap();
+    replay(&estimator, &mut estimator.new_vehicle(), &run, Tick::EverySample).estimates
+}
+
+fn true_mps(time_s: f64) -> f64 {
+    if time_s < 40.0 { 5.0 + 0.4 * time_s } else { 21.0 - 0.6 * (time_s - 40.0) }
+}
+
+#[test]
+fn what_the_speed_changed_by_while_no_speed_was_read_is_made_up_for() {
+    let estimates = with_missing_speeds(Difference::Forward, |second| !(38..43).contains(&second));
+    let last = estimates.last().unwrap();
     assert!(near(last.belief.mean[SPEED], true_mps(59.0), 0.05), "{last:?}");
     // What is reported is the mean since the reading before, never the jump that makes up.
-    let again = &replayed.estimates[43];
+    let again = &estimates[43];
     let mean_mps2 = (true_mps(43.0) - true_mps(37.0)) / 6.0;
     assert!(near(again.effort_n_per_kg.unwrap(), mean_mps2, 0.03), "{again:?}");
     assert!(near(again.acceleration_mps2.unwrap(), mean_mps2, 0.02), "{again:?}");
+}
+
+#[test]
+fn a_run_that_begins_without_a_speed_has_the_first_one_that_is_read() {
+    // The backward effort is a sample late, 0.6 m/s.
+    for (difference, late_mps) in [(Difference::Forward, 0.0), (Difference::Backward, 0.6)] {
+        let estimates = with_missing_speeds(difference, |second| second > 3);
+        let last = estimates.last().unwrap();
+        assert!(near(last.belief.mean[SPEED], true_mps(59.0) + late_mps, 0.1), "{difference:?}: {last:?}");
+        let of_run = estimates.iter().filter_map(|estimate| estimate.acceleration_mps2);
+        let largest = of_run.map(f64::abs).fold(0.0, f64::max);
+        assert!(largest < 0.65, "{difference:?}: that jump is none of the train's: {largest}");
+    }
 }
 
 #[test]

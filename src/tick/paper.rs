@@ -7,11 +7,12 @@
 //! 3. update,
 //! 4. `u[k]`, the same at the filtered state: what is reported, and with the backward effort drives the next step.
 //!
-//! Kept exact, as the reference. Its true resistance cancels out: the estimate does not follow it.
+//! Where no reading is missing kept exact, as the reference. Its true resistance cancels out: the estimate does not follow it.
 //!
-//! Of readings that are missing the paper says nothing. With the forward effort the first step with a reading again is
-//! driven by all that the speed changed by meanwhile and the steps without one did not: Table 1 believes the filter's
-//! own speed, so what is lost once stays lost. What is reported is the mean since the reading before.
+//! Of speeds that are missing the paper says nothing. With the forward effort the first step with one again is driven
+//! by all that the speed changed by meanwhile and the steps without one did not: Table 1 believes the filter's own
+//! speed, so what is lost once stays lost. What is reported then is the mean since the speed before; until then the
+//! effort is held. With either effort the first speed of a run that began without one drives its step as a whole.
 
 use crate::Real;
 use crate::filter::elimination::NotPositiveDefinite;
@@ -82,7 +83,7 @@ pub struct PaperLoop {
     pub belief: Gaussian<SIZE>,
     /// Effort that drives the next step, N/kg.
     pub effort_n_per_kg: Real,
-    /// Acceleration of the filtered speed, m/s².
+    /// Acceleration of the filtered speed, m/s²: mean since the speed that was read before, 0 before the first.
     pub acceleration_mps2: Real,
     reading_mps: Option<Real>,
     since_reading_s: Real,
@@ -145,14 +146,18 @@ impl PaperLoop {
         let ukf = Ukf { spread: config.spread, gate: [None; 2], reuse_points: config.reuse_points };
         let since_reading_s = self.since_reading_s + dt_s;
         let before_mps = self.belief.mean[SPEED];
-        let change_mps = self.reading_mps.zip(speed_mps).map(|(before, now)| now - before);
-        let by_readings = change_mps.map(|change_mps| change_mps / since_reading_s);
+        let is_first = self.reading_mps.is_none();
+        let by_readings = self.reading_mps.zip(speed_mps).map(|(before, now)| (now - before) / since_reading_s);
+        let left_mps = speed_mps.map(|now| match self.reading_mps {
+            Some(before) => now - before - self.meanwhile_mps,
+            None => now - before_mps,
+        });
         let effort_of = |belief: &Gaussian<SIZE>, acceleration_mps2| {
             effort::of_paper(line, acting, &state::davis(&belief.mean), acceleration_mps2, &point(time_s, belief))
         };
-        let driving_n_per_kg = match (config.difference, change_mps) {
-            (Difference::Forward, Some(change_mps)) => {
-                effort_of(&self.belief, (change_mps - self.meanwhile_mps) / dt_s)
+        let driving_n_per_kg = match left_mps {
+            Some(left_mps) if is_first || config.difference == Difference::Forward => {
+                effort_of(&self.belief, left_mps / dt_s)
             }
             _ => self.effort_n_per_kg,
         };
@@ -184,7 +189,7 @@ impl PaperLoop {
         self.belief = belief;
         self.since_reading_s = since_reading_s;
         self.meanwhile_mps = meanwhile_mps;
-        self.acceleration_mps2 = (belief.mean[SPEED] - before_mps) / dt_s;
+        self.acceleration_mps2 = if is_first { 0.0 } else { (belief.mean[SPEED] - before_mps) / dt_s };
         if let Some(a) = by_readings {
             self.effort_n_per_kg = effort_of(&belief, a);
             self.acceleration_mps2 = meanwhile_mps / since_reading_s;

@@ -34,9 +34,9 @@ const RUNS: usize = 32;
 const STANDS_MPS: f64 = 0.5 / 3.6;
 /// Over so long the speed shows a brake, s ...
 const BRAKE_SEEN_S: f64 = 4.0;
-/// ... that is stronger than this, m/s²: twice what the resistance of a fast train is, and less than a first step of
+/// ... that is stronger than this, N/kg: twice what the resistance of a fast train is, and less than a first step of
 /// the brake.
-const BRAKE_MPS2: f64 = 0.12;
+const BRAKE_N_PER_KG: f64 = 0.12;
 /// A brake is seen so much later than it is applied, s: it builds up within 2 to 3 s.
 const CUT_S: f64 = 4.0;
 /// Length of a fall, s: short hops have coasts of 10 s and more.
@@ -66,7 +66,7 @@ struct Fall {
 struct UnitFalls {
     /// Of the last runs.
     falls: VecDeque<Vec<Fall>>,
-    /// After the last of them: what is missing in r, share of it.
+    /// What is missing in r, share of it, after the last of them.
     found: Option<Missing>,
 }
 
@@ -85,24 +85,32 @@ pub struct BeforeBrakes {
 
 impl BeforeBrakes {
     /// Gives what these runs taught the doubt that belongs to it. Each run is judged by those before it and itself;
-    /// `carried`: what a unit learned in them, too. Where effects act, falls have them in them, and nothing is said.
-    pub fn judge(&mut self, estimator: &Estimator, carried: bool, runs: &mut [ReplayedRun]) {
+    /// `carried`: what a unit learned in them, too. Where effects act, falls have them in them, and nothing is said; nor
+    /// is a run judged that `has_own` a description of its own.
+    pub fn judge(
+        &mut self,
+        estimator: &Estimator,
+        carried: bool,
+        has_own: impl Fn(&str) -> bool,
+        runs: &mut [ReplayedRun],
+    ) {
         if estimator.config().mode == Mode::Paper || *estimator.effects() != Effects::NONE {
             return;
         }
-        for run in runs {
+        for run in runs.iter_mut().filter(|run| !has_own(&run.name)) {
             let unit = self.units.entry(run.unit.clone()).or_default();
             if !carried {
-                *unit = UnitFalls::default();
-            }
-            if let Some(missing) = unit.found {
+                unit.falls.clear();
+            } else if let Some(missing) = unit.found {
                 widen(&mut run.vehicle_before, missing.share);
             }
             if run.is_used {
                 unit.take(falls(estimator, run));
             }
-            unit.found = (run.hops_share >= MANY_HOPS).then(|| missing(&unit.falls, &run.vehicle_after)).flatten();
-            if let Some(missing) = unit.found {
+            let found = (run.hops_share >= MANY_HOPS).then(|| missing(&unit.falls, &run.vehicle_after)).flatten();
+            // What is said of runs that stand alone is said of any of them.
+            unit.found = if carried { found } else { found.or(unit.found) };
+            if let Some(missing) = found {
                 widen(&mut run.vehicle_after, missing.share);
                 widen(&mut run.summary.run_davis, missing.share);
                 if run.learned == Learned::Learned && !is_published(estimator, &run.vehicle_after) {
@@ -218,11 +226,12 @@ fn before_brake(rows: &[Row], fall_n_per_kg: impl Fn(&[Row]) -> Option<f64>) -> 
         let end = rows.partition_point(|row| row.time_s <= end_s + ROUNDING_S);
         &rows[first..end]
     };
-    let is_braked = |row: &&Row| fall_n_per_kg(span(row.time_s, BRAKE_SEEN_S)).is_some_and(|fall| fall > BRAKE_MPS2);
+    // What nobody knows may be a brake.
+    let is_braked = |row: &&Row| fall_n_per_kg(span(row.time_s, BRAKE_SEEN_S)).is_none_or(|fall| fall > BRAKE_N_PER_KG);
     let unbraked = rows.iter().rev().find(|row| !is_braked(row))?;
     let before = span(unbraked.time_s - CUT_S, FALL_S);
     let is_whole = before.last()?.time_s - before.first()?.time_s > FALL_S - LONGEST_STEP_S;
-    let is_dense = before.windows(2).all(|pair| pair[1].time_s - pair[0].time_s <= LONGEST_STEP_S);
+    let is_dense = before.windows(2).all(|pair| pair[1].time_s - pair[0].time_s <= LONGEST_STEP_S + ROUNDING_S);
     (is_whole && is_dense).then_some(before)
 }
 
@@ -329,7 +338,7 @@ mod tests {
         let runs = replay_carried_by(&|_| &estimator, &recordings, Tick::EverySample, || ());
         let mut judged = runs.clone();
         let mut before_brakes = BeforeBrakes::default();
-        before_brakes.judge(&estimator, true, &mut judged);
+        before_brakes.judge(&estimator, true, |_| false, &mut judged);
         (runs, judged, before_brakes.notes())
     }
 
@@ -358,6 +367,71 @@ mod tests {
         assert_eq!(after.vehicle_after, before.vehicle_after);
         assert_eq!(after.learned, Learned::Learned);
         assert_eq!(notes, Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_slope_is_no_fall_whichever_way_the_train_goes() {
+        let hill = [Gradient { from_m: 0.0, permille: 0.0 }, Gradient { from_m: 2000.0, permille: 8.0 }];
+        let level = estimator();
+        let track = Track::try_new(28_500.0, hill).unwrap();
+        let estimator = Estimator::try_new(Config::default(), *level.train(), track).unwrap();
+        let rises_n_per_kg = estimator.train().gravity_n_per_kg() * 8e-3;
+        for (direction, way, climbs_n_per_kg) in
+            [(Direction::Up, 1.0, rises_n_per_kg), (Direction::Down, -1.0, -rises_n_per_kg)]
+        {
+            let falls_mps2 = 0.03 + climbs_n_per_kg;
+            let row = |second: u32| {
+                let t = f64::from(second);
+                let location_m = 8000.0 + way * (20.0 * t - 0.5 * falls_mps2 * t * t);
+                Row { time_s: t, location_m, speed_mps: 20.0 - falls_mps2 * t }
+            };
+            let rows: Vec<Row> = (0..=10).map(row).collect();
+            let fall = fall_n_per_kg(&estimator, direction, &rows).unwrap();
+            assert!((fall - 0.03).abs() < 1e-6, "{direction:?}: {fall}");
+        }
+    }
+
+    #[test]
+    fn rows_two_seconds_apart_show_a_fall_and_rows_farther_apart_none() {
+        let of = |step_s: f64, is_read: &dyn Fn(f64) -> bool| {
+            let mps = |time_s: f64| 20.0 - 0.03 * time_s.min(30.0) - 0.5 * (time_s - 30.0).max(0.0);
+            let row = |index: u32| {
+                // As a clock with decimals shows it.
+                let time_s = 0.1 + step_s * f64::from(index);
+                Row { time_s, location_m: 20.0 * time_s, speed_mps: mps(time_s) }
+            };
+            let rows: Vec<Row> = (0..).map(row).take_while(|row| row.time_s < 50.0).collect();
+            let rows: Vec<Row> = rows.into_iter().filter(|row| is_read(row.time_s)).collect();
+            let fall = |rows: &[Row]| {
+                let [first, _, .., last] = rows else { return None };
+                Some((first.speed_mps - last.speed_mps) / (last.time_s - first.time_s))
+            };
+            before_brake(&rows, fall).and_then(fall)
+        };
+        for step_s in [1.0, 2.0] {
+            let found = of(step_s, &|_| true);
+            assert!(found.is_some_and(|fall| (fall - 0.03).abs() < 1e-9), "{step_s}: {found:?}");
+        }
+        assert_eq!(of(3.0, &|_| true), None);
+        assert_eq!(of(1.0, &|time_s| !(20.5..22.5).contains(&time_s)), None, "a hole of 3 s");
+    }
+
+    #[test]
+    fn runs_that_stand_alone_are_judged_alone_and_said() {
+        let estimator = estimator();
+        let recordings: Vec<Recording> = (0..4).map(|run| recording(run, 0.7)).collect();
+        let runs = replay_carried_by(&|_| &estimator, &recordings, Tick::EverySample, || ());
+        let of = |has_own: &dyn Fn(&str) -> bool| {
+            let (mut judged, mut before_brakes) = (runs.clone(), BeforeBrakes::default());
+            before_brakes.judge(&estimator, false, has_own, &mut judged);
+            let befores = judged.iter().zip(&runs).all(|(now, then)| now.vehicle_before == then.vehicle_before);
+            assert!(befores, "no run knows of another");
+            assert!(before_brakes.units.values().all(|unit| unit.falls.len() == 1), "nor is judged by another");
+            let doubted = judged.iter().zip(&runs).filter(|(now, then)| now.vehicle_after != then.vehicle_after);
+            (doubted.count() > 0, before_brakes.notes().len())
+        };
+        assert_eq!(of(&|_| false), (true, 1));
+        assert_eq!(of(&|_| true), (false, 0));
     }
 
     /// What is missing where the falls are so many times those of the described train, at each of so many stops.

@@ -82,8 +82,9 @@ fn coast_error(name: &str, whose: &str, squares_mps: fn(&Foresight) -> f64) -> C
 }
 
 fn taught(speed_kmh: f64) -> Column<ReplayedRun> {
-    let meaning =
-        format!("what the run taught about the vehicle's r({speed_kmh} km/h): log2 of how much narrower it is known");
+    let meaning = format!(
+        "what the run taught about the vehicle's r({speed_kmh} km/h): log2 of how much narrower it is known; less where falls before brakes make it doubtful"
+    );
     let sd = move |davis: &Gaussian<3>| resistance_sd(davis, KmPerHour(speed_kmh).to_mps());
     Column::number(&format!("bits_{speed_kmh}_kmh"), "bits", &meaning, move |run: &ReplayedRun| {
         let ratio = sd(&run.vehicle_before) / sd(&run.vehicle_after);

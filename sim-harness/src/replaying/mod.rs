@@ -264,9 +264,7 @@ impl Opened {
             replay_apart_by(&model, &recordings, tick, done)
         };
         let mut before_brakes = BeforeBrakes::default();
-        if own.is_empty() {
-            before_brakes.judge(&self.estimator, carried, &mut runs);
-        }
+        before_brakes.judge(&self.estimator, carried, |name| own.contains_key(name), &mut runs);
         let mut advice = Advice::default();
         advice.coasts = self.taught_by_coasts(&recordings, &own);
         advice.add(&runs);

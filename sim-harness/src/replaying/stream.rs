@@ -84,9 +84,7 @@ impl Opened {
                     replay_apart_by(&model, &recordings, self.request.tick, &done)
                 };
                 drop(recordings);
-                if own.is_empty() {
-                    before_brakes.judge(&self.estimator, self.request.carried, &mut runs);
-                }
+                before_brakes.judge(&self.estimator, self.request.carried, |name| own.contains_key(name), &mut runs);
                 advice.add(&runs);
                 summary.count(&runs, self.config.mode);
                 outputs.add(&runs)?;

@@ -249,9 +249,12 @@ impl Claim {
     /// The scenario was made so, and the extractor must find it: what it found meets the criterion, and so does the
     /// truth. Without a truth the former alone decides.
     fn recovered(self, found: Option<Verdict>, was: Option<Verdict>) -> Self {
-        let is_otherwise = found == Some(Verdict::Reproduced) && was.is_some_and(|was| was != Verdict::Reproduced);
-        let verdict = if is_otherwise { Verdict::Not } else { found.unwrap_or(Verdict::NoData) };
-        let in_truth = was.map_or("", |_| "; so in truth, too");
+        let verdict = match (found.unwrap_or(Verdict::NoData), was) {
+            (Verdict::Reproduced, Some(Verdict::NoData)) => Verdict::NoData,
+            (Verdict::Reproduced, Some(Verdict::Not | Verdict::NotVisible)) => Verdict::Not,
+            (found, _) => found,
+        };
+        let in_truth = was.map_or("", |_| "; asked of the truth, too");
         Self { kind: ClaimKind::Recovered, verdict, why: self.why + in_truth, ..self }.of_the_train()
     }
 
@@ -281,9 +284,10 @@ fn alone(text: Option<String>) -> ClaimColumns {
     [text, None, None]
 }
 
-/// What the criterion says of what the paper's mode found, and of what was true.
+/// What the criterion says of what the paper's mode found, and of what was true; none where no truth is known.
 fn both<V: Into<Verdict>>(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<V>) -> [Option<Verdict>; 2] {
-    [&gathered.paper, &gathered.truth].map(|tallies| of(tallies).map(Into::into))
+    let [found, was] = [&gathered.paper, &gathered.truth].map(|tallies| of(tallies).map(Into::into));
+    [found, was.or((gathered.truth.runs > 0).then_some(Verdict::NoData))]
 }
 
 /// The columns of one quantity.

@@ -126,7 +126,7 @@ pub struct Gathered {
     pub travelled_m: Moments,
     /// Mean time between the readings of each run, s.
     pub interval_s: Moments,
-    /// As described; none without runs.
+    /// As described; none where nothing was gathered.
     pub track: Option<Track>,
     pub rows: u64,
     pub drawn: Vec<Drawn>,

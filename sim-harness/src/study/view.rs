@@ -289,9 +289,7 @@ pub fn speed_rms_kmh(run: &ReplayedRun) -> Option<f64> {
     (readings > 0.0).then(|| (squares / readings).sqrt())
 }
 
-/// Why the paper's mode does not follow the speed of a run of which readings were not believed; nothing where all were.
-/// Until the next one the effort is that of before; what the speed changed by meanwhile the forward effort makes up for
-/// then, the backward one never.
+/// Where the filtered speed of the paper's mode is no reading's: those that were not believed; nothing where all were.
 pub fn dropped_words(paper: &ReplayedRun) -> Option<String> {
     let is_dropped = |(estimate, read): &(&Estimate, &Measurement)| {
         let of_speed = estimate.innovation.map(|innovation| innovation.readings[1]);
@@ -300,7 +298,7 @@ pub fn dropped_words(paper: &ReplayedRun) -> Option<String> {
     let count = paper.estimates.iter().zip(&paper.measurements).filter(is_dropped).count();
     (count > 0).then(|| {
         let readings = counted(count, "reading of its speed was", "readings of its speed were");
-        format!("{readings} dropped as impossible for a train, and the effort of before acted on over each")
+        format!("{readings} dropped as impossible for a train; until the next one the effort is held, and what the speed changed by meanwhile the forward effort makes up for then, the backward one never")
     })
 }
 

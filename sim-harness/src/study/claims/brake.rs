@@ -8,7 +8,7 @@ use rundown_pages::numbers::number;
 
 /// How far the brake rate of a step may be from the truth, m/s².
 const FURTHEST_MPS2: f64 = 0.05;
-/// Fewer runs say nothing of an ATB-EG step.
+/// Fewer runs say nothing of an ATB-EG step, nor of how brakes begin.
 const FEWEST_OF_A_STEP: u64 = 10;
 /// Steps of one behaviour have means that differ by no more than this share of their standard deviations.
 const ALIKE: f64 = 0.5;
@@ -152,7 +152,7 @@ pub(super) fn brake(gathered: &Gathered) -> [Claim; 6] {
 fn gentle_first(gathered: &Gathered) -> Claim {
     let share = |t: &Tallies| {
         let [gentle, all] = t.gentle_first;
-        (all > 0).then(|| gentle as f64 / all as f64)
+        (all >= FEWEST_OF_A_STEP).then(|| gentle as f64 / all as f64)
     };
     let [found, was] = both(gathered, |t| Some(share(t)? > usually(t.gentle_first[1])));
     let error = share(&gathered.paper).zip(share(&gathered.truth)).map(|(found, was)| found - was);
@@ -161,13 +161,13 @@ fn gentle_first(gathered: &Gathered) -> Claim {
             let gain = format!("by {} m/s\u{b2} in the mean", number(t.brake_gain_mps2.mean()?, 2));
             Some(format!("{} of {} runs, {gain}", percent(share(t))?, t.gentle_first[1]))
         }))
-        .by("brake rate of the first and of the last interval of the last brake above 40 km/h, without those in which it begins or ends: they are brake in part. The first is lower, by what could be seen, in more runs than half of them and chance (95 %)")
+        .by("brake rate of the first and of the last interval of the last brake above 40 km/h, without those in which it begins or ends: they are brake in part. The first is lower, by what could be seen, in more runs than half of them and chance (one-sided, 95 %); no data with fewer than 10 runs")
         .recovered(found, was)
         .least(visible::RATE)
         .off_by(error.map(super::points))
 }
 
-/// More than this share of so many runs is more than half of them, and no chance: the sign test, 95 %.
+/// More than this share of so many runs is more than half of them, and no chance: the sign test, one-sided, 95 %.
 fn usually(runs: u64) -> f64 {
     0.5 + 0.5 * 1.645 / (runs as f64).sqrt()
 }

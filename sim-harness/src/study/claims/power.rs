@@ -6,6 +6,7 @@ use crate::study::gather::{Drawn, Gathered};
 use crate::study::view::{CLOUDS_KMH, POWER_KMH, Seen};
 use crate::{study::moments::Moments, study::tallies::Tallies, study::visible};
 use rundown::model::train::Train;
+use rundown::model::units::GRAVITY_MPS2;
 use rundown_pages::numbers::number;
 
 /// Variation of the largest power that readings in whole km/h make where the true one is the same in all runs: measured
@@ -15,8 +16,6 @@ const READING_CV: f64 = 0.05;
 const VERY_STRONG: f64 = 10.0;
 /// How far from the paper's 115 km/h its two clouds may part, km/h. Judgement: less than a tenth of it.
 const CHANGE_OFF_KMH: f64 = 10.0;
-/// Gravity, m/s².
-const GRAVITY_MPS2: f64 = 9.81;
 
 /// What follows from the description alone.
 pub(super) fn transition(train: &Train) -> Claim {
@@ -154,7 +153,7 @@ impl BothClouds {
         let [found, _, was] = all.map(|known| known.map(is_so));
         claim("9", "the clouds are too far apart for an inaccurate gradient profile")
             .columns(all.map(|known| known.map(words)))
-            .by("error of the gradient that would make the distance of the means, at the speed where the two clouds of the claim before part, and what the described gradient is more under the points above that speed than under those below; the former more than twice the latter: not even a profile with its sign turned would make these clouds")
+            .by("error of the gradient that would make the distance of the means, at the speed where the two clouds of the claim before part, and what the described gradient is more under the points above that speed than under those below; the former more than twice the latter: not even a profile with its sign turned would make these clouds. Where the described gradients are alike this asks no more than the claim before")
             .recovered(found, was)
             .off_by(self.error(asked).map(|permille| format!("{} permille", number(permille, 1))))
     }

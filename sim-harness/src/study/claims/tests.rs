@@ -144,6 +144,23 @@ fn two_clouds_are_better_than_one_and_on_either_side_of_the_power() {
 }
 
 #[test]
+fn brakes_that_begin_gentler_do_so_in_more_runs_than_chance_and_in_truth() {
+    let of = |found: [u64; 2], was: [u64; 2]| {
+        let mut gathered = Gathered::default();
+        gathered.truth.runs = 67;
+        (gathered.paper.gentle_first, gathered.truth.gentle_first) = (found, was);
+        for tallies in [&mut gathered.paper, &mut gathered.truth] {
+            tallies.brake_gain_mps2.add(0.04);
+        }
+        verdict(&claims(&gathered, &train(), &Trials::default()), "begin gentler")
+    };
+    assert_eq!(of([41, 67], [41, 67]), Verdict::Reproduced);
+    assert_eq!(of([40, 67], [41, 67]), Verdict::Not);
+    assert_eq!(of([41, 67], [40, 67]), Verdict::Not);
+    assert_eq!([of([9, 9], [41, 67]), of([41, 67], [9, 9])], [Verdict::NoData; 2]);
+}
+
+#[test]
 fn clouds_are_further_apart_than_a_profile_of_the_wrong_sign_makes_them() {
     use rundown::model::track::{Gradient, Track};
     // The faster cloud is drawn on the second half of the line.
@@ -314,6 +331,7 @@ fn what_was_put_in_must_be_so_in_truth() {
     assert_eq!([of(Some(Not)).verdict, of(Some(NotVisible)).verdict], [Not; 2]);
     assert_eq!((of(None).verdict, of(None).why.as_str()), (Reproduced, ""), "of recorded runs nobody knows");
     assert_eq!(claim("3", "an order").recovered(None, Some(Reproduced)).verdict, Verdict::NoData);
+    assert_eq!(of(Some(Verdict::NoData)).verdict, Verdict::NoData, "a truth that says nothing");
     let skewed = |true_kmh: [f64; 3]| {
         let mut gathered = Gathered::default();
         let runs = |kmh: [f64; 3]| (0..9).map(|index| kmh[usize::from(index > 6) + usize::from(index > 7)]).collect();
