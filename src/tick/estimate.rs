@@ -19,11 +19,11 @@ pub struct Estimate {
     pub dt_s: Real,
     /// State (s, v, r0, r1, r2) and its covariance, this run's train.
     pub belief: Gaussian<SIZE>,
-    /// Applied effort, N/kg, traction positive, brake negative: mean since the last measurement; in the `paper` mode since
-    /// the last speed, and held where there is none.
+    /// Applied effort, N/kg, traction positive, brake negative: mean since the last measurement; in the `paper` mode
+    /// since the last speed, and held where there is none.
     pub effort_n_per_kg: Option<Real>,
-    /// Acceleration, m/s²: mean since the last measurement; in the `paper` mode that of the filtered speed since the last
-    /// speed that was read.
+    /// Acceleration, m/s²: mean since the last measurement; in the `paper` mode that of the filtered speed since the
+    /// last speed that was read.
     pub acceleration_mps2: Option<Real>,
     /// Resistance of the gradient under the train, N/kg, uphill positive.
     pub gradient_n_per_kg: Real,

@@ -7,7 +7,8 @@
 //! 3. update,
 //! 4. `u[k]`, the same at the filtered state: what is reported, and with the backward effort drives the next step.
 //!
-//! Where no reading is missing kept exact, as the reference. Its true resistance cancels out: the estimate does not follow it.
+//! Where no reading is missing kept exact, as the reference. Its true resistance cancels out: the estimate does not
+//! follow it.
 //!
 //! Of speeds that are missing the paper says nothing. With the forward effort the first step with one again is driven
 //! by all that the speed changed by meanwhile and the steps without one did not: Table 1 believes the filter's own

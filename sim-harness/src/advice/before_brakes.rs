@@ -85,8 +85,8 @@ pub struct BeforeBrakes {
 
 impl BeforeBrakes {
     /// Gives what these runs taught the doubt that belongs to it. Each run is judged by those before it and itself;
-    /// `carried`: what a unit learned in them, too. Where effects act, falls have them in them, and nothing is said; nor
-    /// is a run judged that `has_own` a description of its own.
+    /// `carried`: what a unit learned in them, too. Where effects act, falls have them in them, and nothing is said; a
+    /// run that `has_own` description is not judged either.
     pub fn judge(
         &mut self,
         estimator: &Estimator,

@@ -77,8 +77,8 @@ mod tests {
         rest.find("\n## ").map_or(rest, |end| &rest[..end])
     }
 
-    /// Each figure of the document is among those of the table of its experiment, or of its variants: of which row it is,
-    /// nobody looks.
+    /// Each figure of the document is among those of its experiment's table, variants included; in which row is not
+    /// asked.
     #[test]
     fn the_figures_of_the_document_are_those_that_were_measured() {
         let (document, measured) = (page("after-the-paper.md"), measured("experiments.md"));
