@@ -148,17 +148,14 @@ impl PaperLoop {
         let since_reading_s = self.since_reading_s + dt_s;
         let before_mps = self.belief.mean[SPEED];
         let is_first = self.reading_mps.is_none();
-        let by_readings = self.reading_mps.zip(speed_mps).map(|(before, now)| (now - before) / since_reading_s);
-        let left_mps = speed_mps.map(|now| match self.reading_mps {
-            Some(before) => now - before - self.meanwhile_mps,
-            None => now - before_mps,
-        });
+        // A run that begins without a speed begins at rest.
+        let change_mps = speed_mps.map(|now| now - self.reading_mps.unwrap_or(0.0));
         let effort_of = |belief: &Gaussian<SIZE>, acceleration_mps2| {
             effort::of_paper(line, acting, &state::davis(&belief.mean), acceleration_mps2, &point(time_s, belief))
         };
-        let driving_n_per_kg = match left_mps {
-            Some(left_mps) if is_first || config.difference == Difference::Forward => {
-                effort_of(&self.belief, left_mps / dt_s)
+        let driving_n_per_kg = match change_mps {
+            Some(change_mps) if is_first || config.difference == Difference::Forward => {
+                effort_of(&self.belief, (change_mps - self.meanwhile_mps) / dt_s)
             }
             _ => self.effort_n_per_kg,
         };
@@ -190,10 +187,12 @@ impl PaperLoop {
         self.belief = belief;
         self.since_reading_s = since_reading_s;
         self.meanwhile_mps = meanwhile_mps;
-        self.acceleration_mps2 = if is_first { 0.0 } else { (belief.mean[SPEED] - before_mps) / dt_s };
-        if let Some(a) = by_readings {
-            self.effort_n_per_kg = effort_of(&belief, a);
+        // The step up to the first speed is none of the train's.
+        if !is_first {
             self.acceleration_mps2 = meanwhile_mps / since_reading_s;
+            if let Some(change_mps) = change_mps {
+                self.effort_n_per_kg = effort_of(&belief, change_mps / since_reading_s);
+            }
         }
         if speed_mps.is_some() {
             self.reading_mps = speed_mps;
