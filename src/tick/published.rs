@@ -112,7 +112,7 @@ pub fn rises(davis: &Davis) -> bool {
 }
 
 /// Standard deviations of r at [`JUDGED_KMH`], N/kg.
-pub(crate) fn sds(davis: &Gaussian<3>) -> [Real; 2] {
+pub fn sds(davis: &Gaussian<3>) -> [Real; 2] {
     JUDGED_KMH.map(|kmh| resistance_sd(davis, KmPerHour(kmh).to_mps()))
 }
 

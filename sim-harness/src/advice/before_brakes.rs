@@ -21,7 +21,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::direction::Direction;
 use rundown::model::effects::Effects;
 use rundown::tick::measurement::Measurement;
-use rundown::tick::published::{FORGOTTEN_SHARE, JUDGED_KMH};
+use rundown::tick::published::{FORGOTTEN_SHARE, sds};
 use rundown_check::agreement::HALF_95;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::statistics::{mean_median, sd_of_median, spread};
@@ -152,9 +152,8 @@ fn widen(davis: &mut Gaussian<3>, share: f64) {
 
 /// As a vehicle is published that was published before.
 fn is_published(estimator: &Estimator, davis: &Gaussian<3>) -> bool {
-    let described = estimator.new_vehicle().davis();
-    let sd = |davis, kmh: f64| Resistance::at(davis, kmh / 3.6).map_or(f64::INFINITY, |r| r.sd_n_per_kg);
-    JUDGED_KMH.iter().any(|kmh| sd(davis, *kmh) < FORGOTTEN_SHARE * sd(&described, *kmh))
+    let described = sds(&estimator.new_vehicle().davis());
+    sds(davis).into_iter().zip(described).any(|(sd, described)| sd < FORGOTTEN_SHARE * described)
 }
 
 /// By which share of itself the learned resistance is less than what falls before brakes say; none where that may be

@@ -248,7 +248,7 @@ impl Claim {
 
     /// The scenario was made so, and the extractor must find it: what it found meets the criterion, and so does the
     /// truth. Without a truth the former alone decides.
-    fn recovered(self, found: Option<Verdict>, was: Option<Verdict>) -> Self {
+    fn recovered(self, [found, was]: [Option<Verdict>; 2]) -> Self {
         let verdict = match (found.unwrap_or(Verdict::NoData), was) {
             (Verdict::Reproduced, Some(Verdict::NoData)) => Verdict::NoData,
             (Verdict::Reproduced, Some(Verdict::Not | Verdict::NotVisible)) => Verdict::Not,

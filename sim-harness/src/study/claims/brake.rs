@@ -116,9 +116,9 @@ pub(super) fn brake(gathered: &Gathered) -> [Claim; 6] {
         let errors = pairs.filter_map(|(found, was)| Some(of(found)? - of(was)?));
         errors.max_by(|a, b| a.abs().total_cmp(&b.abs()))
     };
-    let recovered = |claim: Claim, [found, was]: [Option<Verdict>; 2], steps: &[usize], of: fn(&Moments) -> _| {
+    let recovered = |claim: Claim, verdicts: [Option<Verdict>; 2], steps: &[usize], of: fn(&Moments) -> _| {
         let error = furthest(steps, of);
-        claim.columns(three(gathered, |t| all(t, of).map(words))).recovered(found, was).within(
+        claim.columns(three(gathered, |t| all(t, of).map(words))).recovered(verdicts).within(
             error,
             error.map(|_| 0.0),
             FURTHEST_MPS2,
@@ -154,7 +154,7 @@ fn gentle_first(gathered: &Gathered) -> Claim {
         let [gentle, all] = t.gentle_first;
         (all >= FEWEST_OF_A_STEP).then(|| gentle as f64 / all as f64)
     };
-    let [found, was] = both(gathered, |t| Some(share(t)? > usually(t.gentle_first[1])));
+    let verdicts = both(gathered, |t| Some(share(t)? > usually(t.gentle_first[1])));
     let error = share(&gathered.paper).zip(share(&gathered.truth)).map(|(found, was)| found - was);
     claim("8", "brakes begin gentler than they end")
         .columns(three(gathered, |t| {
@@ -162,7 +162,7 @@ fn gentle_first(gathered: &Gathered) -> Claim {
             Some(format!("{} of {} runs, {gain}", percent(share(t))?, t.gentle_first[1]))
         }))
         .by("brake rate of the first and of the last interval of the last brake above 40 km/h, without those in which it begins or ends: they are brake in part. The first is lower, by what could be seen, in more runs than half of them and chance (one-sided, 95 %); no data with fewer than 10 runs")
-        .recovered(found, was)
+        .recovered(verdicts)
         .least(visible::RATE)
         .off_by(error.map(super::points))
 }

@@ -61,7 +61,7 @@ pub(super) fn profiles(gathered: &Gathered) -> [Claim; 2] {
     // As the slopes of Fig. 2 show them: in m/s², not as shares of their means.
     let coast = |t: &Tallies| t.coast_mps2.sd();
     let brakes = |t: &Tallies| t.brake_steps.iter().filter_map(Moments::sd).reduce(f64::min);
-    let [found, was] = both(gathered, |t| Some(coast(t)? < 0.2 * brakes(t)?));
+    let verdicts = both(gathered, |t| Some(coast(t)? < 0.2 * brakes(t)?));
     [
         claim("2", "some trains run faster than the 140 km/h of the line")
             .columns([of_runs(over), None, of_runs(truly_over)])
@@ -74,7 +74,7 @@ pub(super) fn profiles(gathered: &Gathered) -> [Claim; 2] {
                 Some(format!("{}, braking {}", words(coast(t)?), words(brakes(t)?)))
             }))
             .by("standard deviation between runs of the mean deceleration while coasting at 100 to 120 km/h; below a fifth of that of the brake rates in every step. The wind and the load of the scenario decide it")
-            .recovered(found, was)
+            .recovered(verdicts)
             .within(coast(&gathered.paper), coast(&gathered.truth), COASTS_APART_MPS2, |rate| {
                 format!("{} m/s\u{b2}", number(rate, 4))
             }),
@@ -104,7 +104,7 @@ pub(super) fn regimes(gathered: &Gathered, train: &Train) -> [Claim; 2] {
         claim("6", "coasting is the longest phase")
             .columns(columns())
             .by("largest share of the same run, by what could be seen; how large it is stands in the claim before. The paper's band of effort also holds steady running below about 81 km/h: the approach at 40 km/h reads as coasting")
-            .recovered(leads(paper), leads(truth))
+            .recovered([paper, truth].map(leads))
             .least(visible::TIME_SHARE)
             .off_by(error_of_coast.map(points)),
     ]
@@ -113,18 +113,18 @@ pub(super) fn regimes(gathered: &Gathered, train: &Train) -> [Claim; 2] {
 pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
     let claim = |statement| claim("7", statement);
     let (paper, truth) = (&gathered.paper, &gathered.truth);
-    let [skewed, truly_skewed] = both(gathered, |t| {
+    let skewed = both(gathered, |t| {
         let cruise = &t.plain_cruise_kmh;
         Some(towards_limit(cruise.skewness()?, cruise.mean()))
     });
     // As long as the paper's, to half a minute.
-    let [long, truly_long] = both(gathered, |t| {
+    let long = both(gathered, |t| {
         let Moments { count, least, largest, .. } = t.coast_s;
         (count > 0).then_some(least >= 120.0 && largest <= 630.0)
     });
-    let [vary, truly_vary] = both(gathered, |t| near(t.coast_s.variation(), 0.30, 0.08));
-    let [brakes_vary, truly_brakes_vary] = both(gathered, |t| near(t.brake_s.variation(), 0.20, 0.06));
-    let [short, truly_short] = both(gathered, |t| Some(t.brake_s.mean()? < 0.5 * t.coast_s.mean()?));
+    let vary = both(gathered, |t| near(t.coast_s.variation(), 0.30, 0.08));
+    let brakes_vary = both(gathered, |t| near(t.brake_s.variation(), 0.20, 0.06));
+    let short = both(gathered, |t| Some(t.brake_s.mean()? < 0.5 * t.coast_s.mean()?));
     let seconds = |s: f64| format!("{} s", number(s, 0));
     let [over, truly_over] = over(gathered);
     let cruise_over = |t: &Tallies| {
@@ -140,7 +140,7 @@ pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
         claim("cruise speeds are skewed towards 140 km/h")
             .columns(three(gathered, cruise_speeds))
             .by("plain median of the filtered speeds of all cruising, as section 3.3 takes it: negative skewness and a mean above 130 km/h. What is drawn above is the cruise speed as Rundown finds it, the median of the speeds held at the fastest level; where that is another, both stand here")
-            .recovered(skewed, truly_skewed)
+            .recovered(skewed)
             .least(visible::SKEWNESS)
             .within(paper.plain_cruise_kmh.mean(), truth.plain_cruise_kmh.mean(), 2.0, |kmh| {
                 format!("{} km/h", number(kmh, 1))
@@ -158,22 +158,22 @@ pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
         claim("the final coast takes 2.5 to 10 min")
             .columns(three(gathered, |t| from_to(&t.coast_s, 60.0, 1).map(|text| text + " min")))
             .by("from 2.0 to 10.5 min; error of the mean")
-            .recovered(long, truly_long)
+            .recovered(long)
             .within(paper.coast_s.mean(), truth.coast_s.mean(), 30.0, seconds),
         claim("lengths of the final coast vary by 30 %")
             .columns(three(gathered, |t| percent(t.coast_s.variation())))
             .by("coefficient of variation, within 8 points")
-            .recovered(vary, truly_vary)
+            .recovered(vary)
             .within(paper.coast_s.variation(), truth.coast_s.variation(), 0.05, points),
         claim("lengths of the final brake vary by 20 %")
             .columns(three(gathered, |t| percent(t.brake_s.variation())))
             .by("coefficient of variation, within 6 points")
-            .recovered(brakes_vary, truly_brakes_vary)
+            .recovered(brakes_vary)
             .within(paper.brake_s.variation(), truth.brake_s.variation(), 0.05, points),
         claim("the final brake is considerably shorter than the coast")
             .columns(three(gathered, |t| Some(format!("{} s, coast {} s", mean(&t.brake_s, 0)?, mean(&t.coast_s, 0)?))))
             .by("mean brake below half of the mean coast; error of the mean brake")
-            .recovered(short, truly_short)
+            .recovered(short)
             .within(paper.brake_s.mean(), truth.brake_s.mean(), 10.0, seconds),
     ]
 }

@@ -39,9 +39,9 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 6] {
     // The red crosses of Fig. 9, which are single intervals.
     let varies = |t: &Tallies| t.cross_kw.variation();
     let largest = |t: &Tallies| (t.cross_kw.count > 0).then(|| t.cross_kw.largest / stated_kw);
-    let [inside, truly_inside] = both(gathered, |t| Some(in_both(t)? >= 0.95));
-    let [much, truly_much] = both(gathered, |t| Some(varies(t)? > READING_CV));
-    let [bounded, truly_bounded] = both(gathered, |t| Some((0.95..=1.10).contains(&largest(t)?)));
+    let inside = both(gathered, |t| Some(in_both(t)? >= 0.95));
+    let much = both(gathered, |t| Some(varies(t)? > READING_CV));
+    let bounded = both(gathered, |t| Some((0.95..=1.10).contains(&largest(t)?)));
     let [count_paper, count_gated, _] =
         three(gathered, |t| mean(&t.effort_samples, 1).map(|count| format!("{count} a run")));
     let clouds = BothClouds::of(gathered, stated_kw);
@@ -51,17 +51,17 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 6] {
         claim("all trajectories have power in both clouds")
             .columns(three(gathered, |t| percent(in_both(t))))
             .by(format!("runs with power below the manufacturer's from 50 to {CLOUDS_KMH} km/h and above it from there to 130 km/h, by 1 % of it that a reader could see; at least 95 %"))
-            .recovered(inside, truly_inside)
+            .recovered(inside)
             .within(in_both(paper), in_both(truth), 0.1, points),
         claim("the largest power at lower speeds varies much between runs")
             .columns(three(gathered, |t| percent(varies(t))))
             .by(format!("coefficient of variation of the largest power at 50 to 90 km/h; above the {} % that readings in whole km/h make of one power", number(100.0 * READING_CV, 0)))
-            .recovered(much, truly_much)
+            .recovered(much)
             .within(varies(paper), varies(truth), 0.05, points),
         claim("the manufacturer's power is an accurate upper bound of the largest power at 50 to 90 km/h")
             .columns(three(gathered, |t| percent(largest(t))))
             .by("largest of all runs, as a share of the manufacturer's; 95 to 110 %. Readings in whole km/h may add more, 13 % at 90 km/h")
-            .recovered(bounded, truly_bounded)
+            .recovered(bounded)
             .within(largest(paper), largest(truth), 0.15, points),
         claim("there are not enough data for the largest tractive effort")
             .columns([count_paper, count_gated, None])
@@ -119,7 +119,7 @@ impl BothClouds {
                 number(c.better, 0)
             )
         };
-        let [found, was] = self.both(|c| are_the_papers(c, stated_kw).into());
+        let verdicts = self.both(|c| are_the_papers(c, stated_kw).into());
         let error_kw = self.error(apart_kw);
         claim("9", "two clouds: below the manufacturer's power up to 115 km/h, above it at higher speeds")
             .columns(self.all().map(|clouds| clouds.map(words)))
@@ -127,7 +127,7 @@ impl BothClouds {
                 "intervals of the drawn runs from 50 to 130 km/h: two clouds, each normal about a mean, describe them better than one that may lean, bend and widen with the speed, by more than {VERY_STRONG} of Schwarz's criterion (very strong evidence: Kass, Raftery 1995); their means lie on either side of the manufacturer's {} kW, by 1 % of it that a reader could see, and a point is of either with the same probability at 105 to 125 km/h: the transition, says the paper, is at no specific speed. The paper suspects feeding sections of different power; the line of these runs has such ones. Error of the distance of the means",
                 number(stated_kw, 0)
             ))
-            .recovered(found, was)
+            .recovered(verdicts)
             .off_by(error_kw.map(|kw| format!("{} kW", number(kw, 0))))
     }
 
@@ -154,7 +154,7 @@ impl BothClouds {
         claim("9", "the clouds are too far apart for an inaccurate gradient profile")
             .columns(all.map(|known| known.map(words)))
             .by("error of the gradient that would make the distance of the means, at the speed where the two clouds of the claim before part, and what the described gradient is more under the points above that speed than under those below; the former more than twice the latter: not even a profile with its sign turned would make these clouds. Where the described gradients are alike this asks no more than the claim before")
-            .recovered(found, was)
+            .recovered([found, was])
             .off_by(self.error(asked).map(|permille| format!("{} permille", number(permille, 1))))
     }
 }

@@ -73,7 +73,7 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
         claim("the effort exceeds the manufacturer's boundary at the end of the acceleration")
             .columns(of_example(example, Example::features, percent, exceeds, truly_exceeds))
             .by(format!("largest effort between two samples of this run above {CLOUDS_KMH} km/h, of the manufacturer's at that speed; above 100 %. Single readings in whole km/h are too large where they are the largest"))
-            .recovered(above(features.and_then(exceeds)), above(of_truth(&truly_exceeds)))
+            .recovered([features.and_then(exceeds), of_truth(&truly_exceeds)].map(above))
             .least(visible::SHARE)
             .off_by(error_of_effort.map(points)),
         claim("the coefficients decrease at the beginning of the run")

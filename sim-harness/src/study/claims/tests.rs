@@ -326,11 +326,11 @@ fn nothing_was_put_into_recorded_runs() {
 #[test]
 fn what_was_put_in_must_be_so_in_truth() {
     use Verdict::{Not, NotVisible, Reproduced};
-    let of = |was| claim("3", "an order").recovered(Some(Reproduced), was);
+    let of = |was| claim("3", "an order").recovered([Some(Reproduced), was]);
     assert_eq!((of(Some(Reproduced)).kind, of(Some(Reproduced)).verdict), (ClaimKind::Recovered, Reproduced));
     assert_eq!([of(Some(Not)).verdict, of(Some(NotVisible)).verdict], [Not; 2]);
     assert_eq!((of(None).verdict, of(None).why.as_str()), (Reproduced, ""), "of recorded runs nobody knows");
-    assert_eq!(claim("3", "an order").recovered(None, Some(Reproduced)).verdict, Verdict::NoData);
+    assert_eq!(claim("3", "an order").recovered([None, Some(Reproduced)]).verdict, Verdict::NoData);
     assert_eq!(of(Some(Verdict::NoData)).verdict, Verdict::NoData, "a truth that says nothing");
     let skewed = |true_kmh: [f64; 3]| {
         let mut gathered = Gathered::default();

@@ -37,7 +37,7 @@ pub(super) fn recognised(misses: Option<&[Misses; 2]>) -> Claim {
     claim("conclusion", "the current regime is determined successfully")
         .columns([words(paper), words(gated), misses.map(|_| "0 %".to_owned())])
         .by("samples whose regime is not the true one; at most a tenth, and the paper gives no number")
-        .recovered(paper.map(|share| (share <= MOST_WRONG).into()), None)
+        .recovered([paper.map(|share| (share <= MOST_WRONG).into()), None])
         .off_by(paper.map(points))
 }
 
