@@ -96,7 +96,7 @@ pub fn investigate(
     let config = given.config;
     progress("wheels: each run against the others");
     let (wheels, doubted): (Vec<Wheel>, Vec<Wheel>) =
-        wheels(runs, given.surroundings, config).into_iter().partition(|wheel| stands(&wheel.trial(runs), config));
+        wheels(runs, given.surroundings, config).into_iter().partition(|wheel| wheel.stands(runs, config));
     let own_wheels: Vec<Run>;
     let runs = if wheels.is_empty() {
         runs

@@ -30,6 +30,8 @@ pub struct Wheel {
     pub sd: f64,
     /// The odometer gave the locations, too.
     pub locations: bool,
+    /// It rests on single distances: these runs may as well have stopped elsewhere, all at one place.
+    pub or_stops: bool,
     /// What each of the runs says of it, by its index.
     pub each: Vec<(usize, Figure)>,
 }
@@ -93,14 +95,17 @@ fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wh
     }
     unlike.sort_by(|a, b| a.value.total_cmp(&b.value));
     let wheels = unlike.chunk_by(|a, b| b.value - a.value < config.same);
-    let tells = |of: &&[&Scale]| of.len() >= config.least_stops || of.iter().any(|s| !s.is_single);
+    let mean = |of: &[&Scale]| of.iter().map(|s| s.value).sum::<f64>() / of.len() as f64;
+    let or_stops = |of: &[&Scale]| of.iter().all(|s| s.is_single);
+    let agree = |of: &[&Scale]| of.iter().all(|s| (s.value - mean(of)).abs() < config.agreeing * scatter.max(s.sd));
+    let tells = |of: &&[&Scale]| !or_stops(of) || (of.len() >= config.least_stops && agree(of));
     let wheel = |of: &[&Scale]| {
-        let count = of.len() as f64;
-        let value = of.iter().map(|s| s.value).sum::<f64>() / count;
+        let (count, value) = (of.len() as f64, mean(of));
         let each = of.iter().map(|s| s.over(middle)).collect();
         let mut runs: Vec<usize> = of.iter().map(|s| s.run).collect();
         runs.sort_unstable();
-        Wheel { runs, measured_over_true: value / middle, sd: scatter / count.sqrt(), locations, each }
+        let sd = scatter / count.sqrt();
+        Wheel { runs, measured_over_true: value / middle, sd, locations, or_stops: or_stops(of), each }
     };
     wheels.filter(tells).map(wheel).collect()
 }
@@ -118,6 +123,7 @@ fn common(scales: &[Scale], config: &WheelConfig) -> Option<Wheel> {
         measured_over_true: middle,
         sd,
         locations: true,
+        or_stops: false,
         each: scales.iter().map(|s| s.over(1.0)).collect(),
     })
 }
@@ -272,7 +278,15 @@ impl Wheel {
             named.confidence = beside(named.confidence, config.certainty.unforeseen);
         }
         named.tried(self.trial(runs), config);
+        if self.or_stops {
+            named.or_else("stops of these runs elsewhere", config.wheel.elsewhere_odds, "runs with more stops");
+        }
         named
+    }
+
+    /// It can be put right: nothing else explains it, and it repeats.
+    pub fn stands(&self, runs: &[Run], config: &GapConfig) -> bool {
+        !self.or_stops && self.trial(runs).is_none_or(|trial| trial.is_stood(config))
     }
 
     /// In halves of its runs; none of a single one.
@@ -289,21 +303,25 @@ mod tests {
 
     const PLACES_M: [f64; 5] = [0.0, 4_000.0, 9_000.0, 15_500.0, 24_000.0];
 
-    /// Runs from place to place, each stopping a few metres off; `odometer` gives the locations, too.
     fn runs(scales: &[f64], odometer: bool) -> Vec<Run> {
+        runs_between(&PLACES_M, scales, odometer)
+    }
+
+    /// Runs from place to place, each stopping a few metres off; `odometer` gives the locations, too.
+    fn runs_between(places_m: &[f64], scales: &[f64], odometer: bool) -> Vec<Run> {
         let run = |(i, scale): (usize, &f64)| {
             let mut samples = Vec::new();
             let mut time_s = 0.0;
-            for pair in PLACES_M.windows(2) {
+            for pair in places_m.windows(2) {
                 let off_m = 5.0 * ((i * 7 + samples.len()) as f64).sin();
                 let distance_m = pair[1] - pair[0];
                 // Constant rise and fall of the speed: the mean of the readings is that of the distance.
                 let steps = 80;
                 for k in 0..=steps {
                     let t = f64::from(k) / f64::from(steps);
-                    let at_m = pair[0]
-                        + distance_m * (t - (2.0 * std::f64::consts::TAU * t).sin() / (2.0 * std::f64::consts::TAU));
-                    let speed_mps = distance_m / 400.0 * (1.0 - (2.0 * std::f64::consts::TAU * t).cos());
+                    let turn = std::f64::consts::TAU * t;
+                    let at_m = pair[0] + distance_m * (t - turn.sin() / std::f64::consts::TAU);
+                    let speed_mps = distance_m / 400.0 * (1.0 - turn.cos());
                     let shown_m = if odometer { at_m * scale } else { at_m };
                     samples.push(Sample {
                         time_s,
@@ -336,6 +354,29 @@ mod tests {
             let again = wheels(&put_right(&runs, &found), &Surroundings::default(), &GapConfig::default());
             assert_eq!(again, []);
         }
+    }
+
+    #[test]
+    fn runs_that_stop_short_of_the_only_other_place_have_no_wheel() {
+        // Of 26 runs over 35 km three stop 318, 247 and 271 m before the others, as at signals.
+        let scales = |short_m: [f64; 3]| -> Vec<f64> {
+            short_m.map(|short_m| 1.0 - short_m / 35_000.0).into_iter().chain([1.0; 23]).collect()
+        };
+        let found = |places_m: &[f64], short_m: [f64; 3]| {
+            let runs = runs_between(places_m, &scales(short_m), true);
+            let config = GapConfig::default();
+            let found = wheels(&runs, &Surroundings::default(), &config);
+            found.iter().map(|wheel| (wheel.named(&runs, &config), wheel.stands(&runs, &config))).collect::<Vec<_>>()
+        };
+        assert!(found(&[0.0, 35_000.0], [318.0, 247.0, 271.0]).is_empty());
+        // All at one place: a wheel or a signal.
+        let one_place = found(&[0.0, 35_000.0], [280.0; 3]);
+        let [(named, stands)] = &one_place[..] else { panic!("{one_place:?}") };
+        assert!(named.or_else.is_some() && named.confidence < 0.5 && !stands, "{named:?}");
+        // Other stops show that it is a wheel.
+        let more_stops = found(&[0.0, 12_000.0, 35_000.0], [280.0; 3]);
+        let [(named, stands)] = &more_stops[..] else { panic!("{more_stops:?}") };
+        assert!(named.or_else.is_none() && named.confidence > 0.8 && *stands, "{named:?}");
     }
 
     #[test]
