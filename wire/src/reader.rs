@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn what_came_twice_is_told() {
+    fn repeated_frames_are_recognised() {
         let (found, tally) = orders([(5, 1), (5, 1), (6, 1), (5, 1), (7, 2)]);
         assert_eq!(found[1], Order::Repeated);
         assert_eq!(found[3], Order::Repeated);

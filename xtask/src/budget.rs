@@ -11,8 +11,9 @@ use calls::Graph;
 use emulator::{Board, Image, NS_PER_INSTRUCTION};
 use std::process::{Command, Stdio};
 
-/// A line of the budget. The limit is what was measured (2026-11-27, in the comment) and a tenth more, so that a change
-/// has room and nothing gets much worse unseen; never above a goal that is reached.
+/// A line of the budget. The limit is what was measured when it was set (in the comment) and a tenth more, so that a
+/// change has room and nothing gets much worse unseen; never above a goal that is reached. docs/firmware.md has what is
+/// measured today.
 struct Limit {
     what: &'static str,
     unit: &'static str,

@@ -44,6 +44,8 @@ pub struct NumberColumn {
     pub range: (f64, f64),
     /// Takes the file's value into a sample.
     pub set: fn(&mut Sample, f64),
+    /// Takes it out of a sample, but for the time.
+    pub clear: fn(&mut Sample),
     /// The sample's value in the file's unit.
     pub get: fn(&Sample) -> Option<f64>,
 }
@@ -75,6 +77,7 @@ macro_rules! column {
             needed: $needed,
             range: $range,
             set: |sample, value| sample.$field = Some(value),
+            clear: |sample| sample.$field = None,
             get: |sample| sample.$field,
         }
     };
@@ -89,6 +92,7 @@ pub const COLUMNS: [NumberColumn; 9] = [
         needed: true,
         range: (-LATEST_S, LATEST_S),
         set: |sample, time_s| sample.time_s = time_s,
+        clear: |_| {},
         get: |sample| Some(sample.time_s),
     },
     column!(
@@ -106,6 +110,7 @@ pub const COLUMNS: [NumberColumn; 9] = [
         needed: true,
         range: (0.0, MOST_SPEED_KMH),
         set: |sample, kmh| sample.speed_mps = Some(KmPerHour(kmh).to_mps()),
+        clear: |sample| sample.speed_mps = None,
         // Readings are km/h with a few decimals; the detour through m/s must not leave crumbs.
         get: |sample| sample.speed_mps.map(|mps| (3.6e6 * mps).round() / 1e6),
     },
@@ -135,6 +140,7 @@ pub const COLUMNS: [NumberColumn; 9] = [
         needed: false,
         range: (0.0, 1.0),
         set: |sample, value| sample.speed_is_computed = value != 0.0,
+        clear: |sample| sample.speed_is_computed = false,
         get: |sample| sample.speed_is_computed.then_some(1.0),
     },
 ];
@@ -204,6 +210,9 @@ mod tests {
             expected[0] = Some(0.0);
             expected[index] = Some(1.0);
             assert_eq!(found, expected, "{}", column.name);
+            (column.clear)(&mut sample);
+            expected[index] = if column.name == TIME { Some(1.0) } else { None };
+            assert_eq!(COLUMNS.map(|column| (column.get)(&sample)), expected, "{}", column.name);
         }
     }
 

@@ -25,8 +25,9 @@ pub const STOP_S: f64 = 10.0;
 const KEPT_S: f64 = 30.0;
 /// A train that stood in a gap is no further on, m.
 const STOOD_M: f64 = 300.0;
-/// A reading that is written again sooner than this is one reading, s; so many rows tell, and half of them.
+/// A reading that is written again sooner than this is one reading, s ...
 const REPEATS_S: f64 = 0.999;
+/// ... where so many pairs of rows are that close, and half of them are alike.
 const LEAST_REPEATED: usize = 50;
 /// A speed is the slope in the middle of so long before and after, s; where there are not as many rows on both sides,
 /// the mean of this.
@@ -569,7 +570,7 @@ impl Stretch {
     }
 }
 
-/// Two rows of a moving train that is not further on than in half a minute: not the log but its clock has a gap.
+/// Two rows of a moving train that is no further on than half a minute of travel: the clock jumped, the log has no gap.
 fn went_on(a: &Sample, b: &Sample) -> bool {
     let moving = a.speed_mps.zip(b.speed_mps).map(|(a, b)| a.min(b)).filter(|mps| *mps > 5.0);
     let moved_m = a.location_m.zip(b.location_m).map(|(a, b)| (b - a).abs());

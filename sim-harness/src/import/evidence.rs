@@ -17,6 +17,7 @@ use super::number;
 use super::source::SourceFile;
 use super::source::row::{Event, RowField};
 use super::units::{self, Unit};
+use exchanged::mostly;
 use kind::kind_of;
 use rundown_files::refusal::ReadError;
 use std::collections::BTreeMap;
@@ -183,8 +184,8 @@ impl SeenRows {
         let fixes: Vec<(f64, f64)> = fixes.filter(|fix| *fix != (0.0, 0.0)).collect();
         let fits = |value: f64, most: f64| value.abs() < 100.0 * most && value.abs() % 100.0 < 60.0;
         let all_fit = fixes.iter().all(|(latitude, longitude)| fits(*latitude, 90.0) && fits(*longitude, 180.0));
-        let beyond = fixes.iter().find(|(latitude, longitude)| latitude.abs() > 90.0 || longitude.abs() > 180.0);
-        let (latitude, _) = *beyond.filter(|_| all_fit)?;
+        let is_beyond = |(latitude, longitude): &(f64, f64)| latitude.abs() > 90.0 || longitude.abs() > 180.0;
+        let (latitude, _) = mostly(fixes.iter().copied(), is_beyond).filter(|_| all_fit)?;
         for meaning in [Meaning::Latitude, Meaning::Longitude] {
             if let Some(column) = columns.of.get_mut(&meaning) {
                 column.unit = units::by_name(meaning, units::DEGREES_AND_MINUTES);

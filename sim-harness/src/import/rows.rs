@@ -136,14 +136,7 @@ impl<'a> Converter<'a> {
                     self.place, sample.line, column.name, column.unit
                 )
             });
-            match column.name {
-                LOCATION => sample.location_m = None,
-                "speed_kmh" => sample.speed_mps = None,
-                "effort_n_per_kg" => sample.effort_n_per_kg = None,
-                "ambient_temperature_c" => sample.temperature_c = None,
-                "headwind_mps" => sample.headwind_mps = None,
-                _ => {}
-            }
+            (column.clear)(sample);
         }
     }
 

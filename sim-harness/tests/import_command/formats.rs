@@ -122,6 +122,31 @@ fn positions_under_each_others_names_are_put_right_with_the_figure() {
 }
 
 #[test]
+fn a_single_fix_that_is_no_latitude_is_missing_and_says_nothing_of_the_others() {
+    let rows = drive(&STOPS_M, 25.0);
+    let placed = |wrong: f64| {
+        let row = std::cell::Cell::new(0);
+        let text = table("time [s],lat,lon,speed [km/h]", &rows, |t, x, v| {
+            row.set(row.get() + 1);
+            let (latitude, longitude) = place(x, 0.0);
+            let latitude = if row.get() == 100 { wrong } else { latitude };
+            format!("{t},{latitude:.7},{longitude:.7},{:.1}", 3.6 * v)
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv", "--chainage", "line"]);
+        (csv(&folder, "runs/a_01.csv"), said.out + &said.err)
+    };
+    let (right, _) = placed(place(rows[99].1, 0.0).0);
+    // No latitude; and one that may be degrees and minutes.
+    for wrong in [95.0, 132.0] {
+        let (found, said) = placed(wrong);
+        assert!(!said.contains("is taken for") && !said.contains("are taken for"), "{wrong}: {said}");
+        assert!(said.contains("no place on Earth, taken as missing: 1"), "{wrong}: {said}");
+        near(last(&found)[1] - found[0][1], last(&right)[1] - right[0][1], 2.0);
+    }
+}
+
+#[test]
 fn places_without_a_fix_decide_no_units() {
     let rows = drive(&STOPS_M, 25.0);
     let text = table("time_s,lat,lon,speed_kmh", &rows, |t, x, v| {

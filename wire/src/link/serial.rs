@@ -13,7 +13,7 @@
 //!
 //! A flip in the message's own bytes is found by the checksum for certain (up to five bits). A flip in one of the COBS
 //! distances moves bytes, and one that makes or unmakes a zero cuts or joins messages; these meet the checksum as
-//! arbitrary bytes and pass with a chance of 2^-32. `tests/link_serial.rs` in `host-tests` tries every single and
+//! arbitrary bytes and pass with a chance of 2^-32. `link_serial.rs` in `board-tests` tries every single and
 //! double flip of some messages.
 
 use super::checksum::{self, ChecksumError, LengthError};
@@ -129,7 +129,7 @@ pub struct Decoder<const N: usize = MAX_CHECKED> {
 }
 
 impl<const N: usize> Decoder<N> {
-    /// A decoder at the begin of a message.
+    /// A decoder at the start of a message.
     pub const fn new() -> Self {
         Self { cobs: DecoderState::Idle, checked: Vec::new(), overflow: false }
     }

@@ -4,7 +4,7 @@
 //! y = u - dv/dt - mean(r(v) + g(s))        N/kg, positive: more resistance than believed
 //! ```
 //!
-//! Where a log has a headwind column, r is taken at the air speed: a wind that is measured is none to be found.
+//! Where a log has a headwind column, r is taken at the air speed: a measured wind is not searched for.
 //! With an effort column every moving interval gives one; without, only established coasting does (u = 0).
 
 use crate::config::IntervalConfig;
@@ -42,7 +42,7 @@ impl Row {
         })
     }
 
-    /// The row with its effort put right, which read by `gain` too much.
+    /// The row with an effort put right that reads too high by `gain`.
     pub fn without_gain(mut self, gain: f64) -> Self {
         self.residual_n_per_kg -= self.effort_n_per_kg * (1.0 - 1.0 / (1.0 + gain));
         for effort in [&mut self.effort_n_per_kg, &mut self.interval.effort_step_n_per_kg] {

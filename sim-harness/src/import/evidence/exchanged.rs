@@ -19,8 +19,21 @@ const LEAST_CHORDS: usize = 20;
 const WAY_NEAR: f64 = 0.025;
 const FARTHER: f64 = 3.0;
 
+/// The first of them that is such, where most are: a single wrong fix says nothing of the others.
+pub fn mostly<T: Copy>(all: impl Iterator<Item = T>, is_such: impl Fn(&T) -> bool) -> Option<T> {
+    let (mut first, mut such, mut count) = (None, 0_usize, 0_usize);
+    for one in all {
+        count += 1;
+        if is_such(&one) {
+            such += 1;
+            first = first.or(Some(one));
+        }
+    }
+    first.filter(|_| 2 * such > count)
+}
+
 impl SeenRows {
-    /// Latitude and longitude under each other's name: some are no latitudes, or the way by positions agrees with that
+    /// Latitude and longitude under each other's name: most are no latitudes, or the way by positions agrees with that
     /// by location or speed once they are exchanged, and not as they are named. Out: that they were exchanged, with the
     /// figures.
     ///
@@ -30,7 +43,7 @@ impl SeenRows {
         let of = |meaning: Meaning| columns.of.get(&meaning).filter(|column| column.unit.is_some_and(Unit::is_degrees));
         let Some((latitude, longitude)) = of(Meaning::Latitude).zip(of(Meaning::Longitude)) else { return Ok(None) };
         let fixes = || self.rows.iter().filter_map(|row| row.numbers[3].zip(row.numbers[4]));
-        let beyond = fixes().find(|(latitude, _)| latitude.abs() > 90.0);
+        let beyond = mostly(fixes(), |(latitude, _)| latitude.abs() > 90.0);
         let are_degrees = fixes().all(|(first, second)| first.abs() <= 180.0 && second.abs() <= 90.0);
         let why = match beyond.filter(|_| are_degrees) {
             Some((first, _)) => format!("{first} is no latitude"),
