@@ -4,8 +4,10 @@
 //! In: the estimator, the runs as replayed. Out: notes, one line each.
 
 pub(crate) mod before_brakes;
+mod changed;
 pub(crate) mod coasts;
 pub(crate) mod foreseen;
+mod taught;
 mod unlike;
 pub(crate) mod vehicle;
 
@@ -37,7 +39,7 @@ pub struct Advice {
     vehicles: BTreeMap<String, vehicle::After>,
     foreseen: foreseen::Foreseen,
     /// What each run taught by itself.
-    taught: Vec<unlike::Taught>,
+    taught: Vec<taught::Taught>,
     /// What coasts teach of each beside its efforts.
     pub coasts: BTreeMap<String, vehicle::After>,
 }
@@ -54,7 +56,7 @@ impl Advice {
             self.without_effort.add(run, rows().all(|measurement| measurement.effort_n_per_kg.is_none()));
             self.with_effort.add(run, rows().any(|measurement| measurement.effort_n_per_kg.is_some()));
             self.effort_beside_both |= rows().any(has_effort_beside_both);
-            self.taught.extend(unlike::Taught::of(run).filter(|_| run.is_used));
+            self.taught.extend(taught::Taught::of(run).filter(|_| run.is_used));
             vehicle::After::add(&mut self.vehicles, run);
         }
     }
@@ -97,6 +99,7 @@ impl Advice {
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
         notes.extend(self.foreseen.notes());
         notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
+        notes.extend(self.vehicles.iter().filter_map(|(unit, after)| changed::note(unit, &self.taught, &after.davis)));
         notes.extend(vehicle::notes(estimator, &self.vehicles, gradients_are_said));
         notes
     }
@@ -172,7 +175,9 @@ impl NamedRuns {
 mod tests {
     use super::*;
     use crate::replaying::{Replayed, Request};
+    use crate::report::resistance::Resistance;
     use rundown::estimator::config::Config;
+    use rundown_check::agreement::Figure;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
     use std::path::{Path, PathBuf};
 
@@ -203,6 +208,28 @@ mod tests {
             let is_said = advice.notes(&estimator, false).iter().any(|note| note.starts_with("nothing was learned"));
             assert_eq!(is_said, !is_used);
         }
+    }
+
+    #[test]
+    fn a_train_that_changes_at_once_is_said_with_the_run() {
+        let replayed = replayed();
+        let said = |since: f64| {
+            let mut advice = Advice::default();
+            advice.add(&replayed.runs);
+            let r_n_per_kg = Resistance::at(&advice.vehicles[""].davis, 25.0).unwrap().mean_n_per_kg;
+            let run = |i: u32| taught::Taught {
+                name: format!("run{i}"),
+                unit: String::new(),
+                speed_mps: 25.0,
+                r_n_per_kg: Figure { value: r_n_per_kg * if i < 4 { 1.0 } else { since }, sd: 1e-5 },
+            };
+            advice.taught = (0..9).map(run).collect();
+            advice.notes(&estimator(Config::default()), false).join("\n")
+        };
+        let expected = "the vehicle: from run4 on it has 30 % more resistance (at 90 km/h, 4 runs before and 5 since)";
+        assert!(said(1.3).contains(expected), "{}", said(1.3));
+        assert!(said(0.7).contains("from run4 on it has 30 % less resistance"), "{}", said(0.7));
+        assert!(!said(1.05).contains("on it has"), "{}", said(1.05));
     }
 
     /// Speed and effort each have rows of their own: of the effort there is a minute in one piece, and that was asked

@@ -5,24 +5,16 @@
 //! and nothing else asks whether they belong to it.
 //!
 //! ```text
-//! run  = prior + (posterior - prior) / K,   K = 1 - posterior's variance / prior's
 //! away = run / vehicle - 1, by its median over the runs, in units of 1.4826 x the median distance from it
 //! ```
 
-use crate::report::resistance::Resistance;
+use super::taught::Taught;
 use rundown::filter::gaussian::Gaussian;
-use rundown::model::state::R0;
-use rundown::tick::estimate::Estimate;
 use rundown_check::agreement::Figure;
-use rundown_files::replay::ReplayedRun;
 use rundown_files::statistics::{median, spread};
 
 /// From fewer runs it is not known how runs scatter.
 const LEAST_RUNS: usize = 8;
-/// A run that taught less of its resistance says little by itself.
-const LEAST_TAUGHT: f64 = 0.7;
-/// Speeds that are asked, km/h: that of which a run taught most counts.
-const ASKED_KMH: [f64; 5] = [40.0, 60.0, 80.0, 100.0, 120.0];
 /// So many times as far from the others as they are from each other ...
 const FAR: f64 = 6.0;
 /// ... by so large a share of the resistance (judgement: winds of single days do less) ...
@@ -32,49 +24,10 @@ const SURE: f64 = 12.0;
 /// So many are named.
 const NAMED: usize = 3;
 
-/// What a run teaches by itself.
-#[derive(Debug)]
-pub(super) struct Taught {
-    name: String,
-    unit: String,
-    speed_mps: f64,
-    r_n_per_kg: Figure,
-}
-
-/// The resistance of an estimate, as the train has it on this run.
-fn davis(estimate: &Estimate) -> Gaussian<3> {
-    let Gaussian { mean, covariance } = &estimate.belief;
-    Gaussian {
-        mean: mean.fixed_rows::<3>(R0).into_owned(),
-        covariance: covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
-    }
-}
-
-impl Taught {
-    /// `None`: too little.
-    pub(super) fn of(run: &ReplayedRun) -> Option<Self> {
-        let ends = [davis(run.estimates.first()?), davis(run.estimates.last()?)];
-        let of = |kmh: f64| {
-            let speed_mps = kmh / 3.6;
-            let [prior, posterior] = ends.map(|belief| Resistance::at(&belief, speed_mps));
-            let (prior, posterior) = (prior?, posterior?);
-            let taught = 1.0 - (posterior.sd_n_per_kg / prior.sd_n_per_kg).powi(2);
-            let value = prior.mean_n_per_kg + (posterior.mean_n_per_kg - prior.mean_n_per_kg) / taught;
-            Some((taught, speed_mps, Figure { value, sd: posterior.sd_n_per_kg / taught.sqrt() }))
-        };
-        let taught = ASKED_KMH.into_iter().filter_map(of).filter(|(taught, ..)| *taught > LEAST_TAUGHT);
-        let (_, speed_mps, r_n_per_kg) = taught.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(Self { name: run.name.clone(), unit: run.unit.clone(), speed_mps, r_n_per_kg })
-    }
-}
-
 /// Runs far from all others, the farthest first. `vehicle`: the coefficients of a unit after all runs.
 pub(super) fn note(runs: &[Taught], vehicle: impl Fn(&str) -> Option<Gaussian<3>>) -> Option<String> {
-    let away = |run: &Taught| {
-        let r_n_per_kg = Resistance::at(&vehicle(&run.unit)?, run.speed_mps)?.mean_n_per_kg;
-        Some(Figure { value: run.r_n_per_kg.value / r_n_per_kg - 1.0, sd: run.r_n_per_kg.sd / r_n_per_kg })
-    };
-    let shares: Vec<(Figure, &Taught)> = runs.iter().filter_map(|run| Some((away(run)?, run))).collect();
+    let shares: Vec<(Figure, &Taught)> =
+        runs.iter().filter_map(|run| Some((run.over(&vehicle(&run.unit)?)?, run))).collect();
     if shares.len() < LEAST_RUNS {
         return None;
     }
@@ -108,6 +61,7 @@ pub(super) fn note(runs: &[Taught], vehicle: impl Fn(&str) -> Option<Gaussian<3>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::resistance::Resistance;
 
     /// The note on runs with so much of the vehicle's resistance each.
     fn said(factors: &[f64]) -> Option<String> {
