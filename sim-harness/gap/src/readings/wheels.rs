@@ -41,7 +41,7 @@ struct Scale {
     run: usize,
     value: f64,
     sd: f64,
-    /// It rests on a single distance, and a stop elsewhere makes it as well.
+    /// It rests on a single distance, and a stop elsewhere makes it as well: at a signal, or short of the yard.
     is_single: bool,
 }
 
@@ -193,8 +193,7 @@ fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
         .collect()
 }
 
-/// Scale of the distances from the first stop at a known place to the later ones, and whether one stop elsewhere makes
-/// it as well.
+/// Scale of the distances from the first stop at a known place to the later ones, and whether it is a single distance.
 fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &WheelConfig) -> Option<(Figure, bool)> {
     let (first, begin, from) = stops.iter().enumerate().find_map(|(i, at)| {
         let near = |place: &&f64| (*place - at).abs() < 2.0 * config.stop_m;
@@ -238,8 +237,7 @@ fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &Wheel
     let apart: f64 = kept.iter().map(|one| off(value, *one).powi(2)).sum::<f64>();
     let stop_sd_m = config.stop_sd_m.max((apart / (kept.len() - 1).max(1) as f64).sqrt());
     let scale = Figure { value, sd: of_places.hypot(stop_sd_m / squares.sqrt()) };
-    let is_single = matches!(kept[..], [(_, distance)] if (distance * (value - 1.0)).abs() < config.elsewhere_m);
-    Some((scale, is_single))
+    Some((scale, kept.len() == 1))
 }
 
 /// The runs with their speeds, and locations where the odometer gave them, put right.
@@ -369,6 +367,8 @@ mod tests {
             found.iter().map(|wheel| (wheel.named(&runs, &config), wheel.stands(&runs, &config))).collect::<Vec<_>>()
         };
         assert!(found(&[0.0, 35_000.0], [318.0, 247.0, 271.0]).is_empty());
+        // One run alone has none, however far it is from there.
+        assert!(found(&[0.0, 35_000.0], [1_200.0, 0.0, 0.0]).is_empty());
         // All at one place: a wheel or a signal.
         let one_place = found(&[0.0, 35_000.0], [280.0; 3]);
         let [(named, stands)] = &one_place[..] else { panic!("{one_place:?}") };
