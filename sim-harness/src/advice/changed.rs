@@ -23,7 +23,7 @@ const SURE: f64 = 6.0;
 
 /// A change between two runs.
 #[derive(Debug, PartialEq)]
-struct Change {
+struct ChangedAt {
     /// Index of the first run after it.
     since: usize,
     /// Resistance since, over that before, less 1.
@@ -35,7 +35,7 @@ pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option
     let of_unit = runs.iter().filter(|run| run.unit == unit);
     let of_unit: Vec<(&Taught, Figure)> = of_unit.filter_map(|run| Some((run, run.over(vehicle)?))).collect();
     let shares: Vec<Figure> = of_unit.iter().map(|(_, share)| *share).collect();
-    let Change { since, share } = change(&shares)?;
+    let ChangedAt { since, share } = change(&shares)?;
     let (first, _) = of_unit.get(since)?;
     Some(format!(
         "{}: from {} on it has {:.0} % {} resistance (at {:.0} km/h, {since} runs before and {} since): a brake that \
@@ -51,7 +51,7 @@ pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option
 }
 
 /// Where the shares change at once, and by how much.
-fn change(shares: &[Figure]) -> Option<Change> {
+fn change(shares: &[Figure]) -> Option<ChangedAt> {
     let middle = |part: &[Figure]| median(part.iter().map(|share| share.value));
     // Distances from the medians of both sides.
     let rest = |since: usize| {
@@ -67,11 +67,11 @@ fn change(shares: &[Figure]) -> Option<Change> {
     let since = (LEAST_RUNS..=last).min_by(|a, b| sum(a).total_cmp(&sum(b)))?;
     let (before, after) = shares.split_at(since);
     let own_sd = median(shares.iter().map(|share| share.sd))?;
-    let scatter = spread(rest(since)?.into_iter()).max(own_sd);
+    let scatter = spread(rest(since)?).max(own_sd);
     let sd = sd_of_median(scatter, before.len()).hypot(sd_of_median(scatter, after.len()));
     let (before, after) = (middle(before)?, middle(after)?);
     let share = (1.0 + after) / (1.0 + before) - 1.0;
-    (share.abs() > LEAST_CHANGE && (after - before).abs() > SURE * sd).then_some(Change { since, share })
+    (share.abs() > LEAST_CHANGE && (after - before).abs() > SURE * sd).then_some(ChangedAt { since, share })
 }
 
 #[cfg(test)]
