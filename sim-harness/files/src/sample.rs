@@ -44,7 +44,7 @@ pub struct NumberColumn {
     pub range: (f64, f64),
     /// Takes the file's value into a sample.
     pub set: fn(&mut Sample, f64),
-    /// Takes it out of a sample, but for the time.
+    /// Removes the value from a sample; the time stays.
     pub clear: fn(&mut Sample),
     /// The sample's value in the file's unit.
     pub get: fn(&Sample) -> Option<f64>,

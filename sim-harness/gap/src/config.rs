@@ -122,10 +122,10 @@ settings! {
         same: f64 = 0.002, /// Wheels nearer to each other are one. Judgement.
         standing_mps: f64 = 1.0, /// Slower is standing, m/s. Judgement.
         near_m: f64 = 60.0, /// Stops nearer to the next one are at one place, m. Judgement.
-        least_stops: usize = 3, /// Least runs that make a place of their stops; and a third of all. Judgement.
+        least_stops: usize = 3, /// Least runs that make a place of their stops, and a third of all; and that make a wheel by a single distance each. Judgement.
         stop_m: f64 = 60.0, /// How far a stop may be from its place, m. Judgement: drivers, and the noise of a receiver.
         agreeing_share: f64 = 0.75, /// Share of a run's distances between known places that must agree on its wheel. Judgement: a stop at a signal may lie near a platform.
-        agreeing: f64 = 3.0, /// Wheels that rest on a single distance each agree within so many times what runs scatter, or their own standard deviation. Derived: of three by chance one in 125.
+        agreeing: f64 = 3.0, /// Wheels that rest on a single distance each agree within so many times what runs scatter, or their own standard deviation. Judgement: three that stop anywhere within 700 m of one place agree by chance in one of 60 cases.
         elsewhere_odds: f64 = 1.0, /// Odds that it is then a place where these runs stop, and the others do not. Judgement: a signal is as common as a wheel in some runs alone.
         stop_sd_m: f64 = 10.0, /// Standard deviation of a stop, m. Judgement.
         platform_sd_m: f64 = 50.0, /// How far a platform is from where it is described, standard deviation, m. Judgement: half a train, or the middle of a station.

@@ -20,6 +20,8 @@ const LEAST_RUNS: usize = 4;
 const LEAST_CHANGE: f64 = 0.08;
 /// So many of its standard deviations make a change: the split was sought among all runs.
 const SURE: f64 = 6.0;
+/// The runs next to the split show so much of it, or it is a drift.
+const AT_ONCE: f64 = 0.7;
 
 /// A change between two runs.
 #[derive(Debug, PartialEq)]
@@ -37,15 +39,16 @@ pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option
     let shares: Vec<Figure> = of_unit.iter().map(|(_, share)| *share).collect();
     let ChangedAt { since, share } = change(&shares)?;
     let (first, _) = of_unit.get(since)?;
+    let speed_mps = median(of_unit.iter().map(|(run, _)| run.speed_mps))?;
     Some(format!(
-        "{}: from {} on it has {:.0} % {} resistance (at {:.0} km/h, {since} runs before and {} since): a brake that \
-         drags, a repair, another load or train? What was learned lies between both, whatever its interval; replay the \
-         runs since by themselves",
+        "{}: from {} on it has {:.0} % {} resistance (at about {:.0} km/h, by {since} runs before and {} since \
+         that teach enough by themselves): a brake that drags, a repair, another load or train? What is carried over it \
+         lies between both, whatever its interval; replay the runs since by themselves",
         named(unit),
         first.name,
         100.0 * share.abs(),
         if share > 0.0 { "more" } else { "less" },
-        3.6 * first.speed_mps,
+        3.6 * speed_mps,
         shares.len() - since
     ))
 }
@@ -69,9 +72,11 @@ fn change(shares: &[Figure]) -> Option<ChangedAt> {
     let own_sd = median(shares.iter().map(|share| share.sd))?;
     let scatter = spread(rest(since)?).max(own_sd);
     let sd = sd_of_median(scatter, before.len()).hypot(sd_of_median(scatter, after.len()));
+    let next = middle(&after[..LEAST_RUNS])? - middle(&before[before.len() - LEAST_RUNS..])?;
     let (before, after) = (middle(before)?, middle(after)?);
-    let share = (1.0 + after) / (1.0 + before) - 1.0;
-    (share.abs() > LEAST_CHANGE && (after - before).abs() > SURE * sd).then_some(ChangedAt { since, share })
+    let (change, share) = (after - before, (1.0 + after) / (1.0 + before) - 1.0);
+    let is_sure = share.abs() > LEAST_CHANGE && change.abs() > SURE * sd;
+    (is_sure && next / change > AT_ONCE).then_some(ChangedAt { since, share })
 }
 
 #[cfg(test)]
@@ -99,5 +104,11 @@ mod tests {
         assert_eq!(change(&shares([0.0, 0.3, -0.3, 0.2, -0.2, 0.25, -0.25, 0.1, 0.3, -0.1, 0.3, -0.3])), None, "winds");
         assert_eq!(change(&shares([-0.1, -0.1, -0.1, 0.15, 0.15, 0.15])), None, "three runs on each side");
         assert_eq!(change(&shares([0.0; 9].into_iter().chain([0.05; 9]))), None, "a small change");
+        for runs in [30_u32, 60, 200] {
+            let drift = (0..runs).map(|i| 0.2 * f64::from(i) / f64::from(runs - 1));
+            assert_eq!(change(&shares(drift)), None, "a drift over {runs} runs");
+            let season = (0..2 * runs).map(|i| 0.1 * (std::f64::consts::PI * f64::from(i) / f64::from(runs)).sin());
+            assert_eq!(change(&shares(season)), None, "a season of twice as many");
+        }
     }
 }

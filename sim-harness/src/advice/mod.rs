@@ -226,7 +226,8 @@ mod tests {
             advice.taught = (0..9).map(run).collect();
             advice.notes(&estimator(Config::default()), false).join("\n")
         };
-        let expected = "the vehicle: from run4 on it has 30 % more resistance (at 90 km/h, 4 runs before and 5 since)";
+        let expected =
+            "the vehicle: from run4 on it has 30 % more resistance (at about 90 km/h, by 4 runs before and 5 since";
         assert!(said(1.3).contains(expected), "{}", said(1.3));
         assert!(said(0.7).contains("from run4 on it has 30 % less resistance"), "{}", said(0.7));
         assert!(!said(1.05).contains("on it has"), "{}", said(1.05));

@@ -220,6 +220,13 @@ fn candidate(answer: &Answer, one: &Named) -> String {
         Some(trial) => trial.sentence(&answer.config),
         None => String::new(),
     };
+    let stands = one.trial.as_ref().is_none_or(|trial| trial.is_stood(&answer.config));
+    if let Some(or_else) = one.or_else.filter(|_| stands && matches!(one.effect, Effect::SpeedScale(_))) {
+        let separated_by = one.would_separate.join(", ");
+        return format!(
+            "A candidate, not a name: {what}. It is not in the repaired model, because it may as well be {or_else}; {separated_by} would settle it."
+        );
+    }
     let settles = match &one.trial {
         Some(trial) if trial.is_of_errors(&answer.config) => "A survey of the gradients, or runs over more of the line",
         _ => "More runs",

@@ -79,7 +79,7 @@ fn middle(scales: &[Scale], config: &WheelConfig) -> Option<(f64, f64)> {
 }
 
 /// Runs unlike the others, those with one wheel together.
-fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wheel> {
+fn exceptions<'a>(scales: &'a [Scale], locations: bool, config: &WheelConfig) -> Vec<Wheel> {
     let Some((middle, scatter)) = middle(scales, config) else {
         return Vec::new();
     };
@@ -87,7 +87,7 @@ fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wh
         let off = (s.value - middle).abs();
         (config.least..config.most).contains(&off) && off > config.sure * scatter.max(s.sd)
     };
-    let (mut unlike, others): (Vec<&Scale>, Vec<&Scale>) = scales.iter().partition(unlike);
+    let (mut unlike, others): (Vec<&'a Scale>, Vec<&'a Scale>) = scales.iter().partition(unlike);
     let most = others.iter().map(|s| (s.value - middle).abs()).fold(0.0, f64::max);
     unlike.retain(|s| (s.value - middle).abs() > config.beyond * most);
     if scales.len() < config.least_runs || unlike.len() as f64 > config.most_share * scales.len() as f64 {
@@ -97,17 +97,24 @@ fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wh
     let wheels = unlike.chunk_by(|a, b| b.value - a.value < config.same);
     let mean = |of: &[&Scale]| of.iter().map(|s| s.value).sum::<f64>() / of.len() as f64;
     let or_stops = |of: &[&Scale]| of.iter().all(|s| s.is_single);
-    let agree = |of: &[&Scale]| of.iter().all(|s| (s.value - mean(of)).abs() < config.agreeing * scatter.max(s.sd));
-    let tells = |of: &&[&Scale]| !or_stops(of) || (of.len() >= config.least_stops && agree(of));
-    let wheel = |of: &[&Scale]| {
-        let (count, value) = (of.len() as f64, mean(of));
+    let is_at = |s: &Scale, at: f64| (s.value - at).abs() < config.agreeing * scatter.max(s.sd);
+    // Beside runs with several distances one with a single distance counts where it agrees with them.
+    let of_wheel = |of: &[&'a Scale]| -> Vec<&'a Scale> {
+        let several: Vec<&Scale> = of.iter().copied().filter(|s| !s.is_single).collect();
+        let counts = |s: &&Scale| several.is_empty() || !s.is_single || is_at(s, mean(&several));
+        of.iter().copied().filter(counts).collect()
+    };
+    let agree = |of: &[&Scale]| of.iter().all(|s| is_at(s, mean(of)));
+    let tells = |of: &Vec<&Scale>| !or_stops(of) || (of.len() >= config.least_stops && agree(of));
+    let wheel = |of: Vec<&Scale>| {
+        let (count, value) = (of.len() as f64, mean(&of));
         let each = of.iter().map(|s| s.over(middle)).collect();
         let mut runs: Vec<usize> = of.iter().map(|s| s.run).collect();
         runs.sort_unstable();
         let sd = scatter / count.sqrt();
-        Wheel { runs, measured_over_true: value / middle, sd, locations, or_stops: or_stops(of), each }
+        Wheel { runs, measured_over_true: value / middle, sd, locations, or_stops: or_stops(&of), each }
     };
-    wheels.filter(tells).map(wheel).collect()
+    wheels.map(of_wheel).filter(tells).map(wheel).collect()
 }
 
 /// All runs against the described platforms.
@@ -237,7 +244,9 @@ fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &Wheel
     let apart: f64 = kept.iter().map(|one| off(value, *one).powi(2)).sum::<f64>();
     let stop_sd_m = config.stop_sd_m.max((apart / (kept.len() - 1).max(1) as f64).sqrt());
     let scale = Figure { value, sd: of_places.hypot(stop_sd_m / squares.sqrt()) };
-    Some((scale, kept.len() == 1))
+    // A train that draws up to a signal stands twice at one place.
+    let is_single = kept.iter().all(|(_, distance)| *distance == kept[0].1);
+    Some((scale, is_single))
 }
 
 /// The runs with their speeds, and locations where the odometer gave them, put right.
@@ -369,6 +378,11 @@ mod tests {
         assert!(found(&[0.0, 35_000.0], [318.0, 247.0, 271.0]).is_empty());
         // One run alone has none, however far it is from there.
         assert!(found(&[0.0, 35_000.0], [1_200.0, 0.0, 0.0]).is_empty());
+        // Nor one that stops twice there.
+        let places_m = [0.0, 33_800.0, 33_830.0];
+        let mut drawn_up = runs_between(&[0.0, 35_000.0], &[1.0; 25], true);
+        drawn_up.extend(runs_between(&places_m, &[1.0], true));
+        assert_eq!(wheels(&drawn_up, &Surroundings::default(), &GapConfig::default()), []);
         // All at one place: a wheel or a signal.
         let one_place = found(&[0.0, 35_000.0], [280.0; 3]);
         let [(named, stands)] = &one_place[..] else { panic!("{one_place:?}") };

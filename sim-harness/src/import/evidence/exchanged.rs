@@ -42,7 +42,9 @@ impl SeenRows {
     pub fn exchanged(&mut self, columns: &mut Columns, mapping: &SourceMapping) -> Result<Option<String>, String> {
         let of = |meaning: Meaning| columns.of.get(&meaning).filter(|column| column.unit.is_some_and(Unit::is_degrees));
         let Some((latitude, longitude)) = of(Meaning::Latitude).zip(of(Meaning::Longitude)) else { return Ok(None) };
+        // Rows without a fix are at no place.
         let fixes = || self.rows.iter().filter_map(|row| row.numbers[3].zip(row.numbers[4]));
+        let fixes = || fixes().filter(|fix| *fix != (0.0, 0.0));
         let beyond = mostly(fixes(), |(latitude, _)| latitude.abs() > 90.0);
         let are_degrees = fixes().all(|(first, second)| first.abs() <= 180.0 && second.abs() <= 90.0);
         let why = match beyond.filter(|_| are_degrees) {
