@@ -301,6 +301,7 @@ async fn each_run_of_a_study_and_of_a_gap_has_its_page() {
     reports.rundown(&["study", "--count", "3", "--out", "bare", "--no-run-pages"]);
     assert!(!reports.has("bare/report"));
     reports.open(&browser, "bare/report.html").await;
+    browser.wait_for("return document.querySelectorAll('#runs tbody th').length === 3").await;
     let rows = "return document.querySelectorAll('#runs tbody th').length - document.querySelectorAll('#runs tbody th a').length";
     assert_eq!(browser.ask::<u32>(rows).await, 3, "names without links");
 }

@@ -125,6 +125,7 @@ settings! {
         least_stops: usize = 3, /// Least runs that make a place of their stops, and a third of all; and that make a wheel by a single distance each. Judgement.
         stop_m: f64 = 60.0, /// How far a stop may be from its place, m. Judgement: drivers, and the noise of a receiver.
         agreeing_share: f64 = 0.75, /// Share of a run's distances between known places that must agree on its wheel. Judgement: a stop at a signal may lie near a platform.
+        beyond_m: f64 = 400.0, /// A stop may be so far beyond where the other runs stop, and no wheel, m. Judgement: a weak brake or a signal behind the platform.
         agreeing: f64 = 3.0, /// Wheels that rest on a single distance each agree within so many times what runs scatter, or their own standard deviation. Judgement: three that stop anywhere within 700 m of one place agree by chance in one of 60 cases.
         elsewhere_odds: f64 = 1.0, /// Odds that it is then a place where these runs stop, and the others do not. Judgement: a signal is as common as a wheel in some runs alone.
         stop_sd_m: f64 = 10.0, /// Standard deviation of a stop, m. Judgement.

@@ -200,7 +200,9 @@ fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
         .collect()
 }
 
-/// Scale of the distances from the first stop at a known place to the later ones, and whether it is a single distance.
+/// Scale of the distances from the first stop at a known place to the later ones, and whether it is a single distance
+/// that a stop elsewhere makes as well: any that is too short, for a train is held at signals, but few that are too
+/// long.
 fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &WheelConfig) -> Option<(Figure, bool)> {
     let (first, begin, from) = stops.iter().enumerate().find_map(|(i, at)| {
         let near = |place: &&f64| (*place - at).abs() < 2.0 * config.stop_m;
@@ -245,7 +247,8 @@ fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &Wheel
     let stop_sd_m = config.stop_sd_m.max((apart / (kept.len() - 1).max(1) as f64).sqrt());
     let scale = Figure { value, sd: of_places.hypot(stop_sd_m / squares.sqrt()) };
     // A train that draws up to a signal stands twice at one place.
-    let is_single = kept.iter().all(|(_, distance)| *distance == kept[0].1);
+    let is_one_place = kept.iter().all(|(_, distance)| *distance == kept[0].1);
+    let is_single = is_one_place && kept[0].1.abs() * (value - 1.0) < config.beyond_m;
     Some((scale, is_single))
 }
 
