@@ -15,7 +15,7 @@ use crate::named::Named;
 use crate::naming::names::may_be_none;
 use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
-use crate::wording::listed;
+use crate::wording::{listed, section};
 use rundown::model::effects::Effect;
 use rundown_check::gradients::SmallErrors;
 use rundown_pages::numbers::counted;
@@ -53,6 +53,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
         ));
     }
     notes.extend(other_names(found));
+    notes.extend(found.named.iter().filter_map(|one| at_once(answer, one)));
     notes.extend(found.candidates.iter().map(|one| candidate(answer, one)));
     let off = found.whiteness.as_ref().filter(|white| white.is_off(&answer.config));
     notes.extend(off.map(|white| {
@@ -206,6 +207,24 @@ fn other_names(found: &Investigation) -> Option<String> {
         format!(
             "All runs show {}, those that were not held out {}: before and after on the hold-out runs are measured with the second, and a name that these do not have is less sure.",
             all, training
+        )
+    })
+}
+
+/// Less of a section that acts as soon as the front is inside is not worth a word.
+const LITTLE_AT_ONCE: f64 = 0.3;
+
+/// A section that begins and ends sooner than its law has it.
+fn at_once(answer: &Answer, one: &Named) -> Option<String> {
+    let share = answer.found.findings.terms.get(one.term?)?.at_once?;
+    let is_sure = share.away_from(0.0) > answer.config.nuisance.sure && share.value > LITTLE_AT_ONCE;
+    is_sure.then(|| {
+        format!(
+            "{} from {} begins and ends as the front passes, not over the length of the train as its law has it ({:.2} \u{b1} {:.2} of it): no effect of its own, and not in the repaired model.",
+            one.effect.name(),
+            section(one),
+            share.value,
+            share.sd
         )
     })
 }

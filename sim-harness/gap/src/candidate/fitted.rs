@@ -2,6 +2,7 @@
 
 use super::Term;
 use crate::named::{Interval95, around};
+use rundown_check::agreement::Figure;
 
 /// 95 % limits of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +36,8 @@ pub struct Fitted {
     /// not fit, or runs differ.
     pub dispersion: f64,
     pub section: Option<SectionLimits>,
+    /// Of a section: which share of it acts as soon as the front is inside, and not over the length of the train.
+    pub at_once: Option<Figure>,
     /// Limits of a shape that is a number.
     pub shape: Option<ShapeLimits>,
     /// Others that would do nearly as well in its place, with how much worse they are.
@@ -57,6 +60,7 @@ impl Fitted {
             gain: 0.0,
             dispersion: 1.0,
             section: None,
+            at_once: None,
             shape: None,
             rivals: Vec::new(),
             may_be_brakes: false,

@@ -28,6 +28,10 @@ impl<'a> Believed<'a> {
     pub fn train(&self) -> &'a Train {
         self.up.train
     }
+
+    pub fn track(&self) -> &'a Track {
+        self.up.track
+    }
 }
 
 /// What the believed model takes off at a point, r + g, N/kg.

@@ -137,8 +137,13 @@ fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f
     let given: Vec<Vec<[f64; 2]>> = runs.iter().zip(cut).map(of_run).collect();
     let nuisance = &context.config.nuisance;
     let gain = gain(given.iter().flatten(), nuisance.most_sd * nuisance.effort_gain_sd);
-    let size = |[effort, needed]: &[f64; 2]| (gain * effort - needed).abs();
-    given.iter().map(|of_run| (of_run.iter().map(size).sum(), of_run.len() as f64)).collect()
+    let of_run = |of_run: &Vec<[f64; 2]>| {
+        let left: Vec<f64> = of_run.iter().map(|[effort, needed]| gain * effort - needed).collect();
+        // What acts all through a run, such as its wind, is no age.
+        let usual = median(left.iter().copied()).unwrap_or(0.0);
+        (left.iter().map(|left| (left - usual).abs()).sum(), left.len() as f64)
+    };
+    given.iter().map(of_run).collect()
 }
 
 /// The multiple of the efforts that is nearest to those needed, in the mean of the distances: the median of the ratios,
@@ -170,6 +175,7 @@ const GROUPS: usize = 6;
 /// Finds reading and delay. `brakes`: whether the readings of the brake count.
 pub fn delay(context: &Context<'_>, runs: &[Run], brakes: bool) -> Delay {
     let (config, effort) = (&context.config.nuisance, &context.config.effort);
+    let enough = context.config.search.enough;
     let every = runs.len().div_ceil(MOST_RUNS).max(1);
     let some: Vec<Run> = runs.iter().step_by(every).cloned().collect();
     let usual_s = median(some.iter().map(usual_step_s)).unwrap_or(10.0);
@@ -208,7 +214,10 @@ pub fn delay(context: &Context<'_>, runs: &[Run], brakes: bool) -> Delay {
     // A mean that is half a sample late is a momentary value that is a whole one late, to the last digit but for
     // constant power.
     let clearly = -effort.mean_share.ln() * telling;
-    if b - a > clearly { since_last } else { momentary }
+    // A mean in time is likelier than a momentary value that is just half a sample late.
+    let needs_age = |delay: &Delay| delay.put_right_s(enough).is_some();
+    let in_time = needs_age(&momentary) && !needs_age(&since_last) && b - since_last.gain + enough > a;
+    if b - a > clearly || in_time { since_last } else { momentary }
 }
 
 /// Intervals between whose ends the effort changes.
@@ -332,6 +341,25 @@ mod tests {
                 let found = delay(context, &runs, true);
                 assert_eq!(found.reading, EffortReading::MeanSinceLast);
                 assert!((found.delay_s.unwrap().value - 10.0 * age as f64).abs() <= 0.5, "{found:?}");
+            }
+        });
+    }
+
+    /// The same trains with more or less resistance in each run, or more in all, and the effort of the second before
+    /// each sample: a momentary value that is half a second late would do nearly as well.
+    #[test]
+    fn a_mean_in_time_stays_one_beside_another_resistance() {
+        on_a_level_line(12, |context| {
+            for more_n_per_kg in [[0.01, -0.01], [0.015, 0.015]] {
+                let mut runs = runs(context, 1, 1, EffortReading::Momentary);
+                for (index, run) in runs.iter_mut().enumerate() {
+                    for effort in run.samples.iter_mut().filter_map(|sample| sample.effort_n_per_kg.as_mut()) {
+                        *effort -= more_n_per_kg[index % 2];
+                    }
+                }
+                let found = delay(context, &runs, true);
+                let right_s = found.put_right_s(context.config.search.enough);
+                assert_eq!((found.reading, right_s), (EffortReading::MeanSinceLast, None), "{found:?}");
             }
         });
     }

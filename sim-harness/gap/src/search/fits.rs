@@ -2,7 +2,8 @@
 
 use crate::candidate::{Family, Offer, Shape, Term};
 use crate::candidates::{self, sensors};
-use crate::data::{believed::Context, rows::Row};
+use crate::data::believed::{Believed, Context};
+use crate::data::rows::Row;
 use crate::fit::{Base, Gain};
 use crate::noise::calibrate::{Calibrated, effort};
 use crate::noise::dragging_units::Units;
@@ -10,6 +11,7 @@ use crate::noise::whitening::Whitening;
 use crate::search::scan::Scan;
 use nalgebra::DVector;
 use rundown::model::effects::EffectKind;
+use rundown::model::train::{Train, TrainDescription};
 use rundown_check::agreement::Figure;
 use std::{cell::RefCell, collections::HashMap, rc::Rc};
 
@@ -91,9 +93,28 @@ impl<'a> Search<'a> {
         let whole = model.iter().filter(|term| term.is_whole());
         let y = whole.fold(self.y.clone(), |y, term| y - &self.white(term)[0]);
         let free = model.iter().filter(|term| !term.is_whole());
-        let free: Vec<_> =
-            free.flat_map(|term| self.white(term).to_vec()).chain(self.sensors.iter().cloned()).collect();
+        let free = free.flat_map(|term| self.white(term).to_vec()).chain(self.sensors.iter().cloned());
+        let free: Vec<_> = free.chain(model.iter().filter_map(|term| self.at_ends(term))).collect();
         Base::new(&y, &free, self.whitening.runs())
+    }
+
+    /// What a section would do at its ends, more than its law has it, if it acted on the front of the train alone: how
+    /// a resistance grows where a train comes in differs from tunnel to tunnel, and is no further effect.
+    fn at_ends(&self, term: &Term) -> Option<DVector<f64>> {
+        term.section()?;
+        let key = format!("ends {term:?}");
+        if let Some(known) = self.known.borrow().get(&key) {
+            return known.first().cloned();
+        }
+        let believed = &self.context.believed;
+        let front = Train::try_new(TrainDescription { length_m: 1.0, ..*believed.train().description() }).ok()?;
+        let of_front = Context { believed: Believed::new(&front, believed.track()), ..*self.context };
+        let columns = [term.columns(&of_front, self.rows), term.columns(self.context, self.rows)];
+        let [front, train] = columns.map(|columns| columns.into_iter().next());
+        let more: Vec<f64> = front?.iter().zip(train?).map(|(front, train)| front - train).collect();
+        let white = Rc::new(vec![self.whitening.whiten(&more)]);
+        self.known.borrow_mut().insert(key, Rc::clone(&white));
+        white.first().cloned()
     }
 
     /// What a term brings beside a model. The coefficient of a whole term is 1, so its gain is not that of a free fit.

@@ -2,7 +2,7 @@
 
 use crate::candidate::{Fitted, Term};
 use crate::search::{fits::Search, selection::Found, shape};
-use rundown_check::agreement::HALF_95;
+use rundown_check::agreement::{Figure, HALF_95};
 
 /// Each term of the model with its coefficients, what it brings beside the others, and who would do as well.
 pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
@@ -13,6 +13,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
     let score = search.score(model);
     let (naive, robust) = (base.naive(), base.robust());
     let dispersion = base.dispersion();
+    let sections = |terms: &[Term]| terms.iter().filter(|term| term.section().is_some()).count();
     let mut place = 0;
     let of_term = |(index, term): (usize, &Term)| {
         let count = if term.is_whole() { 0 } else { term.count() };
@@ -37,6 +38,12 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
         });
         let sd: Vec<f64> = sd.collect();
         let half = HALF_95 * sd.first().copied().unwrap_or(0.0);
+        let at_once = term.section().map(|_| {
+            // The coefficients end with those of the sections' ends.
+            let i = base.beta.len() - sections(&model[index..]);
+            let sd = naive[(i, i)].max(robust[(i, i)]).sqrt();
+            Figure { value: base.beta[i] / base.beta[range.start], sd: sd / base.beta[range.start].abs() }
+        });
         let beta: Vec<f64> = range.map(|i| base.beta[i]).collect();
         let beside = search.base(&others);
         let adds = if term.is_whole() { &[1.0][..] } else { &beta };
@@ -49,6 +56,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             may_be_brakes: beside.is_some_and(|beside| search.may_be_brakes(&beside, term, adds)),
             may_be_refused: search.may_be_refused_section(&others, term),
             section: search.section(&others, term, half, beta.first().copied().unwrap_or(1.0)),
+            at_once,
             rivals: rivals.into_iter().filter_map(rival).collect(),
             beta,
         }
@@ -59,6 +67,8 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::candidate::Shape;
+    use crate::candidates;
     use crate::data::believed::tests::on_a_level_line;
     use crate::data::rows::Row;
     use crate::noise::calibrate::Calibrated;
@@ -106,5 +116,46 @@ mod tests {
         let found_of_drag = found(|speed_mps| 5e-6 * speed_mps * speed_mps);
         assert!(!found_of_drag.is_empty());
         assert!(found_of_drag.iter().all(|(_, rivals)| !rivals.contains(&starting)), "{found_of_drag:?}");
+    }
+
+    /// The terms found in 30 runs up and down a tunnel of which a share acts on the front of the train alone.
+    fn found_of_tunnel(at_once: f64) -> Vec<Fitted> {
+        on_a_level_line(30, |context| {
+            let mut rng = ChaCha8Rng::seed_from_u64(9);
+            let tunnel = Term { of: candidates::of(EffectKind::TunnelDrag), shape: Shape::Section([20e3, 25e3]) };
+            let row = |k: usize| {
+                let (run, i) = (k / 200, k % 200);
+                let location_m = 300.0 * i as f64 + rng.random_range(0.0..300.0);
+                let direction = [Direction::Up, Direction::Down][run % 2];
+                let mut row = Row::coasting(direction, location_m, rng.random_range(25.0..40.0));
+                row.interval.run = run;
+                row
+            };
+            let mut rows: Vec<Row> = (0..30 * 200).map(row).collect();
+            let of_train = tunnel.extra(&[1.2e-5], context, &rows);
+            for (row, of_train) in rows.iter_mut().zip(of_train) {
+                let middle = row.interval.middle();
+                let inside = f64::from((20e3..25e3).contains(&middle.location_m));
+                let of_front = 1.2e-5 * middle.speed_mps.powi(2) * inside;
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.residual_n_per_kg = at_once * of_front + (1.0 - at_once) * of_train + 0.002 * noise;
+            }
+            let noise = Noise { acceleration_mps2: 0.002, ..Noise::default() };
+            let calibrated = Calibrated::even(noise, rows.len());
+            let search = Search::new(context, &rows, &calibrated, true);
+            fitted(&search, &search.select())
+        })
+    }
+
+    #[test]
+    fn a_tunnel_that_acts_on_the_front_of_the_train_has_no_gradient_errors_at_its_ends() {
+        for share in [0.0, 1.0] {
+            let terms = found_of_tunnel(share);
+            let [Fitted { term, at_once: Some(at_once), .. }] = terms.as_slice() else {
+                panic!("{share}: {terms:?}");
+            };
+            assert!(term.is(EffectKind::TunnelDrag), "{term:?}");
+            assert!(at_once.away_from(share) < 3.0 && at_once.sd < 0.15, "{share}: {at_once:?}");
+        }
     }
 }
