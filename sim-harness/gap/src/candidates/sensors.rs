@@ -7,6 +7,8 @@ use rundown::model::line::Line;
 
 /// Speed read later than the effort: step of the effort over the interval's length; coefficient in s.
 pub static DELAY: &dyn Candidate = &Sensor::Delay;
+/// What straight lines between momentary efforts miss: their bend over the interval's length; coefficient in s.
+pub static BEND: &dyn Candidate = &Sensor::Bend;
 /// Location read late, beyond what was put right: the gradient of v seconds back less the one here, over 1 s.
 pub static LATE_LOCATION: &dyn Candidate = &Sensor::LateLocation;
 
@@ -18,6 +20,7 @@ const SLOPE_M: f64 = 15.0;
 
 enum Sensor {
     Delay,
+    Bend,
     LateLocation,
     LocationOffset,
 }
@@ -30,6 +33,7 @@ impl Candidate for Sensor {
     fn name(&self) -> &'static str {
         match self {
             Self::Delay => "delay",
+            Self::Bend => "bend",
             Self::LateLocation => "late",
             Self::LocationOffset => "offset",
         }
@@ -38,6 +42,7 @@ impl Candidate for Sensor {
     fn columns(&self, _: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
         vec![match self {
             Self::Delay => along(context, rows, |_, row, _| row.interval.effort_step_n_per_kg / row.interval.dt_s),
+            Self::Bend => along(context, rows, |_, row, _| row.interval.effort_bend_n_per_kg / row.interval.dt_s),
             Self::LateLocation => {
                 along(context, rows, |line, _, p| p.speed_mps * line.direction.sign() * slope(line, p))
             }

@@ -116,6 +116,7 @@ impl Cut<'_> {
             effort_n_per_kg: effort.map(|(mean, _)| mean),
             effort_change_n_per_kg: effort.map_or(0.0, |(_, change)| change),
             effort_step_n_per_kg: self.efforts.step(from.sample, to.sample),
+            effort_bend_n_per_kg: self.efforts.bend(from.sample, to.sample),
             temperature_c: self.run.samples[to.sample].temperature_c,
             wind_mps: self.wind_mps(from.sample, to.sample),
             day: self.run.day,

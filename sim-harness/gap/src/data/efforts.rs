@@ -63,6 +63,17 @@ impl Efforts<'_> {
         middle(to) - middle(from)
     }
 
+    /// Change from one momentary reading to the next at the end of an interval, less that at its beginning; none of
+    /// means, nor where fewer than two readings lie within.
+    pub(super) fn bend(&self, from: usize, to: usize) -> f64 {
+        if self.reading == EffortReading::MeanSinceLast || to < from + 3 {
+            return 0.0;
+        }
+        let known = |sample: usize| self.samples.get(sample).and_then(|sample| sample.effort_n_per_kg);
+        let change = |sample: usize| Some(0.5 * (known(sample + 1)? - known(sample.checked_sub(1)?)?));
+        change(to).zip(change(from)).map_or(0.0, |(end, begin)| end - begin)
+    }
+
     /// The sample after one of a column of means, unless a gap lies between.
     fn mean_after(&self, sample: usize) -> Option<usize> {
         let samples = self.samples;
@@ -119,5 +130,31 @@ impl Efforts<'_> {
             last = now;
         }
         (time_s > 0.0).then(|| (sum / time_s, change / time_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn straight_lines_between_momentary_readings_miss_a_twelfth_of_what_the_effort_bends() {
+        let at = |time_s: f64| 0.001 * time_s * time_s;
+        let read = |second: u32| {
+            let time_s = 2.0 * f64::from(second);
+            Sample { time_s, effort_n_per_kg: Some(at(time_s)), ..Sample::default() }
+        };
+        let samples: Vec<Sample> = (0..8).map(read).collect();
+        let config = IntervalConfig::default();
+        let efforts = |reading| Efforts { samples: &samples, reading, config: &config };
+        let momentary = efforts(EffortReading::Momentary);
+        // Readings 2 s apart, from 2 s to 12 s: the mean of t²/1000 is (12³ - 2³) / 30 000.
+        let (mean, _) = momentary.mean(1, 6).unwrap();
+        let missed = mean - (12.0_f64.powi(3) - 2.0_f64.powi(3)) / 30_000.0;
+        assert!((missed - 2.0 / 12.0 * momentary.bend(1, 6) / 10.0).abs() < 1e-12, "{missed}");
+        assert!(missed > 1e-4);
+        // Means miss nothing; of two readings, or at the end of a log, it is not known.
+        assert_eq!(efforts(EffortReading::MeanSinceLast).bend(1, 6), 0.0);
+        assert_eq!([momentary.bend(1, 3), momentary.bend(0, 6), momentary.bend(1, 7)], [0.0; 3]);
     }
 }

@@ -29,6 +29,9 @@ pub struct Interval {
     pub effort_change_n_per_kg: f64,
     /// Effort at the end less effort at the beginning, N/kg; of means, half a row later at both.
     pub effort_step_n_per_kg: f64,
+    /// Change of the effort from one momentary reading to the next at the end, less that at the beginning, N/kg:
+    /// straight lines between readings miss a twelfth of it, times the time between two over `dt_s` (Euler-Maclaurin).
+    pub effort_bend_n_per_kg: f64,
     pub temperature_c: Option<f64>,
     /// Measured mean headwind, m/s.
     pub wind_mps: Option<f64>,

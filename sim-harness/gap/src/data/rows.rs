@@ -45,7 +45,8 @@ impl Row {
     /// The row with an effort put right that reads too high by `gain`.
     pub fn without_gain(mut self, gain: f64) -> Self {
         self.residual_n_per_kg -= self.effort_n_per_kg * (1.0 - 1.0 / (1.0 + gain));
-        for effort in [&mut self.effort_n_per_kg, &mut self.interval.effort_step_n_per_kg] {
+        let Interval { effort_step_n_per_kg, effort_bend_n_per_kg, .. } = &mut self.interval;
+        for effort in [&mut self.effort_n_per_kg, effort_step_n_per_kg, effort_bend_n_per_kg] {
             *effort /= 1.0 + gain;
         }
         self.interval.effort_n_per_kg = self.interval.effort_n_per_kg.map(|effort| effort / (1.0 + gain));
@@ -83,6 +84,7 @@ impl Row {
             effort_n_per_kg: None,
             effort_change_n_per_kg: 0.0,
             effort_step_n_per_kg: 0.0,
+            effort_bend_n_per_kg: 0.0,
             temperature_c: None,
             wind_mps: None,
             day: None,

@@ -212,8 +212,9 @@ pub fn delay(context: &Context<'_>, runs: &[Run], brakes: bool) -> Delay {
         return Delay::default();
     };
     // A mean that is half a sample late is a momentary value that is a whole one late, to the last digit but for
-    // constant power.
-    let clearly = -effort.mean_share.ln() * telling;
+    // constant power; readings far apart miss so much that either may be the better guess.
+    let is_fast = usual_s < effort.fast_s;
+    let clearly = if is_fast { enough } else { -effort.mean_share.ln() * telling };
     // A mean in time is likelier than a momentary value that is just half a sample late.
     let needs_age = |delay: &Delay| delay.put_right_s(enough).is_some();
     let in_time = needs_age(&momentary) && !needs_age(&since_last) && b - since_last.gain + enough > a;
@@ -238,6 +239,11 @@ mod tests {
     /// Runs of a train that powers, coasts and brakes by turns, read every `step` s. The effort column is `age` samples
     /// old.
     fn runs(context: &Context<'_>, step: usize, age: usize, reading: EffortReading) -> Vec<Run> {
+        runs_rounded(context, 1.0, step, age, reading)
+    }
+
+    /// The same with speeds in steps of so many km/h.
+    fn runs_rounded(context: &Context<'_>, kmh: f64, step: usize, age: usize, reading: EffortReading) -> Vec<Run> {
         let line = context.believed.line(Direction::Up);
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let one = |index: usize| {
@@ -269,7 +275,7 @@ mod tests {
                 Sample {
                     time_s: second as f64,
                     location_m: Some(each[second].1),
-                    speed_mps: Some((3.6 * each[second].0).round() / 3.6),
+                    speed_mps: Some((3.6 * each[second].0 / kmh).round() * kmh / 3.6),
                     effort_n_per_kg: Some(of_effort),
                     ..Sample::default()
                 }
@@ -360,6 +366,19 @@ mod tests {
                 let found = delay(context, &runs, true);
                 let right_s = found.put_right_s(context.config.search.enough);
                 assert_eq!((found.reading, right_s), (EffortReading::MeanSinceLast, None), "{found:?}");
+            }
+        });
+    }
+
+    /// At 10 s so much is missed between two readings that this is left to the momentary ones.
+    #[test]
+    fn every_second_a_late_mean_is_no_momentary_value_that_is_half_a_second_later() {
+        on_a_level_line(12, |context| {
+            for age in [2, 3] {
+                // The effort of a whole second before.
+                let found = delay(context, &runs_rounded(context, 0.5, 1, age, EffortReading::Momentary), true);
+                assert_eq!(found.reading, EffortReading::MeanSinceLast, "{found:?}");
+                assert!((found.delay_s.unwrap().value - (age - 1) as f64).abs() <= 0.25, "{found:?}");
             }
         });
     }

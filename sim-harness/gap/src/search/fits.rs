@@ -188,7 +188,8 @@ fn most_extra(context: &Context<'_>, rows: &[Row]) -> Vec<f64> {
 
 /// Whitened columns of what sensors do, as far as these rows can show it.
 pub fn sensors(context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Vec<DVector<f64>> {
-    let columns = [sensors::DELAY, sensors::LATE_LOCATION].map(|of| of.columns(&Shape::Law, context, rows).remove(0));
+    let columns = [sensors::DELAY, sensors::BEND, sensors::LATE_LOCATION]
+        .map(|of| of.columns(&Shape::Law, context, rows).remove(0));
     let shown = columns.iter().filter(|c| c.iter().any(|v| *v != 0.0));
     shown.map(|column| whitening.whiten(column)).collect()
 }
