@@ -15,6 +15,9 @@ use rundown::model::train::{Train, TrainDescription};
 use rundown_check::agreement::Figure;
 use std::{cell::RefCell, collections::HashMap, rc::Rc};
 
+/// Length of a train that is no more than its front, m: the shortest that is allowed.
+const FRONT_M: f64 = 1.0;
+
 pub struct Search<'a> {
     pub context: &'a Context<'a>,
     pub rows: &'a [Row],
@@ -24,6 +27,8 @@ pub struct Search<'a> {
     y: DVector<f64>,
     /// Whitened columns of what sensors do; part of every fit.
     sensors: Vec<DVector<f64>>,
+    /// The train without its length.
+    front: Train,
     /// What is looked among.
     pub families: Vec<Family>,
     /// What these data cannot name, for want of an effort column: no term of a model, but it may be what one of them is
@@ -63,64 +68,76 @@ impl<'a> Search<'a> {
         };
         let scans = families.iter().filter_map(scan).collect();
         let sensors = sensors(context, rows, &whitening);
+        let train = context.believed.train();
+        // Nothing but the length differs, and this one is allowed.
+        let front = Train::try_new(TrainDescription { length_m: FRONT_M, ..*train.description() }).unwrap_or(*train);
         let units = Units::of(context, rows);
         let (apart, known) = (calibrated.without_nuisances(context, rows), RefCell::default());
         let most_extra = most_extra(context, rows);
-        Self { context, rows, whitening, apart, y, sensors, families, unsearched, scans, units, most_extra, known }
+        Self {
+            context,
+            rows,
+            whitening,
+            apart,
+            y,
+            sensors,
+            front,
+            families,
+            unsearched,
+            scans,
+            units,
+            most_extra,
+            known,
+        }
     }
 
     pub fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
-        self.cached(format!("{term:?}"), term, &self.whitening)
+        self.cached(format!("{term:?}"), || self.whitened(term, self.context, &self.whitening))
     }
 
     /// The same with each run by itself.
     pub(super) fn white_apart(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
-        self.cached(format!("apart {term:?}"), term, &self.apart)
+        self.cached(format!("apart {term:?}"), || self.whitened(term, self.context, &self.apart))
     }
 
-    fn cached(&self, key: String, term: &Term, whitening: &Whitening) -> Rc<Vec<DVector<f64>>> {
+    fn whitened(&self, term: &Term, context: &Context<'_>, whitening: &Whitening) -> Vec<DVector<f64>> {
+        term.columns(context, self.rows).iter().map(|column| whitening.whiten(column)).collect()
+    }
+
+    fn cached(&self, key: String, columns: impl FnOnce() -> Vec<DVector<f64>>) -> Rc<Vec<DVector<f64>>> {
         if let Some(known) = self.known.borrow().get(&key) {
             return Rc::clone(known);
         }
-        let columns = term.columns(self.context, self.rows);
-        let white = Rc::new(columns.iter().map(|c| whitening.whiten(c)).collect());
+        let white = Rc::new(columns());
         self.known.borrow_mut().insert(key, Rc::clone(&white));
         white
     }
 
-    /// The fit of a model: its coefficients in the order of the terms, then those of sensors.
+    /// The fit of a model: its coefficients in the order of the terms, then those of sensors, then those of the ends of
+    /// its sections, in their order.
     pub fn base(&self, model: &[Term]) -> Option<Base> {
         let whole = model.iter().filter(|term| term.is_whole());
         let y = whole.fold(self.y.clone(), |y, term| y - &self.white(term)[0]);
         let free = model.iter().filter(|term| !term.is_whole());
         let free = free.flat_map(|term| self.white(term).to_vec()).chain(self.sensors.iter().cloned());
-        let free: Vec<_> = free.chain(model.iter().filter_map(|term| self.at_ends(term))).collect();
+        let sections = model.iter().filter(|term| term.section().is_some());
+        let free: Vec<_> = free.chain(sections.map(|section| self.at_ends(section)[0].clone())).collect();
         Base::new(&y, &free, self.whitening.runs())
     }
 
     /// What a section would do at its ends, more than its law has it, if it acted on the front of the train alone: how
     /// a resistance grows where a train comes in differs from tunnel to tunnel, and is no further effect.
-    fn at_ends(&self, term: &Term) -> Option<DVector<f64>> {
-        term.section()?;
-        let key = format!("ends {term:?}");
-        if let Some(known) = self.known.borrow().get(&key) {
-            return known.first().cloned();
-        }
-        let believed = &self.context.believed;
-        let front = Train::try_new(TrainDescription { length_m: 1.0, ..*believed.train().description() }).ok()?;
-        let of_front = Context { believed: Believed::new(&front, believed.track()), ..*self.context };
-        let columns = [term.columns(&of_front, self.rows), term.columns(self.context, self.rows)];
-        let [front, train] = columns.map(|columns| columns.into_iter().next());
-        let more: Vec<f64> = front?.iter().zip(train?).map(|(front, train)| front - train).collect();
-        let white = Rc::new(vec![self.whitening.whiten(&more)]);
-        self.known.borrow_mut().insert(key, Rc::clone(&white));
-        white.first().cloned()
+    fn at_ends(&self, section: &Term) -> Rc<Vec<DVector<f64>>> {
+        let front = Context { believed: Believed::new(&self.front, self.context.believed.track()), ..*self.context };
+        self.cached(format!("ends {section:?}"), || {
+            let of_front = self.whitened(section, &front, &self.whitening);
+            of_front.iter().zip(self.white(section).iter()).map(|(front, train)| front - train).collect()
+        })
     }
 
     /// What a term brings beside a model. The coefficient of a whole term is 1, so its gain is not that of a free fit.
     pub fn gain(&self, base: &Base, term: &Term) -> Option<Gain> {
-        let columns: Vec<DVector<f64>> =
-            term.columns(self.context, self.rows).iter().map(|column| self.whitening.whiten(column)).collect();
+        let columns = self.whitened(term, self.context, &self.whitening);
         if !term.is_whole() {
             return base.gain(&columns);
         }

@@ -12,6 +12,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
     let certainty = &search.context.config.certainty;
     let score = search.score(model);
     let (naive, robust) = (base.naive(), base.robust());
+    let sd_of = |i: usize| naive[(i, i)].max(robust[(i, i)]).sqrt();
     let dispersion = base.dispersion();
     let sections = |terms: &[Term]| terms.iter().filter(|term| term.section().is_some()).count();
     let mut place = 0;
@@ -32,17 +33,16 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             let worse = score - search.score(&with) - found.term.unnamed_penalty(search.context);
             (worse < certainty.far * dispersion).then_some((found.term, worse))
         };
-        let sd = range.clone().zip(search.systematic(model, index)).map(|(i, systematic)| {
-            let sd = naive[(i, i)].max(robust[(i, i)]).sqrt().hypot(systematic);
-            sd.hypot(certainty.law * base.beta[i])
-        });
+        let sd = range
+            .clone()
+            .zip(search.systematic(model, index))
+            .map(|(i, systematic)| sd_of(i).hypot(systematic).hypot(certainty.law * base.beta[i]));
         let sd: Vec<f64> = sd.collect();
         let half = HALF_95 * sd.first().copied().unwrap_or(0.0);
         let at_once = term.section().map(|_| {
             // The coefficients end with those of the sections' ends.
-            let i = base.beta.len() - sections(&model[index..]);
-            let sd = naive[(i, i)].max(robust[(i, i)]).sqrt();
-            Figure { value: base.beta[i] / base.beta[range.start], sd: sd / base.beta[range.start].abs() }
+            let (at_ends, own) = (base.beta.len() - sections(&model[index..]), base.beta[range.start]);
+            Figure { value: base.beta[at_ends] / own, sd: sd_of(at_ends) / own.abs() }
         });
         let beta: Vec<f64> = range.map(|i| base.beta[i]).collect();
         let beside = search.base(&others);
