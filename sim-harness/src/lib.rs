@@ -12,7 +12,7 @@
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
 //! | what would be the paper's best filter? | `tune` |
-//! | how near does the estimator come to the truth? | [`accuracy_bench`] |
+//! | how near does the estimator come to the truth, and to what is possible? | [`accuracy_bench`], `bound` |
 //! | how often does the diagnosis of logs find an injected defect? | [`check_bench`] |
 //! | how often are perturbed runs recognised, and wrong gradients? | [`perturbed_bench`], [`gradient_bench`] |
 //! | how often does the gap workflow find a hidden effect? | [`gap_bench`] |
@@ -28,6 +28,7 @@
 pub mod accuracy_bench;
 mod advice;
 mod alike;
+mod bound;
 pub mod check_bench;
 pub mod checking;
 pub mod commands;

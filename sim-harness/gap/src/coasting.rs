@@ -59,7 +59,7 @@ struct Weighed {
     /// Weight of its effort under each regime.
     weights: [f64; REGIMES],
     /// Log of how much better coasting fits than a held speed, each beside its own best.
-    rather: f64,
+    over_held: f64,
 }
 
 impl Weighed {
@@ -84,7 +84,7 @@ impl Weighed {
             (1.0 + z * z / 5.0).powi(-3) / sd
         };
         // Not heavier tails: one interval of power between two of coasting must cost more than to change twice.
-        let coast = |effort: f64| (-0.5 * (effort / sd).powi(2)).exp() + config.far;
+        let coast = |effort: f64| (-0.5 * (effort / sd).powi(2)).exp() + config.tail;
         let hold = |change: f64| {
             (1.0 - config.held_wide_share) * student(change, config.held_narrow * noise)
                 + config.held_wide_share * student(change, config.held_wide * noise)
@@ -112,7 +112,7 @@ impl Weighed {
         Self {
             effort_n_per_kg: effort,
             weights: if moves { weights } else { [1e-9, 1.0, 1.0, 1.0, 1.0] },
-            rather: (by_the_rest * hold(0.0) / held).ln(),
+            over_held: (by_the_rest * hold(0.0) / held).ln(),
         }
     }
 }
@@ -183,12 +183,12 @@ impl<'a> Driven<'a> {
         for stretch in coasted.chunk_by_mut(|a, b| a == b) {
             let weighed = &self.weighed[at..at + stretch.len()];
             at += stretch.len();
-            let rather = |weighed: &[Weighed]| weighed.iter().map(|weighed| weighed.rather).sum::<f64>();
-            let all = rather(weighed);
+            let over_held = |weighed: &[Weighed]| weighed.iter().map(|weighed| weighed.over_held).sum::<f64>();
+            let all = over_held(weighed);
             for (i, coasted) in stretch.iter_mut().enumerate() {
                 let around = self.config.around;
                 let around = &weighed[i.saturating_sub(around)..(i + around + 1).min(weighed.len())];
-                *coasted &= all > self.config.rather && rather(around) > -self.config.rather_not;
+                *coasted &= all > self.config.over_held && over_held(around) > -self.config.held_around;
             }
         }
         coasted
@@ -301,13 +301,13 @@ mod tests {
         // A gradient that would take up the whole resistance.
         let resistance = train.davis().resistance_n_per_kg(25.0);
         let config = CoastingConfig::default();
-        let rather = |beyond_places: f64| {
+        let over_held = |beyond_places: f64| {
             let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default(), config: &config };
             let line = believed.line(Direction::Up);
-            Weighed::new(line, &held, [-resistance, beyond_places], &recognised).rather
+            Weighed::new(line, &held, [-resistance, beyond_places], &recognised).over_held
         };
-        assert!(rather(-resistance) > -0.5);
-        assert!(rather(0.0) < -config.rather_not);
+        assert!(over_held(-resistance) > -0.5);
+        assert!(over_held(0.0) < -config.held_around);
     }
 
     #[test]
@@ -321,7 +321,7 @@ mod tests {
         let half = 5.0 * (slope + train.davis().resistance_n_per_kg(25.0));
         coast.speed_mps = [25.0 + half, 25.0 - half];
         let recognised = Recognised { noise_n_per_kg: 0.003, uncertain: 0.1, own: Own::default(), config: &config };
-        let rather = Weighed::new(believed.line(Direction::Up), &coast, [slope, 0.0], &recognised).rather;
-        assert!(rather > -1.5, "{rather}");
+        let over_held = Weighed::new(believed.line(Direction::Up), &coast, [slope, 0.0], &recognised).over_held;
+        assert!(over_held > -1.5, "{over_held}");
     }
 }

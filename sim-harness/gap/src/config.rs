@@ -188,13 +188,13 @@ settings! {
         uncertain: Vec<f64> = vec![0.3, 0.15, 0.1], /// Deviation of the resistance from its description, as a share of it, round by round. Judgement: wide at first.
         changes: Vec<f64> = vec![0.08, 0.15, 0.25, 0.4], /// Chances that a regime changes from one interval to the next: the likeliest is taken. Judgement.
         enough: f64 = 0.85, /// Coasting is believed above this probability. Judgement.
-        rather: f64 = 1.0, /// A stretch must be coasting rather than a held speed by so much, log of the ratio. Judgement.
+        over_held: f64 = 1.0, /// A stretch must be coasting rather than a held speed by so much, log of the ratio. Judgement.
         around: usize = 2, /// So many neighbours on both sides are looked at together. Judgement.
-        rather_not: f64 = 2.0, /// They must not together be a held speed by so much, log of the ratio. Judgement.
+        held_around: f64 = 2.0, /// They must not together be a held speed by so much, log of the ratio. Judgement.
         clear: f64 = 6.0, /// The effort beside a change is clear if it is so many times its noise. Judgement.
         part_from: f64 = -0.1, /// An interval with a part of the effort before or after it from this on has the change in itself. Derived: the change may lie anywhere in it.
         part_to: f64 = 0.7, /// Up to this; with more, the change may lie in the next. Derived.
-        far: f64 = 1e-5, /// Density of coasting far from what it should be, over that of its middle. Measured: power between two coasts must cost more than to change twice.
+        tail: f64 = 1e-5, /// Density of coasting far from what it should be, over that of its middle. Measured: power between two coasts must cost more than to change twice.
         most_extra_n_per_kg: f64 = 0.03, /// What the model has beyond the description counts up to this, N/kg. Judgement: 3 permille.
         slowest_mps: f64 = 1.5, /// A slower train is stopping or starting, m/s. Judgement.
         held_wide_share: f64 = 0.3, /// Share of the wide part of the density of a held speed. Measured on drivers of the simulator.
@@ -211,7 +211,7 @@ settings! {
     /// The noise of the residuals.
     noise: NoiseConfig {
         outlier: f64 = 3.5, /// Beyond so many standard deviations a row is an outlier, and given a wider spread. Judgement.
-        few: f64 = 1.05, /// Rows over rows less freedom of the flexible model, above which the restricted likelihood is taken. Measured: there its freedom hides what differs between runs.
+        restricted_from: f64 = 1.05, /// Rows over rows less freedom of the flexible model, above which the restricted likelihood is taken. Measured: there its freedom hides what differs between runs.
         least_knots: usize = 5, /// Least knots of the flexible model along the location. Judgement.
         most_knots: usize = 30, /// Most of them. Judgement.
         rows_a_knot: usize = 20, /// Rows for each. Judgement.
@@ -298,8 +298,8 @@ settings! {
         chosen_one_way: f64 = 0.15, /// The same where all runs go in one direction, and locations that are off look like a part of it. Measured: an error of 0.14 of it beside locations that were 60 m off.
         described: f64 = 0.1, /// How well a Davis coefficient is described that is left as it is, as a share of it. Judgement.
         nothing_n_per_kg: f64 = 1e-4, /// A dependence up to this is none: what rounding and the reading of the sensors leave, N/kg. Measured.
-        near: f64 = 3.0, /// A rival within this log-likelihood is not distinguishable. Derived: odds of 20.
-        far: f64 = 10.0, /// A rival that is worse by more has no odds. Derived: odds of 22 000.
+        rival_within: f64 = 3.0, /// A rival within this log-likelihood is not distinguishable. Derived: odds of 20.
+        rival_most: f64 = 10.0, /// A rival that is worse by more has no odds. Derived: odds of 22 000.
         ruled_out: f64 = 6.9, /// A rival that is worse by more is ruled out. Derived: odds of 1000.
         confounded: f64 = 0.5, /// Odds that one effect is two others together which no search over single ones compares, where both fit: other Davis coefficients in one direction and a steady wind, beside a wrong gain and another mass; a limit of a section on a line described as level and a climb; or that a weak traction is drivers who never ask for all of it. Judgement.
         most_wind_mps: f64 = 10.0, /// No wind is stronger in all runs alike, nor its standard deviation between runs, m/s. Judgement.
@@ -333,8 +333,8 @@ settings! {
         least_gain_mps: f64 = 4.0, /// Speed that a powering phase must gain to count, m/s. Judgement: less holds a speed.
         apart_s: f64 = 25.0, /// Without power for so long, the next power is another phase, s. Judgement.
         decision_s: f64 = 10.0, /// A driver leaves the handle where it is for about so long, s. Judgement.
-        near: f64 = 0.02, /// Neighbours differ by less, as a share of the limit, beyond what is known of them. Judgement.
-        near_sd: f64 = 2.5, /// And by so many standard deviations. Judgement.
+        alike: f64 = 0.02, /// Neighbours differ by less, as a share of the limit, beyond what is known of them. Judgement.
+        alike_sd: f64 = 2.5, /// And by so many standard deviations. Judgement.
         speed_sd_mps: f64 = 0.06, /// Standard deviation of a speed where the power limits, m/s: of an interval. Derived from rounding.
         rounding_mps: f64 = 0.3, /// A rounded speed shows no gain below it, m/s. Derived: a step of 1 km/h.
         sampled_speed_sd_mps: f64 = 0.08, /// The same of a sample, m/s. Derived.

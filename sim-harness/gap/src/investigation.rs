@@ -95,34 +95,36 @@ pub fn investigate(
 ) -> Result<Option<Investigation>, EffectError> {
     let config = given.config;
     progress("wheels: each run against the others");
-    let (wheels, doubted): (Vec<Wheel>, Vec<Wheel>) =
+    let (sure_wheels, doubted_wheels): (Vec<Wheel>, Vec<Wheel>) =
         wheels(runs, given.surroundings, config).into_iter().partition(|wheel| wheel.stands(runs, config));
-    let own_wheels: Vec<Run>;
-    let runs = if wheels.is_empty() {
+    let by_true_wheels: Vec<Run>;
+    let runs = if sure_wheels.is_empty() {
         runs
     } else {
-        own_wheels = put_right(runs, &wheels);
-        &own_wheels
+        by_true_wheels = put_right(runs, &sure_wheels);
+        &by_true_wheels
     };
     progress("readings of all runs: the age of the effort, the zero of the locations");
-    let (righted, readings) = righted(&Context { conditions: Conditions::of(runs), ..*given }, runs);
+    let (read_right, readings) = righted(&Context { conditions: Conditions::of(runs), ..*given }, runs);
     progress("where and what: all runs");
-    let Some((found, righted, readings)) = beside_lengths(given, righted, readings) else {
+    let Some((settled, read_right, readings)) = beside_lengths(given, read_right, readings) else {
         return Ok(None);
     };
-    let Settled { findings, mut named, mut candidates } = found;
-    let (runs, effort) = (righted.as_slice(), readings.effort.reading);
+    let Settled { findings, mut named, mut candidates } = settled;
+    let (runs, effort) = (read_right.as_slice(), readings.effort.reading);
     let context = &Context { conditions: findings.conditions, ..*given };
-    let (units, others) = scaled_units(runs, config).into_iter().partition(|one| stands(&one.trial, config));
-    for (all, wheels, units) in [(&mut named, wheels, units), (&mut candidates, doubted, others)] {
-        let units: Vec<Named> = units;
+    let (sure_units, doubted_units): (Vec<Named>, Vec<Named>) =
+        scaled_units(runs, config).into_iter().partition(|one| stands(&one.trial, config));
+    for (all, wheels, units) in
+        [(&mut named, sure_wheels, sure_units), (&mut candidates, doubted_wheels, doubted_units)]
+    {
         all.extend(wheels.iter().map(|wheel| wheel.named(runs, config)).chain(units));
     }
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut nuisances = nuisances(&readings, findings.gain, config);
+    let mut of_readings = nuisances(&readings, findings.gain, config);
     let of_a_unit = findings.differing.standouts.iter().any(|one| one.more == More::Effort);
-    nuisances::beside(&mut nuisances, &named, findings.gain_may_be_mass || of_a_unit);
-    nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
+    nuisances::beside(&mut of_readings, &named, findings.gain_may_be_mass || of_a_unit);
+    of_readings.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let with = effects(&named)?;
     for one in &mut named {
         if let Effect::RunWind(wind) = &one.effect {
@@ -130,50 +132,46 @@ pub fn investigate(
         }
     }
     progress("is it chance: sign-flip test over runs");
-    let (evidence, p_value) = evidence(context, &findings.rows, &findings.calibrated);
-    let rows = repaired(&context.believed, &named, runs, &findings.rows);
-    let (_, p_value_after) = crate::evidence::evidence(context, &rows, &findings.calibrated);
+    let (along, p_value) = evidence(context, &findings.rows, &findings.calibrated);
+    let repaired_rows = repaired(&context.believed, &named, runs, &findings.rows);
+    let (_, p_value_after) = evidence(context, &repaired_rows, &findings.calibrated);
     let whiteness = Whiteness::of(context, &findings.rows, &findings.calibrated, &findings.terms);
-    let held_out = held_out(runs.len(), hold_out, &config.holdout);
+    let tested = held_out(runs.len(), hold_out, &config.holdout);
     let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
-    if !held_out.is_empty() {
+    if !tested.is_empty() {
         progress("the same on the training runs, evaluated on the others");
-        (evaluation, trained) = out_of_sample(given, runs, effort, &held_out)?;
-        if !evaluation.compared.is_empty() {
-            named
-                .iter_mut()
-                .filter(|one| !is_among(one, &trained))
-                .for_each(|one| one.doubt(config.certainty.unshared));
-        }
+        (evaluation, trained) = out_of_sample(given, runs, effort, &tested)?;
+        let unshared = named.iter_mut().filter(|one| !evaluation.compared.is_empty() && !is_among(one, &trained));
+        unshared.for_each(|one| one.doubt(config.certainty.unshared));
     }
-    let (mut gap, mut touched) =
-        (gap(&evaluation.compared, &config.holdout), touched(&evaluation.compared, &config.holdout));
-    if let Some(touched) = touched.as_mut().filter(|_| p_value_after > config.certainty.chance) {
-        gap = gap.beside_noise_alone(touched.multiple);
-        touched.share = touched.share.beside_noise_alone(touched.multiple);
+    let mut share = gap(&evaluation.compared, &config.holdout);
+    let mut acting = touched(&evaluation.compared, &config.holdout);
+    if let Some(acting) = acting.as_mut().filter(|_| p_value_after > config.certainty.chance) {
+        share = share.beside_noise_alone(acting.multiple);
+        acting.share = acting.share.beside_noise_alone(acting.multiple);
     }
-    let compared = (!evaluation.compared.is_empty()).then_some((&gap, touched.as_ref()));
+    let compared = (!evaluation.compared.is_empty()).then_some((&share, acting.as_ref()));
     let gradients_are_off = findings.gradient_errors_permille().is_some();
     let grounds =
         Grounds { named: &named, candidates: &candidates, p_value, p_value_after, gradients_are_off, gap: compared };
     let verdict = grounds.verdict(config);
     Ok(Some(Investigation {
         verdict,
-        gap,
-        touched,
+        gap: share,
+        touched: acting,
         findings,
         named,
         candidates,
         whiteness,
-        nuisances,
+        nuisances: of_readings,
         trained,
-        evidence,
+        evidence: along,
         p_value,
         p_value_after,
         p_value_held_out: evaluation.p_values,
         journeys: evaluation.journeys,
         compared: evaluation.compared,
-        held_out,
+        held_out: tested,
     }))
 }
 

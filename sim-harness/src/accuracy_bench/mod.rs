@@ -2,34 +2,51 @@
 //!
 //! ```text
 //! fleet, seed -> vehicles off their description -> runs -> the board's estimator -> errors of r(v), intervals, regimes, features
+//!                                                  -> bound -> the errors that are possible
 //! ```
 
 pub mod fleets;
 pub mod score;
 pub mod table;
 
+use crate::bound::{Bound, Known, Worth};
 use fleets::Fleet;
+use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
+use rundown::estimator::config::{Config, Mode};
 use rundown::model::resistance::Davis;
 use rundown::model::track::{Gradient, Track};
 use rundown_truth::plan::plan;
 use rundown_truth::scenario::{Scenario, simulate_planned};
 use score::{FleetFigures, JudgedVehicle};
 
+/// By how much the coefficients of vehicles differ at most from the described ones: in common, and each beyond that.
+const COMMON: f64 = 0.25;
+const OWN: f64 = 0.08;
+
 /// True over described r0, r1, r2 of so many vehicles: up to 35 % off in common, with a part of its own for each
 /// coefficient. The same every time.
 pub fn scales(vehicles: usize) -> Vec<[f64; 3]> {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let scales = |_| {
-        let common = rng.random_range(0.75..1.25);
-        [0; 3].map(|_| common * rng.random_range(0.92..1.08))
+        let common = rng.random_range(1.0 - COMMON..1.0 + COMMON);
+        [0; 3].map(|_| common * rng.random_range(1.0 - OWN..1.0 + OWN))
     };
     (0..vehicles).map(scales).collect()
+}
+
+/// The covariance of true r0, r1, r2 that [`scales`] has, of described ones.
+fn scatter(described: &Davis) -> Matrix3<f64> {
+    let r = Vector3::new(described.r0, described.r1, described.r2);
+    // Of evenly spread draws.
+    let [common, own] = [COMMON, OWN].map(|most| most * most / 3.0);
+    (r * r.transpose()).map_with_location(|row, column, product| {
+        product * if row == column { (1.0 + common) * (1.0 + own) - 1.0 } else { common }
+    })
 }
 
 /// Simulates the vehicles of a fleet and judges what the estimator makes of them. `done` is called after each.
@@ -76,6 +93,11 @@ fn judge_vehicle(
     let nominal = described.davis();
     let truth = Davis { r0: nominal.r0 * scale[0], r1: nominal.r1 * scale[1], r2: nominal.r2 * scale[2] };
     let mut table = FleetFigures::default();
-    table.judge_vehicle(&JudgedVehicle { estimator: &estimator, truth, band_kmh: fleet.band_kmh }, &driven);
+    let judged = JudgedVehicle { estimator: &estimator, truth, band_kmh: fleet.band_kmh };
+    table.judge_vehicle(&judged, &driven);
+    let known = if fleet.mode == Mode::Measured { Known::Measured } else { Known::Coasting };
+    let worth = Worth::of(&scenario.sensors);
+    let bound = Bound::new(known, worth, scatter(&nominal), fleet.effort_gain_sd, scenario.wind_sd_mps);
+    table.judge_bound(&judged, bound, &driven);
     Ok(table)
 }

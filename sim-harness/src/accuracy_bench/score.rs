@@ -1,5 +1,6 @@
 //! Estimates of fleets beside their truth: errors of r(v), intervals, regimes, features.
 
+use crate::bound::Bound;
 use nalgebra::Vector3;
 use rundown::estimator::{Estimator, RunSummary};
 use rundown::filter::gaussian::Gaussian;
@@ -60,6 +61,11 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, run: &Run) -> (Vec<E
     (estimates, summary)
 }
 
+/// Evenly from the slowest to the fastest of a band.
+fn speeds_kmh([least_kmh, most_kmh]: [f64; 2]) -> [f64; SPEEDS] {
+    std::array::from_fn(|i| least_kmh + (most_kmh - least_kmh) * i as f64 / (SPEEDS - 1) as f64)
+}
+
 /// Errors of r(v) against the true coefficients, at seven speeds from the slowest to the fastest of a band.
 #[derive(Clone, Debug, Default)]
 pub struct Errors {
@@ -74,9 +80,8 @@ pub struct Errors {
 
 impl Errors {
     /// Adds one estimate at speeds of a band, km/h.
-    pub fn add(&mut self, [least_kmh, most_kmh]: [f64; 2], davis: &Gaussian<3>, truth: &Davis) {
-        for (i, bias) in self.bias.iter_mut().enumerate() {
-            let kmh = least_kmh + (most_kmh - least_kmh) * i as f64 / (SPEEDS - 1) as f64;
+    pub fn add(&mut self, band_kmh: [f64; 2], davis: &Gaussian<3>, truth: &Davis) {
+        for (bias, kmh) in self.bias.iter_mut().zip(speeds_kmh(band_kmh)) {
             let (r, sd) = resistance(davis, kmh);
             let true_r = truth.resistance_n_per_kg(kmh / 3.6);
             let error = (r - true_r) / true_r;
@@ -152,6 +157,18 @@ pub struct FleetFigures {
     pub features: [Vec<f64>; 4],
     /// Time learned from in each run, s.
     pub learned_s: Vec<f64>,
+    /// Squares of the smallest possible errors of the vehicle's r(v), as shares of it, after 1, 10 and all runs.
+    possible: [Vec<f64>; 3],
+}
+
+/// Which of the looks, after 1, 10 and all runs, follow a run.
+fn looks(index: usize, runs: usize) -> impl Iterator<Item = usize> {
+    let slot = match index + 1 {
+        1 => Some(0),
+        10 => Some(1),
+        _ => None,
+    };
+    slot.into_iter().chain((index + 1 == runs).then_some(2))
 }
 
 impl FleetFigures {
@@ -162,14 +179,8 @@ impl FleetFigures {
         let mut vehicle = estimator.new_vehicle();
         for (index, run) in fleet.iter().enumerate() {
             let (estimates, summary) = replay(estimator, &mut vehicle, run);
-            let slot = match index + 1 {
-                1 => Some(0),
-                10 => Some(1),
-                _ => None,
-            };
             let of_run = davis(&run.facts.davis);
-            let last = (index + 1 == fleet.len()).then_some(2);
-            for slot in slot.into_iter().chain(last) {
+            for slot in looks(index, fleet.len()) {
                 self.vehicle[slot].add(*band_kmh, &vehicle.davis(), truth);
                 self.running[slot].add(*band_kmh, &summary.run_davis, &of_run);
             }
@@ -187,6 +198,27 @@ impl FleetFigures {
         }
     }
 
+    /// Adds what can be known of one vehicle.
+    pub(crate) fn judge_bound(&mut self, judged: &JudgedVehicle<'_>, mut bound: Bound, fleet: &[Run]) {
+        for (index, run) in fleet.iter().enumerate() {
+            let DavisTruth { r0, r1, r2 } = run.facts.davis;
+            bound.run(&run.truth, &run.samples, [r0, r1, r2]);
+            for slot in looks(index, fleet.len()) {
+                let possible = Gaussian { mean: Vector3::zeros(), covariance: bound.davis() };
+                let share = |kmh: f64| resistance(&possible, kmh).1 / judged.truth.resistance_n_per_kg(kmh / 3.6);
+                self.possible[slot].extend(speeds_kmh(judged.band_kmh).map(share).map(|share| share * share));
+            }
+        }
+    }
+
+    /// Root mean square of the smallest possible errors of the vehicle's r(v) after 1, 10 and all runs, %.
+    pub fn possible_percent(&self) -> [f64; 3] {
+        [0, 1, 2].map(|slot| {
+            let squares = &self.possible[slot];
+            100.0 * (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        })
+    }
+
     /// Adds the vehicles of another table.
     pub fn merge(&mut self, other: Self) {
         let errors = self.vehicle.iter_mut().chain(&mut self.running);
@@ -202,6 +234,7 @@ impl FleetFigures {
         cells.zip(other.confusion.iter().flatten().flatten()).for_each(|(own, other)| *own += other);
         self.features.iter_mut().zip(other.features).for_each(|(own, other)| own.extend(other));
         self.learned_s.extend(other.learned_s);
+        self.possible.iter_mut().zip(other.possible).for_each(|(own, other)| own.extend(other));
     }
 
     fn regimes(&mut self, run: &Run, estimates: &[Estimate]) {

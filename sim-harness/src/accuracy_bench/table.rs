@@ -1,21 +1,23 @@
 //! The tables of `docs/measured.md`.
 
 use super::fleets::Fleet;
-use super::score::{Errors, FleetFigures};
+use super::score::FleetFigures;
 use rundown::estimator::config::Mode;
 
 /// The fleets beside each other: r(v), then regimes and features.
 pub fn tables(judged: &[(Fleet, FleetFigures)]) -> String {
     let mut text = String::from(
-        "| fleet | r(v) of the vehicle, rms % after 1 / 10 / all runs | of the running train | truths inside 95 % | \
-         learned from, s a run |\n|---|---|---|---|---|\n",
+        "| fleet | r(v) of the vehicle, rms % after 1 / 10 / all runs | possible | of the running train | truths inside 95 % | \
+         learned from, s a run |\n|---|---|---|---|---|---|\n",
     );
     for (fleet, table) in judged {
         let mode = if fleet.mode == Mode::Measured { ", `measured`" } else { "" };
         let inside = slots(&table.vehicle, |errors| format!("{:.0}", 100.0 * errors.coverage()));
-        let [vehicle, running] = [&table.vehicle, &table.running].map(|errors| slots(errors, rms));
+        let [vehicle, running] =
+            [&table.vehicle, &table.running].map(|errors| slots(errors, |errors| rms(errors.rmse_percent())));
+        let possible = slots(&table.possible_percent(), |percent| rms(*percent));
         let learned_s = table.learned_s.iter().sum::<f64>() / table.learned_s.len() as f64;
-        text += &format!("| {}{mode} | {vehicle} | {running} | {inside} | {learned_s:.0} |\n", fleet.what);
+        text += &format!("| {}{mode} | {vehicle} | {possible} | {running} | {inside} | {learned_s:.0} |\n", fleet.what);
     }
     text += "\n| fleet | regimes right, at the sample / one later | macro F1 one later | 90 % of brake starts, coast starts \
              within | cruise, power |\n|---|---|---|---|---|\n";
@@ -31,10 +33,10 @@ pub fn tables(judged: &[(Fleet, FleetFigures)]) -> String {
     text
 }
 
-fn rms(errors: &Errors) -> String {
-    format!("{:.1$}", errors.rmse_percent(), if errors.rmse_percent() < 1.0 { 2 } else { 1 })
+fn rms(percent: f64) -> String {
+    format!("{percent:.0$}", if percent < 1.0 { 2 } else { 1 })
 }
 
-fn slots(errors: &[Errors; 3], of: impl Fn(&Errors) -> String) -> String {
-    errors.iter().map(of).collect::<Vec<_>>().join(" / ")
+fn slots<T>(looks: &[T; 3], of: impl Fn(&T) -> String) -> String {
+    looks.iter().map(of).collect::<Vec<_>>().join(" / ")
 }

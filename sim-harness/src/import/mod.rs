@@ -1,7 +1,7 @@
 //! `rundown import`: what people have becomes run logs.
 //!
 //! ```text
-//! source -> columns, clock, evidence (analysis, alike) -> rows -> cut -> staged -> chainage, line -> write, skeleton
+//! source -> columns, clock, evidence (analysis, alike) -> rows -> cutter -> stretch (motion, cut) -> staged -> chainage, line -> write, skeleton
 //! ```
 //!
 //! In: tables as text, sheets, GPX, NMEA, JSON lines, Parquet, and what `import.toml` says about them. Out: a folder of
@@ -16,6 +16,7 @@ mod clock;
 mod columns;
 mod cubic;
 mod cut;
+mod cutter;
 mod evidence;
 mod geo;
 mod letters;
@@ -23,6 +24,7 @@ mod line;
 mod listed;
 mod mapping;
 mod meaning;
+mod motion;
 mod number;
 mod odometer;
 mod overlaps;
@@ -33,6 +35,7 @@ mod skeleton;
 mod source;
 mod speeds;
 mod staged;
+mod stretch;
 mod units;
 mod write;
 
@@ -40,7 +43,7 @@ use crate::alike::few;
 use account::{Account, INVERTED, ROWS, ROWS_TOO_SHORT, SCALED, SHIFTED};
 use analysis::Group;
 use chainage::{Given, Placed, Placing};
-use cut::{Cutter, Odometer, Stretch};
+use cutter::Cutter;
 use listed::Indexes;
 use mapping::{Chainage, Mapping};
 use overlaps::{Ends, OVERLAPS};
@@ -56,6 +59,7 @@ use source::row::Event;
 use staged::Staged;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use stretch::{Odometer, Stretch};
 use thiserror::Error;
 
 pub use mapping::Method;

@@ -1,7 +1,7 @@
 //! Runs of one train that begin before the one before them ends: rows that stand in no order of time are cut at each of
 //! their gaps, and make many runs of a few rows.
 
-use super::cut::Stretch;
+use super::stretch::Stretch;
 
 pub const OVERLAPS: &str = "runs that begin before the one before them ends (rows in no order of time: sort the file by it; \
                             or a clock that was set back)";

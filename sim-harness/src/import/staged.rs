@@ -1,8 +1,8 @@
 //! A run between cutting and placing: its rows wait in a file, what places it is held.
 
-use super::cut::{Stretch, fix};
 use super::geo::Fix;
 use super::speeds;
+use super::stretch::{Stretch, fix};
 use rundown_files::sample::{COLUMNS, Sample};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};

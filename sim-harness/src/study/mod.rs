@@ -3,7 +3,7 @@
 //! ```text
 //! source -> gather (paper and gated mode) -> tallies -> claims ----> page -> report.html
 //!                                         -> drawn runs -> figures ->     -> SVG, CSV
-//! slope -> bound                     self-test of learning
+//! slope -> crate::bound              self-test of learning
 //! ```
 //!
 //! | question | module |
@@ -17,9 +17,8 @@
 //! | why did the paper see no tunnel? | `tunnel` |
 //! | what does the paper leave to future work? | `experiments` |
 //! | which reading of the text gives the paper's figures? | `readings` |
-//! | does the estimate follow the truth, how closely could it? | `slope`, `bound` |
+//! | does the estimate follow the truth, how closely could it? | `slope` |
 
-pub(crate) mod bound;
 pub(crate) mod case;
 pub(crate) mod claims;
 pub(crate) mod clouds;

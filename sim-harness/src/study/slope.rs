@@ -2,13 +2,13 @@
 //!
 //! In: simulated vehicles whose true r0, r1, r2 are 0.7 to 1.3 of the described ones. Out: for each mode and after 1,
 //! 10 and all runs the slope of estimated on true deviation and the spread about it, the error of r(v), the error that
-//! is possible ([`super::bound`]), and the share of truths in the reported 95 % interval.
+//! is possible ([`crate::bound`]), and the share of truths in the reported 95 % interval.
 //!
 //! A slope of 1 follows the truth, a slope of 0 does not see it. Efficiency is the variance that is possible over the
 //! one that was reached.
 
-use super::bound::{Known, Worth, information};
 use super::{Refused, case::Case, description::Believed};
+use crate::bound::{Bound, Known, Worth};
 use crate::output::markdown::table as table_of;
 use crate::report::resistance::Resistance;
 use crate::simulation::scenario_file::Simulation;
@@ -131,7 +131,7 @@ fn of_vehicle(
     let worth = Worth::of(&scenario.sensors);
     let stages = plan.stages();
     let mut believed: Vec<_> = estimators.iter().map(Estimator::new_vehicle).collect();
-    let mut informations: Vec<Matrix3<f64>> = estimators.iter().map(prior).collect();
+    let mut bounds: Vec<Bound> = estimators.iter().map(|estimator| before(estimator, worth)).collect();
     let mut looks = Vec::new();
     let seed = plan.seed.wrapping_add(7_919 * vehicle as u64);
     for (index, planned) in planned(&scenario, plan.runs, seed).iter().enumerate() {
@@ -143,16 +143,11 @@ fn of_vehicle(
         let moved: Vec<_> = moved.collect();
         for (slot, estimator) in estimators.iter().enumerate() {
             replay(estimator, &mut believed[slot], &case.recording, Tick::EverySample);
-            let known = match estimator.config().mode {
-                Mode::Measured => Known::Measured { gain_sd: estimator.config().learning.gain_sd },
-                Mode::Paper | Mode::Gated => Known::Coasting,
-            };
-            let davis = [of_run.r0, of_run.r1, of_run.r2];
-            informations[slot] += information(&moved, &samples, davis, worth, known);
+            bounds[slot].another_gain(estimator.config().learning.gain_sd);
+            bounds[slot].run(&moved, &samples, [of_run.r0, of_run.r1, of_run.r2]);
         }
         if stages.contains(&(index + 1)) {
             for (slot, mode) in MODES.into_iter().enumerate() {
-                let inverse = informations[slot].try_inverse();
                 looks.push(SlopeLook {
                     mode,
                     vehicle,
@@ -160,7 +155,7 @@ fn of_vehicle(
                     runs: index + 1,
                     believed: believed[slot].davis(),
                     truth,
-                    bound: inverse.unwrap_or_else(|| Matrix3::repeat(f64::NAN)),
+                    bound: bounds[slot].davis(),
                 });
             }
         }
@@ -169,12 +164,12 @@ fn of_vehicle(
     Ok(looks)
 }
 
-/// Information that the gated mode's memory has before the first run: the prior that all bounds share.
-fn prior(estimator: &Estimator) -> Matrix3<f64> {
+/// What the gated mode's memory knows before the first run: the prior that all bounds share.
+fn before(estimator: &Estimator, worth: Worth) -> Bound {
     let memory = &estimator.config().memory;
     let vehicle = rundown::tick::memory::Vehicle::new(memory, estimator.train().davis());
-    let covariance = vehicle.davis().covariance;
-    covariance.try_inverse().unwrap_or_else(Matrix3::zeros)
+    let known = if estimator.config().mode == Mode::Measured { Known::Measured } else { Known::Coasting };
+    Bound::new(known, worth, vehicle.davis().covariance, 0.0, 0.0)
 }
 
 impl SlopeLook {

@@ -5,6 +5,7 @@ use crate::answer::unseen::unseen;
 use crate::answer::whole::Answer;
 use crate::candidate::ShowsIn;
 use crate::candidates;
+use crate::config::GapConfig;
 use crate::data::load::about_gradients;
 use crate::data::runs::{EffortReading, usual_step_s};
 use crate::findings::Findings;
@@ -231,34 +232,36 @@ fn at_once(answer: &Answer, one: &Named) -> Option<String> {
 
 /// What fits, and why it has no name.
 fn candidate(answer: &Answer, one: &Named) -> String {
-    let what = candidates::of_effect(&one.effect).sentence(one, &answer.context());
-    let why = match &one.trial {
-        _ if may_be_none(one, answer.context().believed.train().length_m()) => {
-            "the 95\u{a0}% interval of its size holds none at all".to_owned()
-        }
-        Some(trial) => trial.sentence(&answer.config),
-        None => String::new(),
-    };
-    let stands = one.trial.as_ref().is_none_or(|trial| trial.is_stood(&answer.config));
-    if let Some(or_else) = one.or_else.filter(|_| stands && matches!(one.effect, Effect::SpeedScale(_))) {
-        let separated_by = one.would_separate.join(", ");
-        return format!(
-            "A candidate, not a name: {what}. It is not in the repaired model, because it may as well be {or_else}; {separated_by} would settle it."
-        );
-    }
-    let settles = match &one.trial {
-        Some(trial) if trial.is_of_errors(&answer.config) => "A survey of the gradients, or runs over more of the line",
-        _ => "More runs",
-    };
-    let mut text = format!(
-        "A candidate, not a name: {what}. It is not in the repaired model, because {why}. {settles} would settle it."
-    );
+    let context = answer.context();
+    let what = candidates::of_effect(&one.effect).sentence(one, &context);
+    let may_be_none = may_be_none(one, context.believed.train().length_m());
     let mut acts = answer.input.runs.iter().filter(|run| one.runs.is_empty() || one.runs.contains(&run.name));
     let is_right = acts.any(|run| run.recorded.scale.is_some());
-    if is_right && matches!(one.effect, Effect::SpeedScale(_)) {
-        text.push_str(" The diagnosis of the logs has put the speeds right by it nevertheless.");
-    }
-    text
+    not_named(&what, one, may_be_none, is_right, &answer.config)
+}
+
+/// `may_be_none`: the interval of its size holds none at all; `is_right`: the speeds have been put right by it.
+fn not_named(what: &str, one: &Named, may_be_none: bool, is_right: bool, config: &GapConfig) -> String {
+    let is_wheel = matches!(one.effect, Effect::SpeedScale(_));
+    let (because, settles) = match (one.or_else.filter(|_| is_wheel), &one.trial) {
+        (Some(or_else), trial) if trial.as_ref().is_none_or(|trial| trial.is_stood(config)) => {
+            (format!("it may as well be {or_else}"), one.would_separate.join(", "))
+        }
+        _ if may_be_none => ("the 95\u{a0}% interval of its size holds none at all".to_owned(), "more runs".to_owned()),
+        (_, Some(trial)) if trial.is_of_errors(config) => {
+            (trial.sentence(config), "a survey of the gradients, or runs over more of the line,".to_owned())
+        }
+        (_, Some(trial)) => (trial.sentence(config), "more runs".to_owned()),
+        (_, None) => ("it was not tried in halves of the runs".to_owned(), "more runs".to_owned()),
+    };
+    let nevertheless = if is_wheel && is_right {
+        " The diagnosis of the logs has put the speeds right by it nevertheless."
+    } else {
+        ""
+    };
+    format!(
+        "A candidate, not a name: {what}. It is not in the repaired model, because {because}; {settles} would settle it.{nevertheless}"
+    )
 }
 
 /// Where p-value and verdict seem to say different things.
@@ -303,4 +306,26 @@ fn shows_in(named: &[Named]) -> String {
     all.sort_unstable();
     all.dedup();
     all.join(" and ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown_check::agreement::Figure;
+
+    #[test]
+    fn a_candidate_says_why_it_has_no_name_and_what_would_settle_it() {
+        let config = GapConfig::default();
+        let mut wheel = Named::wheel(&Figure { value: 1.013, sd: 0.001 }, &config);
+        let of = |wheel: &Named, may_be_none, is_right| not_named("a wheel", wheel, may_be_none, is_right, &config);
+        let not_tried = of(&wheel, false, true);
+        assert!(not_tried.contains("because it was not tried in halves of the runs; more runs would settle it."));
+        assert!(not_tried.ends_with("put the speeds right by it nevertheless."), "{not_tried}");
+        let none = of(&wheel, true, false);
+        assert!(none.ends_with("holds none at all; more runs would settle it."), "{none}");
+        wheel.or_else("stops elsewhere", 1.0, "runs with more stops");
+        let or_stops = of(&wheel, true, false);
+        let expected = "because it may as well be stops elsewhere; runs with more stops would settle it.";
+        assert!(or_stops.ends_with(expected), "{or_stops}");
+    }
 }

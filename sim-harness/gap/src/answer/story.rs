@@ -53,7 +53,7 @@ fn compared(worse: f64, context: &Context<'_>) -> String {
     let size = worse.abs();
     match worse {
         w if w >= 0.0 => format!("{size:.1} less"),
-        w if w > -context.config.certainty.near => {
+        w if w > -context.config.certainty.rival_within => {
             format!("{size:.1} more, too little for these data to separate the two")
         }
         _ => format!("{size:.1} more: it fits better than what is named"),

@@ -28,7 +28,7 @@ impl Candidate for This {
         named.intervals.extend(found.below_kmh.map(|(low, high)| ("below_kmh", low - around_kmh, high + around_kmh)));
         named.runs = found.runs.iter().map(|i| naming.runs[*i].clone()).collect();
         // A share that drivers like anyway may be theirs here, too.
-        if found.demanded > (-certainty.near).exp() {
+        if found.demanded > (-certainty.rival_within).exp() {
             named.or_else("drivers who start with a part of it", found.demanded, POSITION);
         } else {
             named.confidence = beside(named.confidence, found.demanded);

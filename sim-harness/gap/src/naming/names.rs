@@ -79,8 +79,12 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
     let kind = fitted.term.of.facts().kind?;
     let counts = |worse: f64| worse.max(0.0) / fitted.dispersion;
     let odds: f64 = fitted.rivals.iter().map(|(_, worse)| (-counts(*worse)).exp()).sum();
-    let near: Vec<&Term> =
-        fitted.rivals.iter().filter(|(_, worse)| counts(*worse) < certainty.near).map(|(term, _)| term).collect();
+    let near: Vec<&Term> = fitted
+        .rivals
+        .iter()
+        .filter(|(_, worse)| counts(*worse) < certainty.rival_within)
+        .map(|(term, _)| term)
+        .collect();
     let mut rivals: Vec<EffectKind> = near.iter().filter_map(|term| term.of.facts().kind).collect();
     rivals.retain(|other| *other != kind);
     rivals.dedup();
@@ -111,7 +115,7 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
 fn of_limit(found: &FoundLimit, naming: &Naming<'_>) -> Option<Named> {
     let candidate = candidates::of_effect(&found.effect);
     let (named, mut rivals) = candidate.limit(found, naming)?;
-    let near = |other: &&FoundLimit| found.value - other.value < naming.context.config.certainty.near;
+    let near = |other: &&FoundLimit| found.value - other.value < naming.context.config.certainty.rival_within;
     let others = naming.limits.iter().skip(1).filter(near);
     rivals.extend(others.map(|other| (other.effect.kind(), f64::exp(other.value - found.value))));
     let mut named = with_rivals((named, rivals), naming);

@@ -265,7 +265,7 @@ pub fn calibrate_beside(
     let mut at = Deviations { noise, own: Own::default() };
     let known = spread.clone();
     let freedom = freedom(rows, &flexible);
-    let few = freedom > config.few;
+    let is_restricted = freedom > config.restricted_from;
     let mut reached = f64::NEG_INFINITY;
     let sought = Sought::all(config, measured, wind);
     for round in 0..3 {
@@ -276,7 +276,7 @@ pub fn calibrate_beside(
         };
         let likelihood = |tried: &Deviations| {
             let whitening = whitening(tried, &spread, rows, &columns);
-            if few {
+            if is_restricted {
                 return restricted(&y, &flexible, &whitening);
             }
             -whitening.log_determinant() - 0.5 * freedom * whitening.whiten(&residual).norm_squared()

@@ -74,8 +74,8 @@ impl<'a> Units<'a> {
             runs.len() >= config.evidence.least_runs
                 && runs.len() as f64 <= most_runs
                 && by_brake > config.between_runs.drag_gain
-                && by_brake > gain(&in_unit(constant)) - config.certainty.near
-                && others.iter().all(|other| by_brake > gain(&in_unit(other)).abs() + config.certainty.near)
+                && by_brake > gain(&in_unit(constant)) - config.certainty.rival_within
+                && others.iter().all(|other| by_brake > gain(&in_unit(other)).abs() + config.certainty.rival_within)
         };
         units.iter().filter(drags).cloned().collect()
     }

@@ -122,7 +122,7 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
     let delay = readings.effort.age_s(nuisance).map(|delay| one("effort_delay", "s", delay, told));
     let offset = readings.offset.map(|offset| {
         let told = offset.matters(nuisance, enough).is_some();
-        let rival = told && offset.may_be_length(config.certainty.near);
+        let rival = told && offset.may_be_length(config.certainty.rival_within);
         let ambiguous_with = rival.then_some(EffectKind::TrainLengthError).into_iter().collect();
         Nuisance { ambiguous_with, ..one("location_offset", "m", offset.of_each(), told) }
     });

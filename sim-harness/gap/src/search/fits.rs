@@ -175,7 +175,7 @@ impl<'a> Search<'a> {
         };
         let instead = base.beside(&self.white(&mass)[0]) * gain.value;
         let better = base.residual.dot(&instead) - 0.5 * instead.norm_squared();
-        better > -self.context.config.certainty.near * base.dispersion()
+        better > -self.context.config.certainty.rival_within * base.dispersion()
     }
 
     /// Penalised log-likelihood of a model.

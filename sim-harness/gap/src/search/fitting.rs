@@ -31,7 +31,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             let mut with = others.clone();
             with.insert(index, found.term.clone());
             let worse = score - search.score(&with) - found.term.unnamed_penalty(search.context);
-            (worse < certainty.far * dispersion).then_some((found.term, worse))
+            (worse < certainty.rival_most * dispersion).then_some((found.term, worse))
         };
         let sd = range
             .clone()
@@ -97,7 +97,10 @@ mod tests {
             let search = Search::new(context, &rows, &calibrated, false);
             let kind = |term: &Term| term.of.facts().kind;
             let near = |of: &Fitted| -> Vec<Option<EffectKind>> {
-                let near = of.rivals.iter().filter(|(_, worse)| *worse < context.config.certainty.near * of.dispersion);
+                let near = of
+                    .rivals
+                    .iter()
+                    .filter(|(_, worse)| *worse < context.config.certainty.rival_within * of.dispersion);
                 near.map(|(term, _)| kind(term)).collect()
             };
             fitted(&search, &search.select()).iter().map(|of| (kind(&of.term), near(of))).collect()

@@ -125,7 +125,7 @@ impl Search<'_> {
         let all: Vec<Vec<RunGain>> = shifts().map(|by| of_term.iter().map(|run| run.gain(by)).collect()).collect();
         let sum = |of_runs: &[RunGain], of: fn(&RunGain) -> f64| of_runs.iter().map(of).sum::<f64>();
         let by_shifts = all.iter().map(|of_runs| sum(of_runs, |run| run.shifted)).fold(0.0, f64::max);
-        let enough = by_shifts + term.penalty(self.context, self.rows) + config.certainty.near;
+        let enough = by_shifts + term.penalty(self.context, self.rows) + config.certainty.rival_within;
         // No choice of the runs is worth more than one that costs nothing.
         let most = |of_runs: &&Vec<RunGain>| sum(of_runs, |run| run.shifted + run.acting.max(0.0)) > enough;
         let worth = all.iter().filter(most).map(|of_runs| (in_some(of_runs, between.most_with_term), of_runs));

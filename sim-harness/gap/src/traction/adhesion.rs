@@ -94,7 +94,7 @@ impl Adhesion<'_> {
     /// a habit of theirs.
     fn demanded(&self, factor: f64, below_kmh: f64) -> f64 {
         let config = self.config;
-        let near = |power: &SteadyPower| (power.ratio - factor).abs() < config.near + config.near_sd * power.sd;
+        let near = |power: &SteadyPower| (power.ratio - factor).abs() < config.alike + config.alike_sd * power.sd;
         let of_run = |run: &Shares<'_>| {
             let above = || run.powering.iter().filter(|power| !below(power, below_kmh));
             let all: f64 = above().map(|power| power.weight).sum();

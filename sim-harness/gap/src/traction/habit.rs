@@ -49,7 +49,7 @@ impl Demanded {
         }
         for pair in run.powering.windows(2).filter(|pair| follows(&pair[0], &pair[1])) {
             let weight = free(&pair[0]).min(free(&pair[1]));
-            let known = config.near + config.near_sd * pair[0].sd.hypot(pair[1].sd);
+            let known = config.alike + config.alike_sd * pair[0].sd.hypot(pair[1].sd);
             let which = which(&pair[0], below_kmh);
             all.pairs[which] += weight;
             all.moved[which] += if (pair[0].ratio - pair[1].ratio).abs() > known { weight } else { 0.0 };

@@ -105,7 +105,7 @@ pub fn powering(
         .collect();
     // Steady: like a neighbour.
     let near = |a: &SteadyPower, b: &Option<SteadyPower>| {
-        b.is_some_and(|b| (a.ratio - b.ratio).abs() < config.near + config.near_sd * a.sd.hypot(b.sd))
+        b.is_some_and(|b| (a.ratio - b.ratio).abs() < config.alike + config.alike_sd * a.sd.hypot(b.sd))
     };
     let steady = (0..ratios.len()).filter_map(|i| {
         let power = ratios[i]?;
@@ -219,8 +219,9 @@ pub fn sampled_powering(
         let (Some(before), Some(after)) = (before, after) else {
             continue;
         };
-        let near =
-            |other: &(f64, SteadyPower)| (other.1.ratio - power.ratio).abs() < config.near + config.near_sd * power.sd;
+        let near = |other: &(f64, SteadyPower)| {
+            (other.1.ratio - power.ratio).abs() < config.alike + config.alike_sd * power.sd
+        };
         // Gained by this power: a speed that was held until the power was raised was no limit's.
         let gained = |from: &(f64, SteadyPower), to: &(f64, SteadyPower)| {
             let gained_mps = to.1.speed_mps - from.1.speed_mps;

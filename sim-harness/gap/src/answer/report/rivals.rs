@@ -14,7 +14,7 @@ pub(super) fn rivals(answer: &Answer) -> Markup {
     if each.is_empty() {
         return html! {};
     }
-    let (near, far) = (answer.config.certainty.near, answer.config.certainty.ruled_out);
+    let (near, far) = (answer.config.certainty.rival_within, answer.config.certainty.ruled_out);
     let verdict = |worse: f64| match worse {
         w if w < near => "not distinguishable",
         w if w < far => "less likely",

@@ -1,0 +1,133 @@
+//! Rows as they come, as stretches without a gap.
+
+use super::mapping::RunCuts;
+use super::rows::Record;
+use super::stretch::Stretch;
+use rundown_files::sample::Sample;
+
+/// Rows that are held at most before a stretch is cut without another reason.
+const MOST_ROWS: usize = 500_000;
+/// What no row has continued for so many is over.
+const LEFT_ROWS: u64 = 20_000;
+
+/// Makes stretches of rows as they come. Rows of several units or runs may take turns, as where a fleet writes one
+/// file: each has a stretch of its own until it has not been continued for long.
+#[derive(Debug)]
+pub struct Cutter {
+    settings: RunCuts,
+    rows: u64,
+    last_unit: String,
+    /// The sheet whose rows are about to begin.
+    sheet: Option<String>,
+    /// In the order in which they began.
+    held: Vec<Held>,
+}
+
+#[derive(Debug)]
+struct Held {
+    stretch: Stretch,
+    /// Which rows of the file its first and last were.
+    first: u64,
+    last: u64,
+}
+
+impl Cutter {
+    pub const fn new(settings: RunCuts) -> Self {
+        Self { settings, rows: 0, last_unit: String::new(), sheet: None, held: Vec::new() }
+    }
+
+    /// The rows of a sheet begin.
+    pub fn sheet(&mut self, name: &str) {
+        self.sheet = Some(name.to_owned());
+    }
+
+    /// Takes a row; gives the stretches that end before it.
+    pub fn push(&mut self, record: Record) -> Vec<Stretch> {
+        let begun = self.sheet.take().filter(|_| self.is_earlier(&record));
+        let ended = if begun.is_some() { std::mem::take(&mut self.held) } else { Vec::new() };
+        let begun = begun.map(|sheet| format!("the sheet {sheet:?} begins, earlier than the one before ends"));
+        ended.into_iter().map(|held| held.stretch).chain(self.next(record, begun)).collect()
+    }
+
+    /// A sheet goes on where the one before ended; one that begins earlier holds other runs, not a clock that was set
+    /// back.
+    fn is_earlier(&self, record: &Record) -> bool {
+        let last = self.held.iter().filter_map(|held| held.stretch.rows.last());
+        last.map(|row| row.time_s).fold(f64::NEG_INFINITY, f64::max) > record.sample.time_s
+    }
+
+    /// The same within a sheet, or of a file without any; `begun`: why a stretch begins here, where the sheet says it.
+    fn next(&mut self, record: Record, begun: Option<String>) -> Vec<Stretch> {
+        self.rows += 1;
+        let is_of = |held: &Held| held.stretch.unit == record.unit && held.stretch.run == record.run;
+        let found = self.held.iter().position(is_of);
+        let cut = found.and_then(|at| Some((at, self.cut(&self.held[at].stretch, &record)?)));
+        // What is over, and what was over before that began.
+        let mut ended_before = self.rows.saturating_sub(LEFT_ROWS);
+        let mut over = None;
+        let at = match (found, cut) {
+            (_, Some((at, reason))) => {
+                let held = self.held.remove(at);
+                ended_before = ended_before.max(held.first);
+                over = Some(held.stretch);
+                self.begin(&record, reason, false)
+            }
+            (Some(at), None) => at,
+            (None, None) => {
+                let reason = begun.unwrap_or_else(|| self.reason(&record));
+                self.begin(&record, reason, true)
+            }
+        };
+        let held = &mut self.held[at];
+        held.last = self.rows;
+        held.stretch.rows.push(record.sample);
+        held.stretch.altitudes_m.push(record.altitude_m);
+        if self.last_unit != record.unit {
+            self.last_unit = record.unit;
+        }
+        let before = self.held.extract_if(.., |held| held.last < ended_before);
+        before.map(|held| held.stretch).chain(over).collect()
+    }
+
+    /// Why a stretch does not go on with this row of its unit and run.
+    fn cut(&self, stretch: &Stretch, record: &Record) -> Option<String> {
+        let last = stretch.rows.last()?;
+        let gap_s = record.sample.time_s - last.time_s;
+        if gap_s > self.settings.gap_s && !went_on(last, &record.sample) {
+            Some(format!("a gap of {gap_s:.0} s"))
+        } else if stretch.rows.len() >= MOST_ROWS {
+            Some(format!("{MOST_ROWS} rows without another place to cut"))
+        } else {
+            None
+        }
+    }
+
+    /// Why the rows of a unit and run begin.
+    fn reason(&self, record: &Record) -> String {
+        if self.rows == 1 {
+            "the file begins".to_owned()
+        } else if self.last_unit == record.unit {
+            format!("the run changes to {:?}", record.run)
+        } else {
+            format!("the unit changes to {:?}", record.unit)
+        }
+    }
+
+    fn begin(&mut self, record: &Record, reason: String, is_head: bool) -> usize {
+        let (unit, run, is_dated) = (record.unit.clone(), record.run.clone(), record.is_dated);
+        let stretch = Stretch { unit, run, is_dated, reason, is_head, ..Stretch::default() };
+        self.held.push(Held { stretch, first: self.rows, last: self.rows });
+        self.held.len() - 1
+    }
+
+    pub fn end(self) -> impl Iterator<Item = Stretch> {
+        self.held.into_iter().map(|held| held.stretch)
+    }
+}
+
+/// Two rows of a moving train that is no further on than half a minute of travel: the clock jumped, the log has no gap.
+fn went_on(a: &Sample, b: &Sample) -> bool {
+    let moving = a.speed_mps.zip(b.speed_mps).map(|(a, b)| a.min(b)).filter(|mps| *mps > 5.0);
+    let moved_m = a.location_m.zip(b.location_m).map(|(a, b)| (b - a).abs());
+    moving.zip(moved_m).is_some_and(|(mps, metres)| metres > 0.0 && metres < 30.0 * mps)
+}
