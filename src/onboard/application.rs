@@ -52,12 +52,12 @@ impl<'a, F: NorFlash, K: KeySource> Application<'a, F, K> {
 
     /// A byte came over the line. What it asks for is begun; the rest is done by [`Application::go_on`], before the
     /// next byte.
-    pub fn receive(&mut self, byte: u8, hardware: impl Hardware, send: &mut impl FnMut(&[u8], WhenFull) -> bool) {
+    pub fn receive_byte(&mut self, byte: u8, hardware: impl Hardware, send: &mut impl FnMut(&[u8], WhenFull) -> bool) {
         match self.decoder.push(byte) {
             Ok(Some(message)) => {
                 self.messages.received = self.messages.received.saturating_add(1);
                 let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
-                self.task.accept(message, &mut line);
+                self.task.begin_message(message, &mut line);
                 self.log(hardware);
             }
             Ok(None) => {}
@@ -66,9 +66,14 @@ impl<'a, F: NorFlash, K: KeySource> Application<'a, F, K> {
     }
 
     /// A whole message came over another link, which counts for itself; as a byte of the line.
-    pub fn take(&mut self, message: &[u8], hardware: impl Hardware, send: &mut impl FnMut(&[u8], WhenFull) -> bool) {
+    pub fn receive_message(
+        &mut self,
+        message: &[u8],
+        hardware: impl Hardware,
+        send: &mut impl FnMut(&[u8], WhenFull) -> bool,
+    ) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
-        self.task.accept(message, &mut line);
+        self.task.begin_message(message, &mut line);
         self.log(hardware);
     }
 

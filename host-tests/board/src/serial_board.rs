@@ -82,7 +82,7 @@ impl SerialBoard {
             self.application.tick(state, &mut send);
         }
         if let Some(byte) = byte {
-            self.application.receive(byte, state, &mut send);
+            self.application.receive_byte(byte, state, &mut send);
         }
         while self.application.is_busy() {
             self.application.go_on(state, &mut send);

@@ -47,7 +47,7 @@ fuzz_target!(|data: &[u8]| {
             !deaf
         };
         for byte in line {
-            application.receive(byte, Health::default, &mut send);
+            application.receive_byte(byte, Health::default, &mut send);
             while application.is_busy() {
                 application.go_on(Health::default, &mut send);
             }

@@ -150,6 +150,7 @@ pub fn investigate(
         share = share.beside_noise_alone(acting.multiple);
         acting.share = acting.share.beside_noise_alone(acting.multiple);
     }
+    doubt_denied(&mut named, acting.as_ref(), config);
     let compared = (!evaluation.compared.is_empty()).then_some((&share, acting.as_ref()));
     let gradients_are_off = findings.gradient_errors_permille().is_some();
     let grounds =
@@ -179,6 +180,15 @@ pub fn investigate(
 fn is_among(one: &Named, trained: &[Named]) -> bool {
     let kind = one.effect.kind();
     kind == EffectKind::SpeedScale || trained.iter().any(|trained| trained.effect.kind() == kind)
+}
+
+/// Lowers the confidence of what acts in the simulation of the hold-out runs, where these have too little of it; a wheel
+/// is put right before.
+fn doubt_denied(named: &mut [Named], touched: Option<&Touched>, config: &GapConfig) {
+    let acts = |one: &&mut Named| one.effect.kind() != EffectKind::SpeedScale;
+    if touched.is_some_and(|touched| touched.denying(&config.holdout).is_some()) {
+        named.iter_mut().filter(acts).for_each(|one| one.doubt(config.certainty.denied));
+    }
 }
 
 /// What the training runs alone give, and how that does on the others.
@@ -309,4 +319,31 @@ fn winds(
         (run.name.clone(), run.direction.sign() * headwind_mps, sd)
     };
     runs.iter().enumerate().map(of_run).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::model::effects::MassError;
+
+    #[test]
+    fn names_of_which_the_hold_out_runs_have_too_little_are_doubted_but_not_a_wheel() {
+        let config = GapConfig::default();
+        let confidences = |multiple| {
+            let mass = Named::plain(MassError { relative: 0.1 }.into(), Vec::new(), 30.0, 30.0);
+            let wheel = Named::wheel(&Figure { value: 1.02, sd: 0.001 }, &config);
+            let mut named = [mass, wheel];
+            let share = gap(&[], &config.holdout);
+            doubt_denied(&mut named, Some(&Touched { count: 40, share, multiple }), &config);
+            named.map(|one| one.confidence)
+        };
+        let [mass, wheel] = confidences(None);
+        assert!(mass > 0.9 && wheel > 0.9);
+        // Not known well enough to be less, or no less.
+        for multiple in [(0.4, (-0.1, 0.9)), (0.95, (0.85, 1.05))] {
+            assert_eq!(confidences(Some(multiple)), [mass, wheel]);
+        }
+        let [denied, same] = confidences(Some((0.4, (-0.1, 0.7))));
+        assert!(denied < 0.5 && same == wheel, "{denied}");
+    }
 }

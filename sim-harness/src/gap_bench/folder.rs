@@ -5,6 +5,7 @@ use super::score::{MOST_RIVALS, is_significant, one_to_one};
 use super::table::{reliability, yes};
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::input::Input;
+use rundown_gap::named::Named;
 use rundown_gap::verdict::Verdict;
 use rundown_pages::numbers::counted;
 use serde::{Deserialize, Serialize};
@@ -123,7 +124,7 @@ pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<J
         let copied = without_effort(&set, copy.path()).map_err(|error| format!("{}: {error}", set.display()));
         copied.and_then(|()| investigate(copy.path()))
     };
-    Ok(JudgedSet::of(name, key, effort, answer))
+    Ok(JudgedSet::of(name, key, effort, answer.map(|answer| Said::of(&answer))))
 }
 
 fn investigate(set: &Path) -> Result<Answer, String> {
@@ -157,25 +158,46 @@ fn without_effort(set: &Path, to: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// What an answer says that a key can judge.
+#[derive(Default)]
+struct Said {
+    verdict: Option<&'static str>,
+    /// Names with their confidence and rivals.
+    names: Vec<(&'static str, f64, Vec<&'static str>)>,
+    candidates: Vec<&'static str>,
+    p_value: Option<f64>,
+    removed: Option<f64>,
+}
+
+impl Said {
+    fn of(answer: &Answer) -> Self {
+        let found = &answer.found;
+        let rivals = |named: &Named| named.ambiguous_with.iter().map(|kind| kind.name()).collect();
+        Self {
+            verdict: Some(found.verdict.name()),
+            names: found.named.iter().map(|one| (one.effect.name(), one.confidence, rivals(one))).collect(),
+            candidates: found.candidates.iter().map(|one| one.effect.name()).collect(),
+            p_value: Some(found.p_value),
+            removed: found.gap.removed,
+        }
+    }
+}
+
 impl JudgedSet {
-    fn of(set: &str, key: &Key, effort: bool, answer: Result<Answer, String>) -> Self {
+    fn of(set: &str, key: &Key, effort: bool, said: Result<Said, String>) -> Self {
         let variant = if effort { "effort" } else { "no-effort" };
         let accepted = key.also_accepted.get(variant).cloned().unwrap_or_default();
         let hidden: Vec<String> = key.effects.iter().map(|effect| effect.name.clone()).collect();
         let is_key = |name: &str| hidden.iter().chain(&accepted).any(|key| key == name);
-        let (investigation, refused) = match answer {
-            Ok(answer) => (Some(answer.found), None),
-            Err(reason) => (None, Some(reason)),
+        let (said, refused) = match said {
+            Ok(said) => (said, None),
+            Err(reason) => (Said::default(), Some(reason)),
         };
-        let candidates =
-            investigation.iter().flat_map(|found| &found.candidates).map(|one| one.effect.name()).collect();
-        let named = investigation.iter().flat_map(|found| &found.named).map(|named| {
-            let rivals: Vec<&'static str> = named.ambiguous_with.iter().map(|kind| kind.name()).collect();
-            let right =
-                is_key(named.effect.name()) || rivals.len() <= MOST_RIVALS && rivals.iter().any(|rival| is_key(rival));
-            Name { name: named.effect.name(), confidence: named.confidence, rivals, right }
-        });
-        let found: Vec<Name> = named.collect();
+        let judged = |(name, confidence, rivals): (&'static str, f64, Vec<&'static str>)| {
+            let right = is_key(name) || rivals.len() <= MOST_RIVALS && rivals.iter().any(|rival| is_key(rival));
+            Name { name, confidence, rivals, right }
+        };
+        let found: Vec<Name> = said.names.into_iter().map(judged).collect();
         let keys: Vec<&str> = hidden.iter().map(String::as_str).collect();
         let of = |with_rivals: bool| {
             let fits = |key: &str, name: &&Name| {
@@ -190,15 +212,15 @@ impl JudgedSet {
         Self {
             set: set.to_owned(),
             effort,
-            verdict: investigation.as_ref().map(|found| found.verdict.name()),
+            verdict: said.verdict,
             size: key.magnitude_class.clone(),
             named,
             shared,
             hidden,
-            p_value: investigation.as_ref().map(|found| found.p_value),
-            removed: investigation.as_ref().and_then(|found| found.gap.removed),
+            p_value: said.p_value,
+            removed: said.removed,
             found,
-            candidates,
+            candidates: said.candidates,
             refused,
             absent: false,
         }
@@ -356,6 +378,30 @@ mod tests {
         assert!(!refused.named && !refused.shared);
         assert!(refused.line().contains("nothing: refused: runs: nothing"), "{}", refused.line());
         assert!(tables(&[refused]).contains("| yes | 0 | - | 1 | 0 | 0 | 0 | 0 | 0 | 1 |"));
+    }
+
+    #[test]
+    fn a_set_is_named_by_its_key_shared_by_few_rivals_and_missed_by_what_is_too_much() {
+        let hides = |names: &[&str], accepted: &[&str]| Key {
+            effects: names.iter().map(|name| Hidden { name: (*name).to_owned() }).collect(),
+            also_accepted: BTreeMap::from([("effort".to_owned(), accepted.iter().map(ToString::to_string).collect())]),
+            ..Key::default()
+        };
+        let of = |key: &Key, names: &[(&'static str, &[&'static str])], effort| {
+            let names = names.iter().map(|(name, rivals)| (*name, 0.9, rivals.to_vec())).collect();
+            let judged = JudgedSet::of("a", key, effort, Ok(Said { names, ..Said::default() }));
+            (judged.named, judged.shared, judged.found.iter().map(|name| name.right).collect::<Vec<_>>())
+        };
+        let wind = hides(&["steady_wind"], &["unknown"]);
+        assert_eq!(of(&wind, &[("steady_wind", &[])], true), (true, true, vec![true]));
+        assert_eq!(of(&wind, &[("unknown", &[])], true), (true, true, vec![true]));
+        assert_eq!(of(&wind, &[("unknown", &[])], false), (false, false, vec![false]));
+        let rivals: [&'static str; 3] = ["steady_wind", "tunnel_drag", "warm_up"];
+        assert_eq!(of(&wind, &[("davis_error", &rivals[..2])], true), (false, true, vec![true]));
+        assert_eq!(of(&wind, &[("davis_error", &rivals)], true), (false, false, vec![false]));
+        let two: [(&'static str, &[&'static str]); 2] = [("steady_wind", &[]), ("davis_error", &[])];
+        assert_eq!(of(&wind, &two, true), (false, false, vec![true, false]));
+        assert_eq!(of(&hides(&[], &[]), &[], true), (true, true, vec![]));
     }
 
     #[test]

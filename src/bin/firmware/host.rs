@@ -43,7 +43,7 @@ pub fn run() -> io::Result<()> {
             return written;
         }
         for byte in bytes {
-            application.receive(*byte, Host, &mut send);
+            application.receive_byte(*byte, Host, &mut send);
             while application.is_busy() {
                 application.go_on(Host, &mut send);
             }

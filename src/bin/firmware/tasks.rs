@@ -224,7 +224,7 @@ mod app {
         let mut say = say(cx.shared.port, cx.shared.outbox, cx.shared.can);
         if let Some(message) = message {
             let watch = Stopwatch::start();
-            application.take(&message, start, &mut say);
+            application.receive_message(&message, start, &mut say);
             watch.stop();
         }
         // At most one ring at a time: a line that babbles must not keep the other task waiting.
@@ -236,7 +236,7 @@ mod app {
                 return false;
             };
             let watch = Stopwatch::start();
-            application.receive(byte, start, &mut say);
+            application.receive_byte(byte, start, &mut say);
             watch.stop();
         }
         application.is_busy() || cx.local.ring_out.ready()

@@ -177,7 +177,7 @@ pub struct Task<'a, F, K = Result<Provisioning, ProvisioningError>> {
 impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     /// One message from the link, and all that it asks for.
     pub fn receive(&mut self, message: &[u8], port: &mut impl Port) {
-        self.accept(message, port);
+        self.begin_message(message, port);
         self.finish(port);
     }
 
@@ -188,7 +188,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     }
 
     /// The first piece of [`Task::receive`]; the others by [`Task::go_on`].
-    pub fn accept(&mut self, message: &[u8], port: &mut impl Port) {
+    pub fn begin_message(&mut self, message: &[u8], port: &mut impl Port) {
         self.finish(port);
         let digest = digest::of_bytes(message);
         if self.last_message.replace(digest) == Some(digest) {
@@ -202,7 +202,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
             {
                 self.duplicate = self.duplicate.saturating_add(1);
             }
-            (origin, Ok(uplink)) => self.take(&uplink, origin, port),
+            (origin, Ok(uplink)) => self.dispatch(&uplink, origin, port),
             (origin, Err(refusal)) => self.refuse(0, refusal, origin, port),
         }
     }
@@ -217,7 +217,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         }
     }
 
-    fn take(&mut self, uplink: &Uplink, origin: Origin, port: &mut impl Port) {
+    fn dispatch(&mut self, uplink: &Uplink, origin: Origin, port: &mut impl Port) {
         if let Err(refusal) = self.permit(uplink) {
             return self.refuse(0, refusal, origin, port);
         }

@@ -30,7 +30,7 @@ fn a_tick_in_pieces_says_what_it_says_in_one_call() {
     for measurement in log.iter().copied().chain(stands) {
         let message = whole.desk.open(Request::Measurement(measurement)).unwrap();
         whole.task.receive(&message, &mut whole.wire);
-        apart.task.accept(&message, &mut apart.wire);
+        apart.task.begin_message(&message, &mut apart.wire);
         let mut found: Vec<_> = apart.wire.messages.drain(..).collect();
         assert!(found.is_empty() && apart.task.is_busy(), "the estimate is a piece of its own");
         let pieces = pieces(&mut apart);
@@ -46,8 +46,8 @@ fn what_comes_between_two_pieces_waits_for_the_last_one() {
     let (mut board, _, log) = running(described());
     let message = |board: &mut Board, row: usize| board.desk.open(Request::Measurement(log[row])).unwrap();
     let (first, second) = (message(&mut board, 0), message(&mut board, 1));
-    board.task.accept(&first, &mut board.wire);
-    board.task.accept(&second, &mut board.wire);
+    board.task.begin_message(&first, &mut board.wire);
+    board.task.begin_message(&second, &mut board.wire);
     let estimates = |frames: Vec<Downlink>| {
         frames.into_iter().filter(|frame| matches!(frame.body, Body::Estimate(_))).map(|frame| frame.tick).collect()
     };
@@ -64,7 +64,7 @@ fn power_that_goes_between_two_pieces_of_an_end_leaves_the_vehicle_before_it_or_
         let (mut board, description, log) = running(described());
         log.iter().for_each(|measurement| drop(board.measure(measurement)));
         let message = board.desk.secured(Request::Command(Command::End)).unwrap();
-        board.task.accept(&message, &mut board.wire);
+        board.task.begin_message(&message, &mut board.wire);
         (0..done).for_each(|_| board.task.go_on(&mut board.wire));
         let mut board = board.restart();
         board.prepare(&description, Direction::Up);

@@ -40,6 +40,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     if found.gap.is_worse(config) {
         notes.push(worse(answer));
     }
+    notes.extend(found.touched.and_then(|touched| touched.denying(config)).map(denied));
     if runs <= least {
         notes.push(format!(
             "{} at hand, none held out: an analysis needs {least}, so nothing here was tried out of sample.",
@@ -187,6 +188,13 @@ fn worse(answer: &Answer) -> String {
     format!(
         "Worse than before: on the hold-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. {meaning}.",
         found.gap.after, found.gap.before
+    )
+}
+
+/// The hold-out runs have less of the effects than these foresee.
+fn denied((multiple, (low, high)): (f64, (f64, f64))) -> String {
+    format!(
+        "The hold-out runs have {multiple:.2} times what the effects foresee (95\u{a0}% interval {low:.2} to {high:.2}), which is too little for all of them: at least one is another one or smaller, so all are less sure."
     )
 }
 

@@ -74,6 +74,13 @@ pub struct Touched {
     pub multiple: Option<(f64, (f64, f64))>,
 }
 
+impl Touched {
+    /// The multiple where it is surely less than what a name would leave.
+    pub fn denying(&self, config: &HoldoutConfig) -> Option<(f64, (f64, f64))> {
+        self.multiple.filter(|(_, (_, high))| *high < config.denied)
+    }
+}
+
 /// Sums of squares, run by run.
 fn of_runs<'a>(compared: impl Iterator<Item = &'a Compared>, config: &HoldoutConfig) -> Vec<Squares> {
     let mut runs: BTreeMap<usize, Squares> = BTreeMap::new();
