@@ -107,6 +107,9 @@ impl Cut<'_> {
             let held = self.held(from, to, &path);
             (mean + 0.5 * held, change + held.abs())
         });
+        // Of fewer than two readings within an interval it would be that of neighbours.
+        let bends = to.effort_change_n_per_kg.zip(from.effort_change_n_per_kg).filter(|_| to.sample >= from.sample + 3);
+        let bend = bends.map_or(0.0, |(end, begin)| end - begin);
         Interval {
             run,
             unit: self.unit,
@@ -115,8 +118,8 @@ impl Cut<'_> {
             speed_mps: [from.speed_mps, to.speed_mps],
             effort_n_per_kg: effort.map(|(mean, _)| mean),
             effort_change_n_per_kg: effort.map_or(0.0, |(_, change)| change),
-            effort_step_n_per_kg: self.efforts.step(from.sample, to.sample),
-            effort_bend_n_per_kg: self.efforts.bend(from.sample, to.sample),
+            effort_step_n_per_kg: to.effort_n_per_kg - from.effort_n_per_kg,
+            effort_bend_n_per_kg: bend,
             temperature_c: self.run.samples[to.sample].temperature_c,
             wind_mps: self.wind_mps(from.sample, to.sample),
             day: self.run.day,
@@ -274,6 +277,37 @@ mod tests {
         assert_eq!(known(&[5]), but_one);
         // What all of a coast have is an effect.
         assert_eq!(known(&(1..12).collect::<Vec<usize>>()), [true; 11]);
+    }
+
+    /// Effort less acceleration, and step, of the intervals of a train without resistance whose handle moves to and fro,
+    /// read every second; its efforts are so old.
+    fn beside_age(age_s: f64) -> Vec<(f64, f64)> {
+        let effort = |time_s: f64| 0.4 * (time_s / 3.0).sin();
+        let sample = |row: i32| {
+            let time_s = f64::from(row);
+            Sample {
+                time_s,
+                location_m: Some(20.0 * time_s),
+                speed_mps: Some(20.0 - 1.2 * (time_s / 3.0).cos()),
+                effort_n_per_kg: Some(effort(time_s - age_s)),
+                ..Sample::default()
+            }
+        };
+        let run = Run { samples: (0..120).map(sample).collect(), ..Run::default() };
+        let intervals = on_a_level_line(1, |context| all(context, &[run], EffortReading::Momentary)).concat();
+        let inner = intervals.iter().filter(|i| i.begin_s > 5.0 && i.begin_s < 105.0);
+        let of = |i: &Interval| (i.effort_n_per_kg.unwrap() - i.acceleration_mps2(), i.effort_step_n_per_kg / i.dt_s);
+        inner.map(of).collect()
+    }
+
+    /// Speeds are read beside what the efforts give, so an age of these is in the speeds, too.
+    #[test]
+    fn a_step_is_all_that_an_age_of_the_effort_takes_also_from_the_speeds() {
+        let (age_s, in_time) = (0.1, beside_age(0.0));
+        for ((late, _), (right, step)) in beside_age(age_s).into_iter().zip(&in_time) {
+            assert!((late - right + age_s * step).abs() < 1.5e-4, "{late} {right} {step}");
+        }
+        assert!(in_time.len() > 8 && in_time.iter().any(|(_, step)| step.abs() > 0.02));
     }
 
     #[test]

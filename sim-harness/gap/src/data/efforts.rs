@@ -52,35 +52,29 @@ impl Efforts<'_> {
         })
     }
 
-    /// Effort at the end of an interval less that at its beginning. A mean lies half a row back, so that of means the
-    /// middles of neighbours are taken: the noise of the interval's own effort, which would be taken for a delay, is
-    /// not in it.
-    pub(super) fn step(&self, from: usize, to: usize) -> f64 {
-        if self.mean_after(to).is_none() {
-            return self.at(to) - self.at(from);
+    /// Effort at a sample. A mean lies half a row back, so that of means the middle of neighbours is taken: the noise of
+    /// an interval's own effort, which would be taken for a delay, is hardly in the difference of two.
+    pub(super) fn around(&self, sample: usize) -> f64 {
+        match self.mean_after(sample) {
+            Some(next) => 0.5 * (self.at(sample) + self.at(next)),
+            None => self.at(sample),
         }
-        let middle = |sample: usize| 0.5 * (self.at(sample) + self.at(sample + 1));
-        middle(to) - middle(from)
     }
 
-    /// Change from one momentary reading to the next at the end of an interval, less that at its beginning; none of
-    /// means, nor where fewer than two readings lie within.
-    pub(super) fn bend(&self, from: usize, to: usize) -> f64 {
-        if self.reading == EffortReading::MeanSinceLast || to < from + 3 {
-            return 0.0;
-        }
+    /// Change from one momentary reading to the next at a sample; of means, which miss nothing between two, none.
+    pub(super) fn change_at(&self, sample: usize) -> Option<f64> {
         let known = |sample: usize| self.samples.get(sample).and_then(|sample| sample.effort_n_per_kg);
-        let change = |sample: usize| Some(0.5 * (known(sample + 1)? - known(sample.checked_sub(1)?)?));
-        change(to).zip(change(from)).map_or(0.0, |(end, begin)| end - begin)
+        let change = || Some(0.5 * (known(sample + 1)? - known(sample.checked_sub(1)?)?));
+        if self.reading == EffortReading::MeanSinceLast { None } else { change() }
     }
 
     /// The sample after one of a column of means, unless a gap lies between.
     fn mean_after(&self, sample: usize) -> Option<usize> {
         let samples = self.samples;
         let next = samples.get(sample + 1).filter(|next| next.effort_n_per_kg.is_some())?;
-        let [before, now] = [sample - 1, sample].map(|sample| samples[sample].time_s);
+        let (before_s, now_s) = (samples[sample.checked_sub(1)?].time_s, samples[sample].time_s);
         let is_mean = self.reading == EffortReading::MeanSinceLast;
-        (is_mean && next.time_s - now < self.config.gap * (now - before)).then_some(sample + 1)
+        (is_mean && next.time_s - now_s < self.config.gap * (now_s - before_s)).then_some(sample + 1)
     }
 
     /// How much the effort changes up to a sample, not negative. A mean is judged by those around it: the noise of a
@@ -151,10 +145,11 @@ mod tests {
         // Readings 2 s apart, from 2 s to 12 s: the mean of t²/1000 is (12³ - 2³) / 30 000.
         let (mean, _) = momentary.mean(1, 6).unwrap();
         let missed = mean - (12.0_f64.powi(3) - 2.0_f64.powi(3)) / 30_000.0;
-        assert!((missed - 2.0 / 12.0 * momentary.bend(1, 6) / 10.0).abs() < 1e-12, "{missed}");
+        let bend = momentary.change_at(6).unwrap() - momentary.change_at(1).unwrap();
+        assert!((missed - 2.0 / 12.0 * bend / 10.0).abs() < 1e-12, "{missed}");
         assert!(missed > 1e-4);
-        // Means miss nothing; of two readings, or at the end of a log, it is not known.
-        assert_eq!(efforts(EffortReading::MeanSinceLast).bend(1, 6), 0.0);
-        assert_eq!([momentary.bend(1, 3), momentary.bend(0, 6), momentary.bend(1, 7)], [0.0; 3]);
+        // Means miss nothing; at the ends of a log it is not known.
+        assert_eq!(efforts(EffortReading::MeanSinceLast).change_at(6), None);
+        assert_eq!([0, 7].map(|end| momentary.change_at(end)), [None; 2]);
     }
 }

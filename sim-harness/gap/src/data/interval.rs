@@ -27,7 +27,8 @@ pub struct Interval {
     pub effort_n_per_kg: Option<f64>,
     /// How much the effort changes within it beyond what is understood, N/kg, not negative.
     pub effort_change_n_per_kg: f64,
-    /// Effort at the end less effort at the beginning, N/kg; of means, half a row later at both.
+    /// Effort at the end less effort at the beginning, N/kg, each around it as the speed is read; of means, half a row
+    /// later at both.
     pub effort_step_n_per_kg: f64,
     /// Change of the effort from one momentary reading to the next at the end, less that at the beginning, N/kg:
     /// straight lines between readings miss a twelfth of it, times the time between two over `dt_s` (Euler-Maclaurin).

@@ -15,6 +15,9 @@ pub(super) struct Node {
     pub(super) location_m: f64,
     pub(super) speed_mps: f64,
     pub(super) sample: usize,
+    /// Effort, and its change from one momentary reading to the next, around the sample as the speed is read around it.
+    pub(super) effort_n_per_kg: f64,
+    pub(super) effort_change_n_per_kg: Option<f64>,
 }
 
 /// The readings of a run.
@@ -51,8 +54,11 @@ impl Nodes<'_> {
             let fresh = time_s + config.start_length_s <= started_s + config.start_s + 1e-6;
             let length_s = if fresh { config.start_length_s } else { every_s };
             next_s = time_s + length_s - 0.25 * usual_s;
-            let speed_mps = if every_s > 0.0 { self.read_speed(&with_speed, &impulses, place) } else { speed_mps };
-            nodes.push(Node { time_s, location_m: f64::NAN, speed_mps, sample });
+            nodes.push(if every_s > 0.0 {
+                self.read_around(&with_speed, &impulses, place)
+            } else {
+                self.node(sample, speed_mps)
+            });
         }
         self.locate(&with_speed, &mut nodes);
         nodes
@@ -96,41 +102,57 @@ impl Nodes<'_> {
         impulses
     }
 
+    /// By what stands in one row.
+    fn node(&self, sample: usize, speed_mps: f64) -> Node {
+        Node {
+            time_s: self.run.samples[sample].time_s,
+            location_m: f64::NAN,
+            speed_mps,
+            sample,
+            effort_n_per_kg: self.efforts.around(sample),
+            effort_change_n_per_kg: self.efforts.change_at(sample),
+        }
+    }
+
     /// Speed of a fast log: a straight line through the readings around the moment. What effort and gradient give
     /// between them is taken out first where it is known: a line is then right beside a switch of the regime too, and a
-    /// change of the gradient is not smeared, which would look like a longer train.
-    fn read_speed(&self, with_speed: &[(usize, f64)], impulses: &[Option<(usize, f64)>], place: usize) -> f64 {
+    /// change of the gradient is not smeared, which would look like a longer train. By an effort that is late too much
+    /// is taken out: by as much more as the line through the efforts says, not the one of the moment.
+    fn read_around(&self, with_speed: &[(usize, f64)], impulses: &[Option<(usize, f64)>], place: usize) -> Node {
         let (here, reading) = with_speed[place];
-        let at_s = self.run.samples[here].time_s;
+        let own = self.node(here, reading);
         // A train that stands is held, and what effort and gradient give does not move it.
         let near = |&&(sample, speed): &&(usize, f64)| {
-            (self.run.samples[sample].time_s - at_s).abs() <= self.efforts.config.reading_s + 1e-6
+            (self.run.samples[sample].time_s - own.time_s).abs() <= self.efforts.config.reading_s + 1e-6
                 && speed > self.efforts.config.departed_mps
         };
         let before = with_speed[..place].iter().rev().take_while(near);
         let after = with_speed[place..].iter().take_while(near);
         let around: Vec<(usize, f64)> = before.chain(after).copied().collect();
-        let given = |sample: usize| {
-            let (own, zero) = impulses[here]?;
-            let (stretch, sum) = impulses[sample]?;
-            (stretch == own).then_some(sum - zero)
+        if around.len() < 3 || reading == 0.0 {
+            return own;
+        }
+        let line = |of: &dyn Fn(usize, f64) -> Option<f64>| {
+            let since_s = |sample: usize| self.run.samples[sample].time_s - own.time_s;
+            let points = around.iter().map(|&(sample, speed)| Some((since_s(sample), of(sample, speed)?)));
+            points.collect::<Option<Vec<(f64, f64)>>>().and_then(|points| at_zero(&points))
         };
-        let known = around.iter().all(|(sample, _)| given(*sample).is_some());
-        let (mut n, mut t1, mut t2, mut v0, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for &(sample, speed) in &around {
-            let t = self.run.samples[sample].time_s - at_s;
-            let speed = if known { speed - given(sample).unwrap_or(0.0) } else { speed };
-            n += 1.0;
-            t1 += t;
-            t2 += t * t;
-            v0 += speed;
-            v1 += speed * t;
+        let given = |sample: usize| {
+            let (stretch, zero) = impulses[here]?;
+            impulses[sample].filter(|(of, _)| *of == stretch).map(|(_, sum)| sum - zero)
+        };
+        let beside_effort = line(&|sample, speed| Some(speed - given(sample)?));
+        let Some(speed_mps) = beside_effort.or_else(|| line(&|_, speed| Some(speed))) else { return own };
+        let speed_mps = speed_mps.max(0.0);
+        match beside_effort {
+            Some(_) => Node {
+                speed_mps,
+                effort_n_per_kg: line(&|sample, _| Some(self.efforts.around(sample))).unwrap_or(own.effort_n_per_kg),
+                effort_change_n_per_kg: line(&|sample, _| self.efforts.change_at(sample)),
+                ..own
+            },
+            None => Node { speed_mps, ..own },
         }
-        let determinant = n * t2 - t1 * t1;
-        if n < 3.0 || determinant <= 0.0 || reading == 0.0 {
-            return reading;
-        }
-        ((t2 * v0 - t1 * v1) / determinant).max(0.0)
     }
 
     /// Gives each node a location: the distance by speed, shifted by what the location readings around it say.
@@ -182,6 +204,15 @@ impl Nodes<'_> {
             node.location_m = sign * distance_m[node.sample] + middle.iter().sum::<f64>() / middle.len() as f64;
         }
     }
+}
+
+/// Where the straight line through points is at 0; none through fewer than two places.
+fn at_zero(points: &[(f64, f64)]) -> Option<f64> {
+    let sum = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>();
+    let (n, t1, t2) = (points.len() as f64, sum(|p| p.0), sum(|p| p.0 * p.0));
+    let (v0, v1) = (sum(|p| p.1), sum(|p| p.0 * p.1));
+    let determinant = n * t2 - t1 * t1;
+    (determinant > 0.0).then(|| (t2 * v0 - t1 * v1) / determinant)
 }
 
 #[cfg(test)]
