@@ -47,12 +47,14 @@ impl Figure {
     }
 
     /// The mean of what runs say, each by its own noise; they may differ by more, and then it is as sure as they agree.
-    pub(crate) fn mean_of(runs: &[Self]) -> Self {
+    /// Nothing of none.
+    pub fn mean_of(runs: &[Self]) -> Option<Self> {
         let weight = |one: &Self| one.sd.powi(-2);
         let sum: f64 = runs.iter().map(weight).sum();
         let value = runs.iter().map(|one| weight(one) * one.value).sum::<f64>() / sum;
         let scatter: f64 = runs.iter().map(|one| weight(one) * (one.value - value).powi(2)).sum();
-        Self { value, sd: ((scatter / (runs.len() as f64 - 1.0)).max(1.0) / sum).sqrt() }
+        let grown = (scatter / (runs.len() as f64 - 1.0)).max(1.0);
+        (!runs.is_empty()).then(|| Self { value, sd: (grown / sum).sqrt() })
     }
 
     /// The value of one of many, drawn to the usual one by what is known of both. `spread`: standard deviation of many

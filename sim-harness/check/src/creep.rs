@@ -76,7 +76,7 @@ impl Contrast {
     fn pooled<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<Figure> {
         let figures: Vec<Figure> = runs.clone().map(|run| run.figure).collect();
         let n = figures.len() as f64;
-        let mean = if let [one] = figures[..] { one } else { Figure::mean_of(&figures) };
+        let mean = Figure::mean_of(&figures)?;
         let few = (1.0 + FEW_RUNS / (n * n)).sqrt();
         // Ways are bent alike in all runs of a line.
         let all: f64 = figures.iter().map(|one| one.sd.powi(-2)).sum();
@@ -84,7 +84,7 @@ impl Contrast {
             let more: f64 = runs.clone().map(|run| run.figure.sd.powi(-2) * run.by_bends[which]).sum();
             BENDS_SD[which] * more / all
         };
-        (n > 0.0).then(|| Figure { sd: (few * mean.sd).hypot(bent(0)).hypot(bent(1)), ..mean })
+        Some(Figure { sd: (few * mean.sd).hypot(bent(0)).hypot(bent(1)), ..mean })
     }
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn behind_kmh<'a>(runs: impl Iterator<Item = &'a [Sample]>, step_kmh:
     if of_runs.len() < LEAST_RUNS {
         return None;
     }
-    let Figure { value, sd } = Figure::mean_of(&of_runs);
+    let Figure { value, sd } = Figure::mean_of(&of_runs)?;
     let behind = Figure { value: 3.6 * value, sd: 3.6 * sd };
     let is_behind = OF_STEP.contains(&(behind.value / step_kmh)) && behind.value > SURE * behind.sd;
     is_behind.then_some(behind)

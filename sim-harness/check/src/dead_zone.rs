@@ -116,9 +116,8 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone, step_kmh: f64) -
 /// What is read below a threshold, m/s: 0, or the one small speed that there is.
 fn floor_mps<'a>(runs: impl Iterator<Item = &'a [Sample]>) -> f64 {
     let small = |mps: &f64| *mps > 0.0 && 3.6 * mps <= MOST_FLOOR_KMH;
-    let mut read: Vec<f64> = runs.flatten().filter_map(|row| row.speed_mps).filter(small).collect();
-    read.sort_by(f64::total_cmp);
-    let Some(usual) = read.get(read.len() / 2).copied() else { return 0.0 };
+    let read: Vec<f64> = runs.flatten().filter_map(|row| row.speed_mps).filter(small).collect();
+    let Some(usual) = median(read.iter().copied()) else { return 0.0 };
     let same = read.iter().filter(|mps| **mps == usual).count();
     if same >= OF_FLOOR.1 && same as f64 >= OF_FLOOR.0 * read.len() as f64 { usual } else { 0.0 }
 }

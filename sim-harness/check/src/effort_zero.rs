@@ -14,6 +14,7 @@ use crate::effort::stretches;
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::median;
 
 /// So many rows at standstill tell the zero, and this share of them has it within [`SAME_N_PER_KG`].
 const LEAST_STANDING: usize = 20;
@@ -49,9 +50,8 @@ pub(crate) fn at_standstill<'a>(recordings: impl Iterator<Item = &'a Recording>)
         // The rows beside it may hold the mean of an interval in which the train still moved.
         recording.rows.windows(3).filter(|rows| rows.iter().all(|row| row.speed_mps == Some(0.0)))
     });
-    let mut efforts: Vec<f64> = standing.filter_map(|rows| rows[1].effort_n_per_kg).collect();
-    efforts.sort_by(f64::total_cmp);
-    let zero = *efforts.get(efforts.len() / 2)?;
+    let efforts: Vec<f64> = standing.filter_map(|rows| rows[1].effort_n_per_kg).collect();
+    let zero = median(efforts.iter().copied())?;
     let same: Vec<f64> = efforts.iter().copied().filter(|effort| (effort - zero).abs() < SAME_N_PER_KG).collect();
     let is_one = same.len() as f64 >= MOST_STANDING * efforts.len() as f64;
     let is_off = (SAME_N_PER_KG..LARGEST_ZERO_N_PER_KG).contains(&zero.abs());

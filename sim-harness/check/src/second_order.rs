@@ -69,7 +69,7 @@ pub(crate) fn take_off(recordings: &[Recording], runs: &[(usize, f64)], of_speed
 /// What is left of it in these runs. None: their rows do not show it.
 fn left(runs: &[(usize, f64)], of_speeds: &[Option<OfSpeed>]) -> Option<Figure> {
     let left: Vec<Figure> = runs.iter().filter_map(|(i, _)| of_speeds[*i].as_ref()?.second_order_s2).collect();
-    (!left.is_empty()).then(|| Figure::mean_of(&left))
+    Figure::mean_of(&left)
 }
 
 /// Speeds that are means over some seconds have it without an age. The rounding of a speed that all runs hold looks

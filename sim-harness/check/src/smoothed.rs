@@ -62,7 +62,7 @@ pub(crate) fn of(runs: &[&[Sample]]) -> Option<Figure> {
         return None;
     }
     // The noise of neighbouring rows is one: what runs differ by says how sure they are.
-    let Figure { value: mean, sd } = Figure::mean_of(&found);
+    let Figure { value: mean, sd } = Figure::mean_of(&found)?;
     let long_s = (24.0 * mean).max(0.0).sqrt();
     let figure = Figure { value: long_s, sd: (12.0 * sd / long_s).hypot(SHAPE_SD * long_s) };
     (long_s > SHORTEST_S && mean > SURE * sd).then_some(figure)

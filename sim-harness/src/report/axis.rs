@@ -5,6 +5,7 @@
 
 use super::RunView;
 use rundown::{Real, tick::estimate::Estimate};
+use rundown_files::statistics::median;
 use rundown_pages::chart::range_of;
 use std::ops::Range;
 
@@ -133,10 +134,8 @@ fn finite(value: Real) -> Option<Real> {
 
 /// Estimates that come long after the one before them, measured by the median of the run.
 fn pauses(estimates: &[Estimate]) -> Vec<bool> {
-    let mut steps_s: Vec<Real> =
-        estimates.iter().skip(1).map(|estimate| estimate.dt_s).filter(|dt_s| *dt_s > 0.0 && dt_s.is_finite()).collect();
-    steps_s.sort_by(Real::total_cmp);
-    let Some(median_s) = steps_s.get(steps_s.len() / 2).copied() else {
+    let steps_s = estimates.iter().skip(1).map(|estimate| estimate.dt_s);
+    let Some(median_s) = median(steps_s.filter(|dt_s| *dt_s > 0.0 && dt_s.is_finite())) else {
         return vec![false; estimates.len()];
     };
     let mut pauses: Vec<bool> = estimates.iter().map(|e| e.dt_s > LONG_PAUSE * median_s).collect();

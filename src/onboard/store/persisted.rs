@@ -3,7 +3,7 @@
 //! Restored only if train, layout and plausible range agree; else the caller begins with defaults and has the cause.
 //! The boot epoch is not here but in the header of every record: it has to outlive a change of layout.
 
-use super::{AppendError, EpochError, Identity, Refused, Store};
+use super::{AppendError, Identity, Refused, Store};
 use crate::Real;
 use crate::listed::listed;
 use crate::model::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, Unknown};
@@ -236,21 +236,6 @@ impl Persisted {
         const { assert!(Self::MAX_SIZE <= Store::<F, SLOT>::CAPACITY) };
         let mut buffer = [0; Self::MAX_SIZE];
         store.append(identity(train), self.encode(&mut buffer)?)
-    }
-
-    /// Stores it under a new boot epoch; once at each boot, before anything else is stored.
-    ///
-    /// # Errors
-    /// See [`Store::advance_epoch`].
-    pub fn begin_epoch<F: NorFlash, const SLOT: usize>(
-        &mut self,
-        store: &mut Store<F, SLOT>,
-        train: TrainId,
-    ) -> Result<u32, EpochError> {
-        const { assert!(Self::MAX_SIZE <= Store::<F, SLOT>::CAPACITY) };
-        let mut buffer = [0; Self::MAX_SIZE];
-        let payload = self.encode(&mut buffer).map_err(EpochError::NotStored)?;
-        store.advance_epoch(identity(train), payload)
     }
 
     /// Cannot fail as long as [`Persisted::MAX_SIZE`] is right.

@@ -4,6 +4,7 @@
 
 use super::{Cause, LEAST_OTHERS, Perturbation};
 use crate::profile::Profile;
+use rundown_files::statistics::median;
 
 /// A place is a station where such a share of the runs stops.
 const STATION_SHARE: f64 = 0.2;
@@ -29,8 +30,7 @@ pub fn near_m(profiles: &[Profile]) -> f64 {
             [first_m].into_iter().chain(profile.stands.iter().map(|stand| stand.at_m)).chain([last_m]).collect();
         hops_m.extend(places.windows(2).map(|pair| pair[1] - pair[0]));
     }
-    hops_m.sort_by(f64::total_cmp);
-    let usual_m = hops_m.get(hops_m.len() / 2).copied().unwrap_or(0.0);
+    let usual_m = median(hops_m).unwrap_or(0.0);
     let [least, most] = NEAR_M;
     (NEAR_SHARE * usual_m).clamp(least, most)
 }

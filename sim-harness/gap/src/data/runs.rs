@@ -3,6 +3,7 @@
 use rundown::model::direction::Direction;
 use rundown_check::{Correction, agreement::Figure};
 use rundown_files::sample::Sample;
+use rundown_files::statistics::median;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {
@@ -53,12 +54,7 @@ pub struct Recorded {
 
 /// Median time between samples, s; that of a slow log where there is no second sample.
 pub fn usual_step_s(run: &Run) -> f64 {
-    let mut steps: Vec<f64> = run.samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    if steps.is_empty() {
-        return 10.0;
-    }
-    steps.sort_by(f64::total_cmp);
-    steps[steps.len() / 2]
+    median(run.samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s)).unwrap_or(10.0)
 }
 
 /// Runs with their efforts put right, which read by `gain` too much.

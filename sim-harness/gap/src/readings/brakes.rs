@@ -21,6 +21,7 @@ use crate::data::runs::{EffortReading, Run};
 use crate::efforts::Looked;
 use core::ops::Range;
 use rundown_check::agreement::Figure;
+use rundown_files::statistics::median;
 
 /// Shown over true effort of the brake, beside that of powering.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,9 +78,7 @@ fn of_rows(rows: &[Row], config: &GapConfig) -> Option<Brakes> {
     // A gentle brake is not distinguished from a slope.
     let brakes = |row: &&Row| needed(row) < -config.interval.brake_test_n_per_kg;
     let braking: Vec<&Row> = rows.iter().filter(brakes).collect();
-    let mut speeds: Vec<f64> = braking.iter().map(|row| row.interval.mean_speed_mps()).collect();
-    speeds.sort_by(f64::total_cmp);
-    let middle = *speeds.get(speeds.len() / 2)?;
+    let middle = median(braking.iter().map(|row| row.interval.mean_speed_mps()))?;
     let beside = |rows: &[&Row]| {
         let brake = ratio(rows, least)?;
         let value = brake.value / power.value;

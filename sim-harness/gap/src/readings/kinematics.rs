@@ -24,11 +24,8 @@ impl Kinematics {
     pub fn of(runs: &[Run]) -> Self {
         let recorders = recorders(runs);
         let compared = runs.iter().filter(|run| run.recorded.own_scale.is_some()).count();
-        Self {
-            scale: common(&recorders),
-            lag_s: usual(recorders.iter().filter_map(|(_, _, lag_s)| *lag_s)),
-            runs: compared,
-        }
+        let lags_s: Vec<Figure> = recorders.iter().filter_map(|(_, _, lag_s)| *lag_s).collect();
+        Self { scale: common(&recorders), lag_s: Figure::mean_of(&lags_s), runs: compared }
     }
 
     /// The lag, s, with its standard deviation, if it is beyond doubt and matters.
@@ -48,7 +45,7 @@ const ALIKE: f64 = 3.0;
 /// the line.
 fn common(recorders: &[Recorder<'_>]) -> Option<Figure> {
     let scales: Vec<Figure> = recorders.iter().map(|(_, scale, _)| *scale).collect::<Option<_>>()?;
-    let mean = usual(scales.iter().copied())?;
+    let mean = Figure::mean_of(&scales)?;
     scales.iter().all(|scale| scale.away_from(mean.value) < ALIKE).then_some(mean)
 }
 
@@ -61,17 +58,6 @@ fn recorders(runs: &[Run]) -> Vec<Recorder<'_>> {
         }
     }
     found
-}
-
-/// Mean of several figures by their precision, with the larger of what each says of itself and how they scatter.
-fn usual(figures: impl Iterator<Item = Figure>) -> Option<Figure> {
-    let weighed: Vec<(f64, f64)> = figures.map(|figure| (figure.sd.powi(-2), figure.value)).collect();
-    let weight: f64 = weighed.iter().map(|(weight, _)| weight).sum();
-    let value = weighed.iter().map(|(weight, value)| weight * value).sum::<f64>() / weight;
-    let scatter = weighed.iter().map(|(weight, each)| weight * (each - value).powi(2)).sum::<f64>();
-    let many = weighed.len() as f64 - 1.0;
-    let grown = if many > 0.0 { (scatter / many).max(1.0) } else { 1.0 };
-    value.is_finite().then(|| Figure { value, sd: (grown / weight).sqrt() })
 }
 
 /// Measured over true speed by each run alone, where it could be compared, with its index.
