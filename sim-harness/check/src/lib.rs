@@ -31,6 +31,7 @@
 //! | are speeds means over some seconds? | `smoothed` |
 //! | what does an age of the speed add to the way besides? | `second_order` |
 //! | is the effort older than the speed? | `effort_age` |
+//! | is it what acts, or what the lever asks for? | `effort_demanded` |
 //! | is the effort of a run unlike that of the others? | `effort_unlike` |
 //! | is its zero one? | `effort_zero` |
 //! | do trains exceed what is described of them? | [`limits`] |
@@ -81,6 +82,7 @@ mod diagnosis;
 mod drifting;
 pub mod effort;
 mod effort_age;
+mod effort_demanded;
 mod effort_held;
 mod effort_stairs;
 mod effort_unlike;

@@ -6,8 +6,8 @@ use crate::effort_age::Asked;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
-    Known, SURE, effort, effort_age, effort_held, effort_unlike, effort_zero, limits, read_of, smoothed, steps,
-    trailing,
+    Known, SURE, effort, effort_age, effort_demanded, effort_held, effort_unlike, effort_zero, limits, read_of,
+    smoothed, steps, trailing,
 };
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -26,6 +26,7 @@ const AGED: usize = 12;
 impl RecorderCheck {
     /// Judges the efforts and what is described of the train. Call it when the speeds are put right.
     pub(crate) fn efforts(&mut self, recordings: &mut [Recording], runs: &mut [RunCheck], known: &Known) {
+        self.demanded_efforts(recordings, runs, known);
         // First the single runs: one in another unit spoils what all say together.
         self.held_efforts(recordings, runs);
         self.unlike_efforts(recordings, runs);
@@ -65,6 +66,20 @@ impl RecorderCheck {
         }
         let own = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
         own.flat_map(|(recording, _)| &mut recording.rows).for_each(|row| row.effort_n_per_kg = None);
+    }
+
+    /// Leaves out efforts that do not act.
+    fn demanded_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+        let own = self.usable(runs);
+        let asked = own.iter().filter_map(|i| {
+            let recording = &recordings[*i];
+            Some((recording.rows.as_slice(), known.line(recording.direction)?))
+        });
+        let Some(share) = effort_demanded::share(asked) else { return };
+        self.found(Kind::EffortDemanded, share, "", Done::LeftOut);
+        for i in own {
+            recordings[i].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
+        }
     }
 
     /// Leaves out efforts that are old ones.

@@ -6,6 +6,7 @@ mod computed;
 mod creep;
 mod drifting;
 mod effort_age;
+mod effort_demanded;
 mod effort_zero;
 mod held_speeds;
 mod late_rows;

@@ -103,7 +103,7 @@ impl Cut<'_> {
                 since_departure_s: (from.time_s + t - departure_s).max(0.0),
             }
         });
-        let effort = self.efforts.mean(from.sample, to.sample).map(|(mean, change)| {
+        let effort = self.efforts.mean_and_change(from.sample, to.sample).map(|(mean, change)| {
             let held = self.held(from, to, &path);
             (mean + 0.5 * held, change + held.abs())
         });

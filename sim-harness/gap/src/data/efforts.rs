@@ -24,32 +24,31 @@ impl Efforts<'_> {
         self.samples[sample].effort_n_per_kg.unwrap_or(0.0)
     }
 
-    /// Mean effort between two momentary readings. Under power it is the power that changes evenly: the straight line
-    /// between two efforts would be too high by up to 7e-4 N/kg at 10 s.
-    fn between(&self, a: f64, b: f64, pair: &[Sample]) -> f64 {
-        match (pair[0].speed_mps, pair[1].speed_mps) {
-            (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > self.config.by_power_mps => {
-                let at = |i: usize| {
-                    let t = (i as f64 + 0.5) / POINTS as f64;
-                    (a * v0 + (b * v1 - a * v0) * t) / (v0 + (v1 - v0) * t)
-                };
-                (0..POINTS).map(at).sum::<f64>() / POINTS as f64
-            }
-            _ => 0.5 * (a + b),
-        }
+    /// Speeds at two samples between which the power, not the effort, changes evenly: of a train under power that is not
+    /// slow.
+    fn by_power(&self, from: usize, to: usize) -> Option<[f64; 2]> {
+        let speeds = [self.samples[from].speed_mps?, self.samples[to].speed_mps?];
+        let is_fast = speeds[0].min(speeds[1]) > self.config.by_power_mps;
+        (is_fast && self.at(from) > 0.0 && self.at(to) > 0.0).then_some(speeds)
+    }
+
+    /// Mean effort between two momentary readings. Under power the straight line between two efforts would be too high
+    /// by up to 7e-4 N/kg at 10 s.
+    fn mean_between(&self, from: usize, to: usize) -> f64 {
+        let [a, b] = [self.at(from), self.at(to)];
+        let Some([v0, v1]) = self.by_power(from, to) else { return 0.5 * (a + b) };
+        let at = |i: usize| {
+            let t = (i as f64 + 0.5) / POINTS as f64;
+            (a * v0 + (b * v1 - a * v0) * t) / (v0 + (v1 - v0) * t)
+        };
+        (0..POINTS).map(at).sum::<f64>() / POINTS as f64
     }
 
     /// Change of the effort from one sample to another beyond what constant power explains.
-    fn change_between(&self, from: usize, to: usize) -> Option<f64> {
-        let [before, after] = [from, to].map(|sample| &self.samples[sample]);
-        let (a, b) = (before.effort_n_per_kg?, after.effort_n_per_kg?);
-        Some(match (before.speed_mps, after.speed_mps) {
-            (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > self.config.by_power_mps => {
-                let at_power = (b * v1 - a * v0) / (0.5 * (v0 + v1));
-                if at_power.abs() < (b - a).abs() { at_power } else { b - a }
-            }
-            _ => b - a,
-        })
+    fn change_beyond_power(&self, from: usize, to: usize) -> Option<f64> {
+        let [a, b] = [self.samples[from].effort_n_per_kg?, self.samples[to].effort_n_per_kg?];
+        let at_power = self.by_power(from, to).map(|[v0, v1]| (b * v1 - a * v0) / (0.5 * (v0 + v1)));
+        Some(at_power.filter(|at_power| at_power.abs() < (b - a).abs()).unwrap_or(b - a))
     }
 
     /// Effort at a sample. A mean lies half a row back, so that of means the middle of neighbours is taken: the noise of
@@ -77,51 +76,44 @@ impl Efforts<'_> {
         (is_mean && next.time_s - now_s < self.config.gap * (now_s - before_s)).then_some(sample + 1)
     }
 
-    /// How much the effort changes up to a sample, not negative. A mean is judged by those around it: the noise of a
-    /// mean is in its change, too, so that those which count because they hardly change would be too high wherever the
-    /// effort falls.
-    fn change(&self, sample: usize) -> Option<f64> {
-        let own = self.change_between(sample - 1, sample)?.abs();
+    /// How much the effort changes from the sample before to this one, not negative; the first sample has none before. A
+    /// mean is judged by those around it: the noise of a mean is in its change, too, so that those which count because
+    /// they hardly change would be too high wherever the effort falls.
+    fn change_into(&self, sample: usize) -> Option<f64> {
+        let before = sample.checked_sub(1)?;
+        let own = self.change_beyond_power(before, sample)?.abs();
         let is_zero = |sample: usize| self.at(sample).abs() <= self.config.coasting_n_per_kg;
-        let coasts = is_zero(sample - 1) && is_zero(sample);
+        let coasts = is_zero(before) && is_zero(sample);
         let next = self.mean_after(sample).filter(|_| !coasts);
-        let Some(around) = next.and_then(|next| self.change_between(sample - 1, next)) else {
-            return Some(own);
-        };
-        Some((0.5 * around).abs().max(self.apart(sample)))
+        let around = next.and_then(|next| Some((next, self.change_beyond_power(before, next)?)));
+        Some(around.map_or(own, |(next, change)| (0.5 * change).abs().max(self.off_middle([before, sample, next]))))
     }
 
-    /// How far the effort of a sample is from the middle of those around it, or their power.
-    fn apart(&self, sample: usize) -> f64 {
-        let around = [sample - 1, sample, sample + 1].map(|sample| &self.samples[sample]);
-        let [a, b, c] = around.map(|sample| sample.effort_n_per_kg.unwrap_or(0.0));
-        let apart = (b - 0.5 * (a + c)).abs();
-        match around.map(|sample| sample.speed_mps) {
-            [Some(v0), Some(v1), Some(v2)] if a > 0.0 && c > 0.0 && v0.min(v2) > self.config.by_power_mps => {
-                apart.min((b - 0.5 * (a * v0 + c * v2) / v1.max(self.config.by_power_mps)).abs())
-            }
-            _ => apart,
+    /// How far the effort of the second of three samples is from the middle of the others, or of their power.
+    fn off_middle(&self, three: [usize; 3]) -> f64 {
+        let [a, b, c] = three.map(|sample| self.at(sample));
+        let off = (b - 0.5 * (a + c)).abs();
+        match self.by_power(three[0], three[2]).zip(self.samples[three[1]].speed_mps) {
+            Some(([v0, v2], v1)) => off.min((b - 0.5 * (a * v0 + c * v2) / v1.max(self.config.by_power_mps)).abs()),
+            None => off,
         }
     }
 
     /// Mean and change of the effort between two samples.
-    pub(super) fn mean(&self, from: usize, to: usize) -> Option<(f64, f64)> {
-        let samples = &self.samples[from..=to];
+    pub(super) fn mean_and_change(&self, from: usize, to: usize) -> Option<(f64, f64)> {
         let (mut sum, mut time_s, mut change) = (0.0, 0.0, 0.0);
-        let mut last = samples[0].effort_n_per_kg;
-        for (index, pair) in samples.windows(2).enumerate() {
-            let dt_s = pair[1].time_s - pair[0].time_s;
-            let now = pair[1].effort_n_per_kg;
-            let mean = match (self.reading, last, now) {
-                (EffortReading::Momentary, Some(a), Some(b)) => self.between(a, b, pair),
-                (EffortReading::MeanSinceLast, _, Some(b)) => b,
+        for now in from + 1..=to {
+            let (before, is_known) = (now - 1, |sample: usize| self.samples[sample].effort_n_per_kg.is_some());
+            let dt_s = self.samples[now].time_s - self.samples[before].time_s;
+            let mean = match self.reading {
+                EffortReading::Momentary if is_known(before) && is_known(now) => self.mean_between(before, now),
+                EffortReading::MeanSinceLast if is_known(now) => self.at(now),
                 _ => return None,
             };
             // Over many samples the steps inside an interval are seen, and only their own halves are uncertain.
-            change += self.change(from + index + 1).unwrap_or(0.0) * dt_s;
+            change += self.change_into(now).unwrap_or(0.0) * dt_s;
             sum += mean * dt_s;
             time_s += dt_s;
-            last = now;
         }
         (time_s > 0.0).then(|| (sum / time_s, change / time_s))
     }
@@ -143,7 +135,7 @@ mod tests {
         let efforts = |reading| Efforts { samples: &samples, reading, config: &config };
         let momentary = efforts(EffortReading::Momentary);
         // Readings 2 s apart, from 2 s to 12 s: the mean of t²/1000 is (12³ - 2³) / 30 000.
-        let (mean, _) = momentary.mean(1, 6).unwrap();
+        let (mean, _) = momentary.mean_and_change(1, 6).unwrap();
         let missed = mean - (12.0_f64.powi(3) - 2.0_f64.powi(3)) / 30_000.0;
         let bend = momentary.change_at(6).unwrap() - momentary.change_at(1).unwrap();
         assert!((missed - 2.0 / 12.0 * bend / 10.0).abs() < 1e-12, "{missed}");

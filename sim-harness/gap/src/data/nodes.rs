@@ -78,7 +78,7 @@ impl Nodes<'_> {
             Some(self.line.gradient_n_per_kg(sample.location_m? + self.line.direction.sign() * late_m))
         };
         let given = |index: usize| {
-            let effort = match self.efforts.mean(index - 1, index) {
+            let effort = match self.efforts.mean_and_change(index - 1, index) {
                 Some((mean, _)) => mean,
                 None if with_effort => return None,
                 None => 0.0,

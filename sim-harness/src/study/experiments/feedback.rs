@@ -38,18 +38,48 @@ use rundown_truth::regime::Regime as TrueRegime;
 
 /// Factors on the initial deviations of r0, r1, r2 in Table 1.
 const FACTORS: [f64; 4] = [1.0, 100.0, 1000.0, 3000.0];
-const NONE: Arm = Arm { name: "none", colour: colours::ESTIMATED };
-const BAND: Arm = Arm { name: "band", colour: colours::HELD };
-const RECOGNISER: Arm = Arm { name: "recogniser", colour: colours::LINEAR_TERM };
 /// The gated mode that begins each run with the description, as the others here do.
 const ONE_RUN: Arm = Arm { name: "gated, one run", colour: colours::QUADRATIC_TERM };
-const WITH_NOISE: Arm = Arm { name: "recogniser, Q", colour: colours::CONSTANT_TERM };
-const KNOWN: Arm = Arm { name: "truth", colour: colours::TRUTH };
+
+/// Who says that the train coasts.
+#[derive(Clone, Copy, PartialEq)]
+enum Feedback {
+    Nobody,
+    Band,
+    Recogniser,
+    /// A calculated effort then has the noise of its readings.
+    RecogniserWithNoise,
+    Truth,
+}
+
+impl Feedback {
+    const ALL: [Self; 5] = [Self::Nobody, Self::Band, Self::Recogniser, Self::RecogniserWithNoise, Self::Truth];
+
+    fn arm(self) -> Arm {
+        let (name, colour) = match self {
+            Self::Nobody => ("none", colours::ESTIMATED),
+            Self::Band => ("band", colours::HELD),
+            Self::Recogniser => ("recogniser", colours::LINEAR_TERM),
+            Self::RecogniserWithNoise => ("recogniser, Q", colours::CONSTANT_TERM),
+            Self::Truth => ("truth", colours::TRUTH),
+        };
+        Arm { name, colour }
+    }
+
+    fn coasting(self, gated: &Look<'_>, run: usize) -> Coasting {
+        match self {
+            Self::Nobody => Coasting::Never,
+            Self::Band => Coasting::Band,
+            Self::Recogniser | Self::RecogniserWithNoise => Coasting::Said(recognised(gated, run)),
+            Self::Truth => Coasting::Said(truly(gated.driven, run)),
+        }
+    }
+}
 
 /// Of a difference of two speeds in whole km/h, km/h: twice the variance of a rounding.
 const DIFFERENCE_SD_KMH: f64 = 0.408_248_290_463_863;
 
-/// Who says at which samples the train coasts.
+/// At which samples the train coasts.
 enum Coasting {
     Never,
     Band,
@@ -71,7 +101,7 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
     let variants = FACTORS.into_iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let rows = over_sets(plan, &variants, |variant, driven| {
         let gated = driven.look(variant, (Estimated::GATED.config)(variant.config))?;
-        let fed = [NONE, BAND, RECOGNISER, WITH_NOISE, KNOWN].map(|arm| (arm, fed(variant, &gated, arm)));
+        let fed = Feedback::ALL.map(|feedback| (feedback.arm(), fed(variant, &gated, feedback)));
         let apart = driven.look_apart(variant, (Estimated::GATED.config)(variant.config))?;
         let own = [(ONE_RUN, &apart), (Estimated::GATED.arm, &gated)];
         let own = own.map(|(arm, look)| (arm, vec![error_percent(&look.misses()), (NEGATIVE.seen)(look)]));
@@ -87,20 +117,15 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
 }
 
 /// Error of the resistance and share of negative runs with a filter that is fed.
-fn fed(variant: &Variant, gated: &Look<'_>, arm: Arm) -> Vec<Option<f64>> {
+fn fed(variant: &Variant, gated: &Look<'_>, feedback: Feedback) -> Vec<Option<f64>> {
     let driven = gated.driven;
     let (mut all, mut negative) = (Vec::new(), Vec::new());
     for run in driven.judged() {
-        let coasting = match arm.name {
-            name if name == BAND.name => Coasting::Band,
-            name if name == RECOGNISER.name || name == WITH_NOISE.name => Coasting::Said(recognised(gated, run)),
-            name if name == KNOWN.name => Coasting::Said(truly(driven, run)),
-            _ => Coasting::Never,
-        };
+        let coasting = feedback.coasting(gated, run);
         let rows = &driven.cases[run].recording.rows;
         let line =
             Line { train: &driven.train, track: &variant.track, direction: driven.cases[run].recording.direction };
-        let is_noisy = arm == WITH_NOISE;
+        let is_noisy = feedback == Feedback::RecogniserWithNoise;
         let fed = Fed { rule: &variant.config.paper_rule, coasting: &coasting, is_noisy };
         let (davis, was_negative) = filter(&variant.config.paper, &line, rows, &fed);
         all.extend(misses(&davis, driven.samples(run)));
@@ -204,7 +229,8 @@ mod tests {
         let variant = variant.estimated_by(|c| c.paper.initial_davis_sd = c.paper.initial_davis_sd.map(|sd| 1e3 * sd));
         let driven = Driven::new(&variant, 4, 3, 0).unwrap();
         let gated = driven.look(&variant, (Estimated::GATED.config)(variant.config)).unwrap();
-        let [none, known] = [NONE, KNOWN].map(|arm| fed(&variant, &gated, arm)[0].unwrap());
+        let [none, known] =
+            [Feedback::Nobody, Feedback::Truth].map(|feedback| fed(&variant, &gated, feedback)[0].unwrap());
         assert!(none > 15.0 && known < 0.6 * none, "{none} {known}");
     }
 }
