@@ -206,12 +206,13 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let of_unit = |(unit, (drift, slipping)): (String, (Option<drifting::Drift>, Vec<slips::Slips>))| {
         let usable = usable_of(&unit, &runs);
         let scaled = line_scale::put_right(recordings, &usable, &stops, described_m);
-        if scaled.is_some() {
+        if !scaled.is_empty() {
             compare(recordings, &runs, &usable, &mut of_speeds);
         }
-        let located = scaled.map(|scaled| scaled.scale);
+        // Of two the stops leave most open of the one that is known worse.
+        let located = scaled.iter().map(|scaled| scaled.scale).max_by(|a, b| a.sd.total_cmp(&b.sd));
         let mut recorder = recorder::of(unit, (located, drift), recordings, &mut runs, &of_speeds, known);
-        if let Some(scaled) = scaled {
+        for scaled in scaled {
             recorder.found_by(Kind::LocationScale, scaled.scale, "", Done::PutRight, scaled.evidence());
         }
         slipping.iter().for_each(|slips| slips.say(&mut recorder));

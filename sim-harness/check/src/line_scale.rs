@@ -10,7 +10,8 @@
 //!
 //! Where the odometer gives the speed, too, both agree, and nothing else shows the wheel. Once the locations are right,
 //! the speed is off beside them by as much, and what the stops leave open of the locations is open of the speed. All
-//! runs of a recorder have one scale, and each an offset, for odometers begin anywhere.
+//! runs of a recorder have one scale, or two where a wheel was changed or two trains recorded, and each an offset, for
+//! odometers begin anywhere.
 
 use crate::agreement::Figure;
 use crate::profile::Profile;
@@ -28,6 +29,8 @@ pub const LEAST_STOPS: usize = 4;
 const LEAST_SHARE: f64 = 0.8;
 /// So many stops from either end of a run are tried as described ones.
 const ENDS: usize = 3;
+/// Two scales of one recorder are in at least so many runs each.
+const LEAST_RUNS: usize = 3;
 /// How far a platform is from where it is described, in all runs alike, standard deviation, m: what is believed before
 /// the stops are seen.
 const PLATFORM_SD_M: f64 = 50.0;
@@ -67,12 +70,17 @@ pub(crate) struct Scaled {
     runs: usize,
     stops: usize,
     platform_sd_m: f64,
+    /// The other runs of the recorder have another scale.
+    is_part: bool,
 }
 
 impl Scaled {
     pub(crate) fn evidence(&self) -> String {
-        let Self { runs, stops, platform_sd_m, .. } = self;
-        format!("up to {stops} stops of a run agree so, in {runs} runs; platforms are known to {platform_sd_m:.0} m")
+        let Self { runs, stops, platform_sd_m, is_part, .. } = self;
+        let others = if *is_part { "; the other runs have another scale" } else { "" };
+        format!(
+            "up to {stops} stops of a run agree so, in {runs} runs{others}; platforms are known to {platform_sd_m:.0} m"
+        )
     }
 }
 
@@ -102,8 +110,41 @@ impl RunStops {
     }
 }
 
-/// Puts right the locations of the runs of one recorder, where they are off beyond doubt. `stops`: of all runs.
+/// Puts right the locations of the runs of one recorder, where they are off beyond doubt. `stops`: of all runs. Out: for
+/// all of its runs, or for each part of them that has a scale of its own.
 pub(crate) fn put_right(
+    recordings: &mut [Recording],
+    usable: &[usize],
+    stops: &[Option<RunStops>],
+    described_m: &[f64],
+) -> Vec<Scaled> {
+    let parts = of_two(usable, stops).unwrap_or_else(|| vec![usable.to_vec()]);
+    let is_part = parts.len() > 1;
+    let scaled = parts.iter().filter_map(|part| put_part_right(recordings, part, stops, described_m));
+    scaled.map(|scaled| Scaled { is_part, ..scaled }).collect()
+}
+
+/// The runs of a recorder in two parts, where these have scales that surely differ.
+fn of_two(usable: &[usize], stops: &[Option<RunStops>]) -> Option<Vec<Vec<usize>>> {
+    let line = |i: &usize| Some((*i, stops[*i].as_ref()?.line?));
+    let mut lines: Vec<(usize, StopsLine)> = usable.iter().filter_map(line).collect();
+    lines.sort_by(|a, b| a.1.scale.total_cmp(&b.1.scale));
+    let step = |at: &usize| lines[*at].1.scale - lines[*at - 1].1.scale;
+    let split = (1..lines.len()).max_by(|a, b| step(a).total_cmp(&step(b)))?;
+    let parts = [&lines[..split], &lines[split..]];
+    let of = |part: &[(usize, StopsLine)]| {
+        let value = median(part.iter().map(|(_, line)| line.scale))?;
+        let of_runs = spread(part.iter().map(|(_, line)| line.scale - value));
+        let of_platforms = median(part.iter().map(|(_, line)| line.platform_sd_m / line.spread_m))?;
+        (part.len() >= LEAST_RUNS).then_some(Figure { value, sd: of_runs.hypot(of_platforms) })
+    };
+    let [low, high] = [of(parts[0])?, of(parts[1])?];
+    let apart = high.value - low.value;
+    let are_two = apart > LEAST_SCALE && apart > SURE * low.sd.hypot(high.sd);
+    are_two.then(|| parts.map(|part| part.iter().map(|(i, _)| *i).collect()).to_vec())
+}
+
+fn put_part_right(
     recordings: &mut [Recording],
     usable: &[usize],
     stops: &[Option<RunStops>],
@@ -125,7 +166,7 @@ pub(crate) fn put_right(
     }
     let stops = lines.iter().map(|line| line.stops).max().unwrap_or_default();
     let platform_sd_m = median(lines.iter().map(|line| line.platform_sd_m))?;
-    Some(Scaled { scale, runs: lines.len(), stops, platform_sd_m })
+    Some(Scaled { scale, runs: lines.len(), stops, platform_sd_m, is_part: false })
 }
 
 /// A run with too few stops begins where it is described to.
@@ -228,9 +269,15 @@ mod tests {
         runs_along(read, &platforms, 15.0)
     }
 
-    fn found_along(recordings: &mut [Recording], described_m: &[f64]) -> Option<Scaled> {
+    fn all_found(recordings: &mut [Recording], described_m: &[f64]) -> Vec<Scaled> {
         let stops: Vec<Option<RunStops>> = recordings.iter().map(|one| of_run(one, described_m)).collect();
         put_right(recordings, &[0, 1, 2, 3, 4, 5], &stops, described_m)
+    }
+
+    fn found_along(recordings: &mut [Recording], described_m: &[f64]) -> Option<Scaled> {
+        let found = all_found(recordings, described_m);
+        assert!(found.len() < 2, "{found:?}");
+        found.first().copied()
     }
 
     fn found(recordings: &mut [Recording]) -> Option<Scaled> {
@@ -249,6 +296,23 @@ mod tests {
             assert!(one.scale.away_from(read) < 2.0 && one.scale.sd < 0.0015, "{one:?}");
             let last_m = recordings[0].rows.last().unwrap().location_m.unwrap();
             assert!((last_m - 60_080.0).abs() < 120.0, "{last_m}");
+        }
+    }
+
+    #[test]
+    fn a_wheel_that_half_of_the_runs_have_is_put_right_in_these() {
+        let platforms = [0.0, 40.0, -60.0, 30.0, -20.0];
+        let mut recordings = runs(1.0, platforms);
+        for (own, other) in recordings.iter_mut().zip(runs(1.013, platforms)).step_by(2) {
+            *own = other;
+        }
+        let found = all_found(&mut recordings, &STOPS_M);
+        let [one] = &found[..] else { panic!("{found:?}") };
+        assert!(one.scale.away_from(1.013) < 2.0 && one.runs == 3, "{one:?}");
+        assert!(one.evidence().contains("in 3 runs; the other runs have another scale;"), "{}", one.evidence());
+        for (index, first_m) in [(0, 0.0), (1, 700.0)] {
+            let last_m = recordings[index].rows.last().unwrap().location_m.unwrap();
+            assert!((last_m - first_m - 60_080.0).abs() < 130.0, "{last_m}");
         }
     }
 

@@ -245,9 +245,8 @@ impl RecorderCheck {
                 return None;
             }
         }
-        let [first, since] = found.sides.map(|side| side.with_interval(4));
-        let (runs, before) = (after.len(), order.len());
-        let text = format!("from {named} on: {since} in {runs} runs, {first} in {before} before");
+        // What the scale itself is, before, is judged once all runs have one.
+        let text = format!("from {named} on, in {} runs; {} before", after.len(), order.len());
         self.found_by(Kind::WheelChange, found.ratio(), "", put_right(!known.scale), text);
         Some((after, found.ratio().value))
     }
@@ -318,7 +317,13 @@ impl RecorderCheck {
     /// The scale is another one while the speed rises than while it falls, by so much: that of the whole is no wheel's.
     fn creeps(&mut self, creep: Figure, all: &Pooled) {
         let percent = Figure { value: 100.0 * creep.value, sd: 100.0 * creep.sd };
-        let text = format!("read over true is {} on the whole, which may be no wheel's", all.scale().with_interval(4));
+        let less = if creep.value < 0.0 {
+            "less while it rises, so no wheel creeps, but speed and way disagree there; "
+        } else {
+            ""
+        };
+        let whole = all.scale().with_interval(4);
+        let text = format!("{less}read over true is {whole} on the whole, which may be no wheel's");
         self.found_by(Kind::Creep, percent, "%", Done::Said, text);
     }
 
