@@ -110,8 +110,8 @@ impl RunStops {
     }
 }
 
-/// Puts right the locations of the runs of one recorder, where they are off beyond doubt. `stops`: of all runs. Out: for
-/// all of its runs, or for each part of them that has a scale of its own.
+/// Puts right the locations of the runs of one recorder, where they are off beyond doubt. `stops`: of all runs. Out:
+/// for all of its runs, or for each part of them that has a scale of its own.
 pub(crate) fn put_right(
     recordings: &mut [Recording],
     usable: &[usize],

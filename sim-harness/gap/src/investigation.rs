@@ -182,8 +182,8 @@ fn is_among(one: &Named, trained: &[Named]) -> bool {
     kind == EffectKind::SpeedScale || trained.iter().any(|trained| trained.effect.kind() == kind)
 }
 
-/// Lowers the confidence of what acts in the simulation of the hold-out runs, where these have too little of it; a wheel
-/// is put right before.
+/// Lowers the confidence of what acts in the simulation of the hold-out runs, where these have too little of it; a
+/// wheel is put right before.
 fn doubt_denied(named: &mut [Named], touched: Option<&Touched>, config: &GapConfig) {
     let acts = |one: &&mut Named| one.effect.kind() != EffectKind::SpeedScale;
     if touched.is_some_and(|touched| touched.denying(&config.holdout).is_some()) {

@@ -124,7 +124,7 @@ pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<J
         let copied = without_effort(&set, copy.path()).map_err(|error| format!("{}: {error}", set.display()));
         copied.and_then(|()| investigate(copy.path()))
     };
-    Ok(JudgedSet::of(name, key, effort, answer.map(|answer| Said::of(&answer))))
+    Ok(JudgedSet::of(name, key, effort, answer.map(|answer| Answered::of(&answer))))
 }
 
 fn investigate(set: &Path) -> Result<Answer, String> {
@@ -160,7 +160,7 @@ fn without_effort(set: &Path, to: &Path) -> io::Result<()> {
 
 /// What an answer says that a key can judge.
 #[derive(Default)]
-struct Said {
+struct Answered {
     verdict: Option<&'static str>,
     /// Names with their confidence and rivals.
     names: Vec<(&'static str, f64, Vec<&'static str>)>,
@@ -169,7 +169,7 @@ struct Said {
     removed: Option<f64>,
 }
 
-impl Said {
+impl Answered {
     fn of(answer: &Answer) -> Self {
         let found = &answer.found;
         let rivals = |named: &Named| named.ambiguous_with.iter().map(|kind| kind.name()).collect();
@@ -184,14 +184,14 @@ impl Said {
 }
 
 impl JudgedSet {
-    fn of(set: &str, key: &Key, effort: bool, said: Result<Said, String>) -> Self {
+    fn of(set: &str, key: &Key, effort: bool, said: Result<Answered, String>) -> Self {
         let variant = if effort { "effort" } else { "no-effort" };
         let accepted = key.also_accepted.get(variant).cloned().unwrap_or_default();
         let hidden: Vec<String> = key.effects.iter().map(|effect| effect.name.clone()).collect();
         let is_key = |name: &str| hidden.iter().chain(&accepted).any(|key| key == name);
         let (said, refused) = match said {
             Ok(said) => (said, None),
-            Err(reason) => (Said::default(), Some(reason)),
+            Err(reason) => (Answered::default(), Some(reason)),
         };
         let judged = |(name, confidence, rivals): (&'static str, f64, Vec<&'static str>)| {
             let right = is_key(name) || rivals.len() <= MOST_RIVALS && rivals.iter().any(|rival| is_key(rival));
@@ -389,7 +389,7 @@ mod tests {
         };
         let of = |key: &Key, names: &[(&'static str, &[&'static str])], effort| {
             let names = names.iter().map(|(name, rivals)| (*name, 0.9, rivals.to_vec())).collect();
-            let judged = JudgedSet::of("a", key, effort, Ok(Said { names, ..Said::default() }));
+            let judged = JudgedSet::of("a", key, effort, Ok(Answered { names, ..Answered::default() }));
             (judged.named, judged.shared, judged.found.iter().map(|name| name.right).collect::<Vec<_>>())
         };
         let wind = hides(&["steady_wind"], &["unknown"]);

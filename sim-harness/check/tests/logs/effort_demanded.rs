@@ -31,7 +31,7 @@ fn runs(step_s: usize, late_s: usize, read: impl Fn(f64, f64) -> f64) -> Vec<Rec
                 let acts = f64::min(asked, POWER_W_PER_KG / mps.max(1.0));
                 column.push(read(acts, asked));
                 let seconds = column.len() - late_s;
-                if seconds % step_s == 0 {
+                if seconds.is_multiple_of(step_s) {
                     let time_s = seconds as f64;
                     let speed_mps = Some((36.0 * mps).round() / 36.0);
                     let effort_n_per_kg = Some(column[seconds - 1]);

@@ -279,8 +279,8 @@ mod tests {
         assert_eq!(known(&(1..12).collect::<Vec<usize>>()), [true; 11]);
     }
 
-    /// Effort less acceleration, and step, of the intervals of a train without resistance whose handle moves to and fro,
-    /// read every second; its efforts are so old.
+    /// Effort less acceleration, and step, of the intervals of a train without resistance whose handle moves to and
+    /// fro, read every second; its efforts are so old.
     fn beside_age(age_s: f64) -> Vec<(f64, f64)> {
         let effort = |time_s: f64| 0.4 * (time_s / 3.0).sin();
         let sample = |row: i32| {

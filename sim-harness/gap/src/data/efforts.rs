@@ -24,8 +24,8 @@ impl Efforts<'_> {
         self.samples[sample].effort_n_per_kg.unwrap_or(0.0)
     }
 
-    /// Speeds at two samples between which the power, not the effort, changes evenly: of a train under power that is not
-    /// slow.
+    /// Speeds at two samples between which the power, not the effort, changes evenly: of a train under power that is
+    /// not slow.
     fn by_power(&self, from: usize, to: usize) -> Option<[f64; 2]> {
         let speeds = [self.samples[from].speed_mps?, self.samples[to].speed_mps?];
         let is_fast = speeds[0].min(speeds[1]) > self.config.by_power_mps;
@@ -51,8 +51,8 @@ impl Efforts<'_> {
         Some(at_power.filter(|at_power| at_power.abs() < (b - a).abs()).unwrap_or(b - a))
     }
 
-    /// Effort at a sample. A mean lies half a row back, so that of means the middle of neighbours is taken: the noise of
-    /// an interval's own effort, which would be taken for a delay, is hardly in the difference of two.
+    /// Effort at a sample. A mean lies half a row back, so that of means the middle of neighbours is taken: the noise
+    /// of an interval's own effort, which would be taken for a delay, is hardly in the difference of two.
     pub(super) fn around(&self, sample: usize) -> f64 {
         match self.mean_after(sample) {
             Some(next) => 0.5 * (self.at(sample) + self.at(next)),
@@ -76,9 +76,9 @@ impl Efforts<'_> {
         (is_mean && next.time_s - now_s < self.config.gap * (now_s - before_s)).then_some(sample + 1)
     }
 
-    /// How much the effort changes from the sample before to this one, not negative; the first sample has none before. A
-    /// mean is judged by those around it: the noise of a mean is in its change, too, so that those which count because
-    /// they hardly change would be too high wherever the effort falls.
+    /// How much the effort changes from the sample before to this one, not negative; the first sample has none before.
+    /// A mean is judged by those around it: the noise of a mean is in its change, too, so that those which count
+    /// because they hardly change would be too high wherever the effort falls.
     fn change_into(&self, sample: usize) -> Option<f64> {
         let before = sample.checked_sub(1)?;
         let own = self.change_beyond_power(before, sample)?.abs();
