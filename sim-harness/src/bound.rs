@@ -10,10 +10,10 @@
 //! ```
 //!
 //! s and v are unknown where a stretch begins: consecutive intervals in which the effort is known, zero while coasting,
-//! or measured. The wind is another one in each run. Q is what white noise of the measured effort does. A speed in
-//! whole km/h counts as one with normal noise of quantum/√12, and slow noise of the location as white; intervals of
-//! rounding say more than the former, where speeds change slowly, and then an estimator may come below the bound. That
-//! the gradient changes with an error of the location is left out: 4 m move it by nothing.
+//! or measured. The wind is another one in each run. Q is what white noise of the measured effort does. What is rounded
+//! counts as having normal noise of quantum/√12, and slow noise of the location as white; where speeds change slowly,
+//! intervals of rounding say more, and then an estimator may come below the bound. That the gradient changes with an
+//! error of the location is left out: 4 m move it by nothing.
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 use rundown_truth::sensors::{Sample, Sensors, SpeedReading, TruthSample};
@@ -46,8 +46,9 @@ pub enum Known {
 pub struct Worth {
     pub location: f64,
     pub speed: f64,
-    /// White noise of the measured effort.
+    /// White noise of the measured effort, as a share of it and as a variance in (N/kg)².
     pub effort_share: f64,
+    pub effort: f64,
 }
 
 impl Worth {
@@ -57,12 +58,15 @@ impl Worth {
             SpeedReading::Exact => 0.0,
             SpeedReading::Rounded | SpeedReading::Truncated => sensors.speed_quantum_kmh,
         };
-        let kmh2 = quantum_kmh.powi(2) / 12.0 + sensors.speed_noise_kmh.powi(2);
+        let step = |quantum: f64| quantum.powi(2) / 12.0;
+        let kmh2 = step(quantum_kmh) + sensors.speed_noise_kmh.powi(2);
         let walk_m = sensors.location_walk.map_or(0.0, |walk| walk.sd_m);
+        let location = sensors.location_noise_m.powi(2) + walk_m.powi(2) + step(sensors.location_step_m);
         Self {
-            location: (sensors.location_noise_m.powi(2) + walk_m.powi(2)).max(1e-12),
+            location: location.max(1e-12),
             speed: (kmh2 / 3.6_f64.powi(2)).max(1e-12),
             effort_share: sensors.effort_noise_share,
+            effort: sensors.effort_noise_n_per_kg.powi(2) + step(sensors.effort_step_n_per_kg),
         }
     }
 }
@@ -150,7 +154,8 @@ impl Bound {
         if self.known == Known::Measured {
             let mut moved = SVector::<f64, SIZE>::zeros();
             (moved[0], moved[1]) = (0.5 * dt_s * dt_s, dt_s);
-            self.covariance += moved * moved.transpose() * (self.worth.effort_share * effort).powi(2);
+            let noise = (self.worth.effort_share * effort).powi(2) + self.worth.effort;
+            self.covariance += moved * moved.transpose() * noise;
         }
     }
 
@@ -214,7 +219,7 @@ mod tests {
     #[test]
     fn the_slope_of_a_straight_line_is_known_as_well_as_least_squares_say() {
         // The location is worth nothing: what is left is a line through 11 speeds.
-        let worth = Worth { location: 1e16, speed: 0.04, effort_share: 0.0 };
+        let worth = Worth { location: 1e16, speed: 0.04, effort_share: 0.0, effort: 0.0 };
         let spread: f64 = (0..11).map(|i| (10.0 * f64::from(i) - 50.0).powi(2)).sum();
         let found = told(Known::Coasting, 0.0, worth, &coasting(11, 0.0));
         assert!((found / (spread / 0.04) - 1.0).abs() < 1e-4, "{found}");
@@ -228,8 +233,9 @@ mod tests {
         let known = |gain_sd| told(Known::Measured, gain_sd, worth, &powered);
         // A constant effort of unknown gain is confounded with r0.
         assert!(known(0.0) > 100.0 * known(0.1));
-        let noisy = Worth { effort_share: 0.1, ..worth };
-        assert!(told(Known::Measured, 0.0, noisy, &powered) < 0.5 * known(0.0));
+        for noisy in [Worth { effort_share: 0.1, ..worth }, Worth { effort: 1e-4, ..worth }] {
+            assert!(told(Known::Measured, 0.0, noisy, &powered) < 0.5 * known(0.0));
+        }
     }
 
     /// A wind of each run is averaged over runs, a gain of the vehicle is not.
@@ -255,5 +261,7 @@ mod tests {
         let worth = Worth::of(&Sensors::default());
         assert!((worth.speed.sqrt() - 1.0 / 3.6 / 12.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!(worth.location, 16.0);
+        let odometer = Sensors { location_noise_m: 0.0, location_step_m: 1.0, ..Sensors::default() };
+        assert_eq!(Worth::of(&odometer).location, 1.0 / 12.0);
     }
 }
