@@ -39,6 +39,8 @@ const LEAST_GAIN: f64 = 12.0;
 /// The steps must be a second high, within this, s, and so many standard deviations from none.
 const NEAR_SECOND_S: f64 = 0.25;
 const SURE: f64 = 6.0;
+/// A train that slows down faster brakes, m/s².
+const BRAKES_MPS2: f64 = 0.2;
 /// Nats by which the phase of a run must beat the opposite one.
 const LEAST_PHASE_GAIN: f64 = 4.0;
 
@@ -68,6 +70,16 @@ impl Compared {
         let Differences { by_speed, dt, end_s, .. } = &self.differences;
         let step_m = |i: usize| (comb.lost(end_s[i]) - comb.lost(end_s[i] - dt[i])) * by_speed[i] / dt[i];
         (0..dt.len()).map(step_m).collect()
+    }
+
+    /// The way by speed while the train brakes, m.
+    fn braked_m(&self) -> Vec<f64> {
+        let Differences { by_speed, .. } = &self.differences;
+        by_speed
+            .iter()
+            .zip(self.differences.mps2())
+            .map(|(m, mps2)| if mps2 < -BRAKES_MPS2 { *m } else { 0.0 })
+            .collect()
     }
 
     /// What the data say of the height of the steps, s, and the nats by which steps of that height beat none; the noise
@@ -236,19 +248,21 @@ fn likely_period_s(asked: &[Compared]) -> Option<f64> {
 /// The runs are clearly better off without the seconds, which are seconds.
 fn is_confirmed(asked: &[Compared], period_s: f64) -> bool {
     let choices = phases(period_s) as f64 * PERIODS_S[1] / PERIODS_S[0];
-    let (mut gain, mut score, mut information) = (0.0, 0.0, 0.0);
+    let (mut gain, mut by_brakes, mut score, mut information) = (0.0, 0.0, 0.0, 0.0);
     for run in asked {
         let comb = run.comb(period_s).map_or_else(|| run.phase(period_s, phases(period_s)).0, |(comb, _)| comb);
         let Some(without) = run.without(&run.steps_m(comb)) else {
             return false;
         };
         gain += without.fit.log_likelihood - run.fit.log_likelihood - choices.ln();
+        by_brakes += run.beside(&run.braked_m()).map_or(0.0, |(_, nats)| nats);
         let (left_s, _) = without.height_s(comb);
         let weight = left_s.sd.powi(-2);
         (score, information) = (score + weight * (1.0 + left_s.value), information + weight);
     }
     let height_s = Figure { value: score / information, sd: information.sqrt().recip() };
-    gain > LEAST_GAIN && (height_s.value - 1.0).abs() < NEAR_SECOND_S && height_s.away_from(0.0) > SURE
+    // Wheels that slide in each brake lose as much of the way, at intervals that are those of the stops.
+    gain > LEAST_GAIN.max(by_brakes) && (height_s.value - 1.0).abs() < NEAR_SECOND_S && height_s.away_from(0.0) > SURE
 }
 
 /// How far apart periods are tried, s: at the ends of a run of this duration the staircase is off by an eighth of its
