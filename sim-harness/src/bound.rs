@@ -16,6 +16,7 @@
 //! error of the location is left out: 4 m move it by nothing.
 
 use nalgebra::{Matrix3, SMatrix, SVector};
+use rundown::estimator::config::Mode;
 use rundown_truth::sensors::{Sample, Sensors, SpeedReading, TruthSample};
 
 /// s, v, r0, r1, r2, gain, wind.
@@ -39,6 +40,13 @@ pub enum Known {
     Coasting,
     /// Everywhere but at standstill, up to a constant gain.
     Measured,
+}
+
+impl Known {
+    /// To an estimator in this mode.
+    pub fn of(mode: Mode) -> Self {
+        if mode == Mode::Measured { Self::Measured } else { Self::Coasting }
+    }
 }
 
 /// What the readings are worth, as variances in m² and (m/s)², and as a share of the effort.
@@ -103,9 +111,8 @@ impl Bound {
     pub fn run(&mut self, truth: &[TruthSample], samples: &[Sample], davis: [f64; 3]) {
         self.forget(WIND, self.wind_sd_mps * self.wind_sd_mps);
         let mut goes_on = false;
-        for ((before, now), (first, sample)) in
-            truth.iter().zip(truth.iter().skip(1)).zip(samples.iter().zip(samples.iter().skip(1)))
-        {
+        for (motion, readings) in truth.windows(2).zip(samples.windows(2)) {
+            let (before, now) = (&motion[0], &motion[1]);
             let moves = before.speed_mps > STANDING_MPS && now.speed_mps > STANDING_MPS;
             let is_known = match self.known {
                 Known::Coasting => now.mean_effort_n_per_kg.abs() < NO_EFFORT_N_PER_KG,
@@ -117,11 +124,11 @@ impl Bound {
             }
             if !goes_on {
                 UNKNOWN.into_iter().enumerate().for_each(|(i, variance)| self.forget(i, variance));
-                self.read(first);
+                self.read(&readings[0]);
             }
             goes_on = true;
             self.advance(before, now, davis);
-            self.read(sample);
+            self.read(&readings[1]);
         }
     }
 

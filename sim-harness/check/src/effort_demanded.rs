@@ -60,11 +60,13 @@ pub(crate) fn share<'a>(runs: impl Iterator<Item = (&'a [Sample], Line<'a>)>) ->
     if third < LEAST_WINDOWS || middle_mps(fast)? < FASTER * middle_mps(slow)? {
         return None;
     }
-    let over_slow = |times_r: f64| Some(ratio(fast, times_r)?.value / ratio(slow, times_r)?.value);
-    let sd = [ratio(slow, 1.0)?, ratio(fast, 1.0)?].map(|of| of.sd / of.value);
-    let value = over_slow(1.0)?;
-    let share = Figure { value, sd: value.abs() * sd[0].hypot(sd[1]) };
-    (over_slow(MOST_R)? + SURE * share.sd < MOST_SHARE).then_some(share)
+    let over_slow = |times_r: f64| {
+        let (slow, fast) = (ratio(slow, times_r)?, ratio(fast, times_r)?);
+        let value = fast.value / slow.value;
+        Some(Figure { value, sd: value * (slow.sd / slow.value).hypot(fast.sd / fast.value) })
+    };
+    let share = over_slow(1.0)?;
+    (over_slow(MOST_R)?.value + SURE * share.sd < MOST_SHARE).then_some(share)
 }
 
 /// What the motion needs of the efforts, with so many times the described r.

@@ -133,10 +133,9 @@ fn of_two(usable: &[usize], stops: &[Option<RunStops>]) -> Option<Vec<Vec<usize>
     let split = (1..lines.len()).max_by(|a, b| step(a).total_cmp(&step(b)))?;
     let parts = [&lines[..split], &lines[split..]];
     let of = |part: &[(usize, StopsLine)]| {
-        let value = median(part.iter().map(|(_, line)| line.scale))?;
-        let of_runs = spread(part.iter().map(|(_, line)| line.scale - value));
-        let of_platforms = median(part.iter().map(|(_, line)| line.platform_sd_m / line.spread_m))?;
-        (part.len() >= LEAST_RUNS).then_some(Figure { value, sd: of_runs.hypot(of_platforms) })
+        let lines: Vec<StopsLine> = part.iter().map(|(_, line)| *line).collect();
+        // What one run says: platforms of the two may be others.
+        (lines.len() >= LEAST_RUNS).then(|| middle(&lines, 1.0)).flatten()
     };
     let [low, high] = [of(parts[0])?, of(parts[1])?];
     let apart = high.value - low.value;
@@ -179,11 +178,16 @@ fn own_offset_m(recording: &Recording, described_m: &[f64], scale: f64) -> f64 {
 
 /// The scale of all runs of a recorder, where it matters and is beyond doubt.
 fn usual(fits: &[StopsLine]) -> Option<Figure> {
+    let scale = middle(fits, fits.len() as f64)?;
+    ((scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE).then_some(scale)
+}
+
+/// The scale in the middle of these runs, as surely as so many of them say.
+fn middle(fits: &[StopsLine], runs: f64) -> Option<Figure> {
     let value = median(fits.iter().map(|fit| fit.scale))?;
-    let of_runs = spread(fits.iter().map(|fit| fit.scale - value)) / (fits.len() as f64).sqrt();
+    let of_runs = spread(fits.iter().map(|fit| fit.scale - value)) / runs.sqrt();
     let of_platforms = median(fits.iter().map(|fit| fit.platform_sd_m / fit.spread_m))?;
-    let scale = Figure { value, sd: of_runs.hypot(of_platforms) };
-    ((value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE).then_some(scale)
+    Some(Figure { value, sd: of_runs.hypot(of_platforms) })
 }
 
 /// The line through the stops of a run, at the place at which most of them agree, with a scale near `usual`.

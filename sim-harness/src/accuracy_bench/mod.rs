@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
+use rundown::estimator::config::Config;
 use rundown::model::resistance::Davis;
 use rundown::model::track::{Gradient, Track};
 use rundown_truth::plan::plan;
@@ -95,9 +95,8 @@ fn judge_vehicle(
     let mut table = FleetFigures::default();
     let judged = JudgedVehicle { estimator: &estimator, truth, band_kmh: fleet.band_kmh };
     table.judge_vehicle(&judged, &driven);
-    let known = if fleet.mode == Mode::Measured { Known::Measured } else { Known::Coasting };
     let worth = Worth::of(&scenario.sensors);
-    let bound = Bound::new(known, worth, scatter(&nominal), fleet.effort_gain_sd, scenario.wind_sd_mps);
+    let bound = Bound::new(Known::of(fleet.mode), worth, scatter(&nominal), fleet.effort_gain_sd, scenario.wind_sd_mps);
     table.judge_bound(&judged, bound, &driven);
     Ok(table)
 }

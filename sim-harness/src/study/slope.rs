@@ -168,8 +168,7 @@ fn of_vehicle(
 fn before(estimator: &Estimator, worth: Worth) -> Bound {
     let memory = &estimator.config().memory;
     let vehicle = rundown::tick::memory::Vehicle::new(memory, estimator.train().davis());
-    let known = if estimator.config().mode == Mode::Measured { Known::Measured } else { Known::Coasting };
-    Bound::new(known, worth, vehicle.davis().covariance, 0.0, 0.0)
+    Bound::new(Known::of(estimator.config().mode), worth, vehicle.davis().covariance, 0.0, 0.0)
 }
 
 impl SlopeLook {

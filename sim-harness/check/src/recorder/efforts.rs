@@ -65,7 +65,7 @@ impl RecorderCheck {
             return;
         }
         let own = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
-        own.flat_map(|(recording, _)| &mut recording.rows).for_each(|row| row.effort_n_per_kg = None);
+        own.for_each(|(recording, _)| without_efforts(&mut recording.rows));
     }
 
     /// Leaves out efforts that do not act.
@@ -77,9 +77,7 @@ impl RecorderCheck {
         });
         let Some(share) = effort_demanded::share(asked) else { return };
         self.found(Kind::EffortDemanded, share, "", Done::LeftOut);
-        for i in own {
-            recordings[i].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
-        }
+        own.into_iter().for_each(|i| without_efforts(&mut recordings[i].rows));
     }
 
     /// Leaves out efforts that are old ones.
@@ -114,14 +112,14 @@ impl RecorderCheck {
             for place in odd {
                 if let Some(windows) = brakes[place] {
                     runs[own[place]].brakes_without_sign(windows);
-                    recordings[own[place]].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
+                    without_efforts(&mut recordings[own[place]].rows);
                 }
             }
         }
         let answers: Vec<Option<Figure>> = own.iter().map(|i| effort_unlike::of_run(&recordings[*i].rows)).collect();
         for (place, figure) in effort_unlike::unlike(&answers) {
             runs[own[place]].answers_otherwise(figure);
-            recordings[own[place]].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
+            without_efforts(&mut recordings[own[place]].rows);
         }
     }
 
@@ -241,11 +239,15 @@ impl RecorderCheck {
             let rows = &mut recordings[i].rows;
             match done {
                 Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, line, &usual),
-                Done::LeftOut => rows.iter_mut().for_each(|row| row.effort_n_per_kg = None),
+                Done::LeftOut => without_efforts(rows),
                 Done::Said | Done::Refused => (),
             }
         }
     }
+}
+
+fn without_efforts(rows: &mut [Sample]) {
+    rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
 }
 
 fn asked<'a>(run: &'a Recording, step_s: f64, known: &'a Known) -> Asked<'a> {

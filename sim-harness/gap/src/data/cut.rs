@@ -282,9 +282,15 @@ mod tests {
     /// Effort less acceleration, and step, of the intervals of a train without resistance whose handle moves to and
     /// fro, read every second; its efforts are so old.
     fn beside_age(age_s: f64) -> Vec<(f64, f64)> {
+        let of = |i: &Interval| (i.effort_n_per_kg.unwrap() - i.acceleration_mps2(), i.effort_step_n_per_kg / i.dt_s);
+        to_and_fro(1.0, age_s).iter().map(of).collect()
+    }
+
+    /// The intervals of that train, read every `step_s`.
+    fn to_and_fro(step_s: f64, age_s: f64) -> Vec<Interval> {
         let effort = |time_s: f64| 0.4 * (time_s / 3.0).sin();
         let sample = |row: i32| {
-            let time_s = f64::from(row);
+            let time_s = step_s * f64::from(row);
             Sample {
                 time_s,
                 location_m: Some(20.0 * time_s),
@@ -293,11 +299,17 @@ mod tests {
                 ..Sample::default()
             }
         };
-        let run = Run { samples: (0..120).map(sample).collect(), ..Run::default() };
-        let intervals = on_a_level_line(1, |context| all(context, &[run], EffortReading::Momentary)).concat();
-        let inner = intervals.iter().filter(|i| i.begin_s > 5.0 && i.begin_s < 105.0);
-        let of = |i: &Interval| (i.effort_n_per_kg.unwrap() - i.acceleration_mps2(), i.effort_step_n_per_kg / i.dt_s);
-        inner.map(of).collect()
+        let run = Run { samples: (0..(120.0 / step_s) as i32).map(sample).collect(), ..Run::default() };
+        let mut intervals = on_a_level_line(1, |context| all(context, &[run], EffortReading::Momentary)).concat();
+        intervals.retain(|i| i.begin_s > 5.0 && i.begin_s < 105.0);
+        intervals
+    }
+
+    #[test]
+    fn an_effort_bends_where_two_readings_and_more_lie_within_an_interval() {
+        let bends = |step_s| to_and_fro(step_s, 0.0).iter().filter(|i| i.effort_bend_n_per_kg != 0.0).count();
+        assert!(bends(1.0) > 8 && bends(3.0) > 6);
+        assert_eq!(bends(5.0), 0);
     }
 
     /// Speeds are read beside what the efforts give, so an age of these is in the speeds, too.
