@@ -53,6 +53,8 @@ const LEAST_PAIRS: usize = 20;
 pub(crate) const PAIR_S: f64 = 5.0;
 /// Slower readings are left out: a standing train has no rounding, a creeping one reads zero, m/s.
 pub(crate) const SLOWEST_MPS: f64 = 1.5;
+/// A train that loses speed faster brakes, m/s².
+pub(crate) const BRAKES_MPS2: f64 = -0.2;
 /// Fewer that are not bent do not say what the noise is.
 const LEAST_STRAIGHT: f64 = 6.0;
 /// Fits until the noise beside doubtful bends is known.
@@ -122,6 +124,17 @@ impl Differences {
             dv / dt
         };
         (0..self.y.len()).map(of).collect()
+    }
+
+    /// The way by speed where the acceleration is such, m; 0 elsewhere.
+    pub(crate) fn way_where(&self, is: impl Fn(f64) -> bool) -> Vec<f64> {
+        self.by_speed.iter().zip(self.mps2()).map(|(m, mps2)| if is(mps2) { *m } else { 0.0 }).collect()
+    }
+
+    /// What this scale, offset and skew leave of each, m.
+    pub(crate) fn left_m(&self, beta: &Vector3<f64>) -> Vec<f64> {
+        let Self { y, by_speed, dt, dv, .. } = self;
+        (0..y.len()).map(|i| y[i] - beta[0] * by_speed[i] - beta[1] * dt[i] - beta[2] * dv[i]).collect()
     }
 
     /// Fewer say nothing.
@@ -410,9 +423,7 @@ impl Compared {
 
     /// What scale, offset and skew leave of each difference, m.
     pub(crate) fn left_m(&self) -> Vec<f64> {
-        let Differences { y, by_speed, dt, dv, .. } = &self.differences;
-        let beta = self.fit.beta;
-        (0..y.len()).map(|i| y[i] - beta[0] * by_speed[i] - beta[1] * dt[i] - beta[2] * dv[i]).collect()
+        self.differences.left_m(&self.fit.beta)
     }
 
     /// The same once so many metres are taken off each difference, its noise fitted again.

@@ -18,8 +18,8 @@ use crate::compared::{Compared, Differences};
 use nalgebra::{Matrix3, Vector3};
 
 /// A train that gains or loses less speed than this may power, coast or brake, m/s².
-const RISES_MPS2: f64 = 0.08;
-const FALLS_MPS2: f64 = -0.03;
+pub(crate) const RISES_MPS2: f64 = 0.08;
+pub(crate) const FALLS_MPS2: f64 = -0.03;
 /// On hills a freight train powers while it gets slower: one that gets slower by more brakes, m/s². On 1.5 % it loses
 /// as much.
 const BRAKES_MPS2: f64 = -0.15;

@@ -181,6 +181,7 @@ impl Finding {
                     | Kind::Reset
                     | Kind::SharedRows
                     | Kind::Skew
+                    | Kind::Slides
                     | Kind::SmoothedSpeed
                     | Kind::SpeedOffset
                     | Kind::TurnedChainage

@@ -120,7 +120,7 @@ mod wheel_change;
 use agreement::Figure;
 use finding::{Done, Kind};
 use line_scale::RunStops;
-use run::OfSpeed;
+use run::{OfSpeed, Taken};
 use rundown::model::{direction::Direction, line::Line, track::Track};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -182,8 +182,8 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let (mut runs, mut of_speeds): (Vec<RunCheck>, Vec<Option<OfSpeed>>) =
         recordings.iter_mut().map(|recording| run::beside(recording, seen)).unzip();
     let units = units(&runs);
-    let mut before = vec![(None, Vec::new()); units.len()];
-    for (unit, (drift, slipping)) in units.iter().zip(&mut before) {
+    let mut before = vec![(None, Vec::new(), None); units.len()];
+    for (unit, (drift, slipping, sliding)) in units.iter().zip(&mut before) {
         let usable = read_of(unit, &runs);
         *drift = drifting::put_right(recordings, &usable);
         let moved = |i: &usize| Some((*i, of_speeds[*i].as_ref()?.agreement.moved_s()));
@@ -192,6 +192,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
             compare(recordings, &runs, &usable, &mut of_speeds);
         }
         let compared: Vec<(usize, f64)> = usable.iter().map(|i| (*i, runs[*i].step_s)).collect();
+        *sliding = slips::each_brake::take_off(recordings, &compared, &mut of_speeds);
         second_order::take_off(recordings, &compared, &mut of_speeds);
     }
     let described_m = if known.scale { &[] } else { known.stops_m.as_slice() };
@@ -203,7 +204,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         Some(stops)
     };
     let stops: Vec<Option<RunStops>> = runs.iter_mut().zip(recordings.iter()).map(stops_of).collect();
-    let of_unit = |(unit, (drift, slipping)): (String, (Option<drifting::Drift>, Vec<slips::Slips>))| {
+    let of_unit = |(unit, (drift, slipping, sliding)): (String, Before)| {
         let usable = usable_of(&unit, &runs);
         let scaled = line_scale::put_right(recordings, &usable, &stops, described_m);
         if !scaled.is_empty() {
@@ -216,6 +217,10 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
             recorder.found_by(Kind::LocationScale, scaled.scale, "", Done::PutRight, scaled.evidence());
         }
         slipping.iter().for_each(|slips| slips.say(&mut recorder));
+        if let Some(percent) = sliding {
+            let text = "in each brake; speed and location are compared without them";
+            recorder.found_by(Kind::Slides, percent, "%", Done::Said, text.to_owned());
+        }
         recorder.efforts(recordings, &mut runs, known);
         recorder
     };
@@ -228,11 +233,15 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     Check { recorders, runs, not_compared, ..Check::default() }
 }
 
+/// What of a recorder is found before speed and location are compared: its drift, its slips, and by how much the wheels
+/// slide in each brake, %.
+type Before = (Option<drifting::Drift>, Vec<slips::Slips>, Option<Figure>);
+
 /// Compares speed and location of these runs again, once their readings are others.
 fn compare(recordings: &[Recording], runs: &[RunCheck], usable: &[usize], of_speeds: &mut [Option<OfSpeed>]) {
     for i in usable {
-        let taken_s2 = of_speeds[*i].as_ref().map_or(Figure::default(), |of_speed| of_speed.taken_s2);
-        of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, taken_s2);
+        let taken = of_speeds[*i].as_ref().map_or(Taken::default(), |of_speed| of_speed.taken);
+        of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, taken);
     }
 }
 

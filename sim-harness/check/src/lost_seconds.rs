@@ -10,7 +10,7 @@
 //! steps may drown in the noise of the location; some dozens at even intervals do not.
 
 use crate::agreement::Figure;
-use crate::compared::{Compared, Differences, PAIR_S};
+use crate::compared::{BRAKES_MPS2, Compared, Differences, PAIR_S};
 use crate::finding::{Done, Finding, Kind};
 use crate::places;
 use crate::run::{RunCheck, differences};
@@ -39,8 +39,6 @@ const LEAST_GAIN: f64 = 12.0;
 /// The steps must be a second high, within this, s, and so many standard deviations from none.
 const NEAR_SECOND_S: f64 = 0.25;
 const SURE: f64 = 6.0;
-/// A train that slows down faster brakes, m/s².
-const BRAKES_MPS2: f64 = 0.2;
 /// Nats by which the phase of a run must beat the opposite one.
 const LEAST_PHASE_GAIN: f64 = 4.0;
 
@@ -70,16 +68,6 @@ impl Compared {
         let Differences { by_speed, dt, end_s, .. } = &self.differences;
         let step_m = |i: usize| (comb.lost(end_s[i]) - comb.lost(end_s[i] - dt[i])) * by_speed[i] / dt[i];
         (0..dt.len()).map(step_m).collect()
-    }
-
-    /// The way by speed while the train brakes, m.
-    fn braked_m(&self) -> Vec<f64> {
-        let Differences { by_speed, .. } = &self.differences;
-        by_speed
-            .iter()
-            .zip(self.differences.mps2())
-            .map(|(m, mps2)| if mps2 < -BRAKES_MPS2 { *m } else { 0.0 })
-            .collect()
     }
 
     /// What the data say of the height of the steps, s, and the nats by which steps of that height beat none; the noise
@@ -255,7 +243,8 @@ fn is_confirmed(asked: &[Compared], period_s: f64) -> bool {
             return false;
         };
         gain += without.fit.log_likelihood - run.fit.log_likelihood - choices.ln();
-        by_brakes += run.beside(&run.braked_m()).map_or(0.0, |(_, nats)| nats);
+        let braked_m = run.differences.way_where(|mps2| mps2 < BRAKES_MPS2);
+        by_brakes += run.beside(&braked_m).map_or(0.0, |(_, nats)| nats);
         let (left_s, _) = without.height_s(comb);
         let weight = left_s.sd.powi(-2);
         (score, information) = (score + weight * (1.0 + left_s.value), information + weight);

@@ -6,6 +6,7 @@ use crate::creep::Creep;
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
+use crate::slips::each_brake::{EachBrake, without_brakes};
 use crate::{
     bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs,
     stuck_speeds, wheel_change,
@@ -177,11 +178,22 @@ pub(crate) struct OfSpeed {
     pub(crate) change: Option<wheel_change::Change>,
     /// By how much more the speed reads while it rises than while it falls. None: the run does not say.
     pub(crate) creep: Option<Creep>,
-    /// What was taken off of the second order, and what is left of it.
-    pub(crate) taken_s2: Figure,
+    /// What the brakes alone say, where rows are near.
+    pub(crate) each_brake: Option<EachBrake>,
+    /// What was taken off, and what is left of the second order.
+    pub(crate) taken: Taken,
     pub(crate) second_order_s2: Option<Figure>,
     /// What one more of it makes of 1/s - 1 and o/s.
     by_second_order: Vector2<f64>,
+}
+
+/// What was taken off the speeds before they are compared with the locations.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Taken {
+    /// Of the second order, s².
+    pub(crate) second_order_s2: Figure,
+    /// The speeds of brakes, in which the wheels slide.
+    pub(crate) brakes: bool,
 }
 
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
@@ -222,7 +234,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     // Times that are those of the arrival make an age and lost seconds of their own.
     let is_timed = findings.iter().all(|found| found.kind != Kind::Bursts || found.done != Done::Said);
     let of_speed = if is_usable(&findings) && is_timed && !speed_is_computed {
-        OfSpeed::of(rows, step_s, Figure::default())
+        OfSpeed::of(rows, step_s, Taken::default())
     } else {
         None
     };
@@ -231,12 +243,13 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
 }
 
 impl OfSpeed {
-    /// With so much of the second order taken off.
-    pub(crate) fn of(rows: &[Sample], step_s: f64, taken_s2: Figure) -> Option<Self> {
+    /// With this taken off.
+    pub(crate) fn of(rows: &[Sample], step_s: f64, taken: Taken) -> Option<Self> {
         if step_s > row_step::MOST_MEAN_S {
             return None;
         }
-        let parts = parts(rows, step_s);
+        let parts = if taken.brakes { parts(&without_brakes(rows), step_s) } else { parts(rows, step_s) };
+        let taken_s2 = taken.second_order_s2;
         let (mut compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(Differences::of(&parts))?)?;
         let turns_mps2 = compared.differences.turns_mps2.clone();
         if taken_s2.value != 0.0 {
@@ -249,15 +262,17 @@ impl OfSpeed {
         let change = wheel_change::within(&compared);
         let with_other_bends = compared.with_other_bends();
         let creep = Creep::of(&compared, with_other_bends.as_ref());
+        let each_brake = EachBrake::of(&compared).filter(|_| step_s < MOST_NEAR_S && !taken.brakes);
         let agreement =
             compared.agreement(with_other_bends.as_ref()).after_moving(moved_s).doubted(by_second_order * taken_s2.sd);
-        Some(Self { agreement, change, creep, taken_s2, second_order_s2, by_second_order })
+        Some(Self { agreement, change, creep, each_brake, taken, second_order_s2, by_second_order })
     }
 
     /// It is known to so much, standard deviation, in all runs alike.
     pub(crate) fn doubted(self, sd_s2: f64) -> Self {
         let agreement = self.agreement.doubted(self.by_second_order * sd_s2);
-        Self { agreement, taken_s2: Figure { sd: sd_s2, ..self.taken_s2 }, ..self }
+        let second_order_s2 = Figure { sd: sd_s2, ..self.taken.second_order_s2 };
+        Self { agreement, taken: Taken { second_order_s2, ..self.taken }, ..self }
     }
 }
 

@@ -10,7 +10,7 @@
 
 use crate::SURE;
 use crate::agreement::Figure;
-use crate::run::OfSpeed;
+use crate::run::{OfSpeed, Taken};
 use rundown_files::recording::Recording;
 use rundown_files::statistics::median;
 
@@ -34,8 +34,10 @@ pub(crate) fn take_off(recordings: &[Recording], runs: &[(usize, f64)], of_speed
     let compare = |of_speeds: &mut [Option<OfSpeed>], more_s2: f64| {
         for (i, step_s) in runs {
             let Some(of_speed) = &of_speeds[*i] else { continue };
-            let taken_s2 = Figure { value: of_speed.taken_s2.value + more_s2, ..of_speed.taken_s2 };
-            of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, *step_s, taken_s2);
+            let before = of_speed.taken.second_order_s2;
+            let second_order_s2 = Figure { value: before.value + more_s2, ..before };
+            let taken = Taken { second_order_s2, ..of_speed.taken };
+            of_speeds[*i] = OfSpeed::of(&recordings[*i].rows, *step_s, taken);
         }
     };
     let doubt = |of_speeds: &mut [Option<OfSpeed>], sd_s2: f64| {

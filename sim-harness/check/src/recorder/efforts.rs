@@ -143,7 +143,9 @@ impl RecorderCheck {
 
     /// Makes momentary efforts means over as long as the speeds are, or leaves them out where that is too long.
     fn smoothed_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
-        if self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH) || self.has(Kind::TrailingSpeed) {
+        let is_coarse = self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH);
+        // Where the wheels slide in each brake the way by the speeds is bent as that of means.
+        if is_coarse || self.has(Kind::TrailingSpeed) || self.has(Kind::Slides) {
             return;
         }
         let own = read_of(&self.unit, runs);

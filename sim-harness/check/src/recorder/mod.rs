@@ -160,7 +160,7 @@ fn compared_again(
 ) -> (Vec<Option<OfSpeed>>, Option<Figure>) {
     let again = |i: &usize| {
         let of_speed = of_speeds[*i].clone()?;
-        if is_other { OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, of_speed.taken_s2) } else { Some(of_speed) }
+        if is_other { OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, of_speed.taken) } else { Some(of_speed) }
     };
     let mut again: Vec<Option<OfSpeed>> = of_unit.iter().map(again).collect();
     let creep = Creep::sure(again.iter().flatten().filter_map(|of_speed| of_speed.creep.as_ref()));
@@ -194,7 +194,7 @@ fn of_one(
         grown.after = Some((change.time_s, change.ratio.value));
         let mut undone = rows.to_vec();
         grown.undo(&mut undone);
-        of_speed = OfSpeed::of(&undone, run.step_s, of_speed.taken_s2)?;
+        of_speed = OfSpeed::of(&undone, run.step_s, of_speed.taken)?;
     }
     Some((of_speed.agreement.with_rounding(rounding_mps, run.step_s), grown))
 }

@@ -8,6 +8,7 @@
 //! same axle slips as well, and shows nothing.
 
 mod bumps;
+pub(crate) mod each_brake;
 mod unknown;
 
 use crate::agreement::Figure;
