@@ -39,6 +39,20 @@ pub(crate) struct Creep {
     beside_brakes: Option<Contrast>,
 }
 
+/// The speeds that c is asked against: those that fall by more, m/s².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Falls(f64);
+
+impl Falls {
+    /// What c, h and b add to each difference of this run, m.
+    pub(crate) fn creep_m(self, compared: &Compared) -> Option<Vec<f64>> {
+        let columns = columns(&compared.differences, self.0);
+        let (_, factors) = fitted(compared, &columns)?;
+        let of = |at: usize| (0..3).map(|which| factors[which] * columns[which][at]).sum();
+        Some((0..columns[0].len()).map(of).collect())
+    }
+}
+
 /// c against one kind of falling speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Contrast {
@@ -52,8 +66,9 @@ impl Creep {
     pub(crate) fn of(compared: &Compared, with_other_bends: Option<&[Compared; 2]>) -> Option<Self> {
         let beside = |falls_mps2: f64| {
             let columns = columns(&compared.differences, falls_mps2);
-            let figure = fitted(compared, &columns)?;
-            let more_than = |other: &Compared| fitted(other, &columns).map_or(0.0, |other| figure.value - other.value);
+            let figure = fitted(compared, &columns)?.0;
+            let more_than =
+                |other: &Compared| fitted(other, &columns).map_or(0.0, |other| figure.value - other.0.value);
             let by_bends = with_other_bends.map_or([0.0; 2], |all| [more_than(&all[0]), more_than(&all[1])]);
             Some(Contrast { figure, by_bends })
         };
@@ -61,14 +76,18 @@ impl Creep {
         (beside_falls.is_some() || beside_brakes.is_some()).then_some(Self { beside_falls, beside_brakes })
     }
 
-    /// What runs of one recorder say together, where it matters and they contradict one wheel: against
-    /// braking, when surely nothing drives, or else against all falls.
-    pub(crate) fn sure<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<Figure> {
+    /// What runs of one recorder say together, where it matters and they contradict one wheel, and of what c is asked:
+    /// against braking, when surely nothing drives, or else against all falls.
+    pub(crate) fn sure<'a>(runs: impl Iterator<Item = &'a Self> + Clone) -> Option<(Figure, Falls)> {
         let is_sure = |all: &Figure| {
             all.sd * CONTRADICTS < SOME_CREEP && all.value.abs() > LEAST_SCALE && all.away_from(0.0) > CONTRADICTS
         };
-        let pooled = |of: fn(&Self) -> Option<&Contrast>| Contrast::pooled(runs.clone().filter_map(of)).filter(is_sure);
-        pooled(|run| run.beside_brakes.as_ref()).or_else(|| pooled(|run| run.beside_falls.as_ref()))
+        let pooled = |falls: Falls, of: fn(&Self) -> Option<&Contrast>| {
+            let figure = Contrast::pooled(runs.clone().filter_map(of)).filter(is_sure)?;
+            Some((figure, falls))
+        };
+        pooled(Falls(BRAKES_MPS2), |run| run.beside_brakes.as_ref())
+            .or_else(|| pooled(Falls(FALLS_MPS2), |run| run.beside_falls.as_ref()))
     }
 }
 
@@ -100,8 +119,8 @@ fn columns(differences: &Differences, falls_mps2: f64) -> [Vec<f64>; 3] {
     [of(0), of(1), differences.turns_mps2.clone()]
 }
 
-/// c beside h, b, scale, offset and skew.
-fn fitted(compared: &Compared, columns: &[Vec<f64>; 3]) -> Option<Figure> {
+/// c beside h, b, scale, offset and skew; and all three.
+fn fitted(compared: &Compared, columns: &[Vec<f64>; 3]) -> Option<(Figure, Vector3<f64>)> {
     let fit = &compared.fit;
     let variance = fit.variance / compared.independent();
     let of = columns.each_ref().map(|metres| compared.taken_up(metres));
@@ -112,5 +131,6 @@ fn fitted(compared: &Compared, columns: &[Vec<f64>; 3]) -> Option<Figure> {
     information[(2, 2)] += SECOND_ORDER_S2.powi(-2);
     let score = Vector3::from_fn(|i, _| dot(&of[i].1, &fit.residuals) / variance);
     let covariance = information.cholesky()?.inverse();
-    Some(Figure { value: (covariance * score)[0], sd: covariance[(0, 0)].sqrt() })
+    let factors = covariance * score;
+    Some((Figure { value: factors[0], sd: covariance[(0, 0)].sqrt() }, factors))
 }

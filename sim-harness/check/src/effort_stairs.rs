@@ -38,7 +38,8 @@ const SLOWER: f64 = 1.5;
 
 /// Puts efforts between two changes where they were.
 pub(crate) fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let effort = |row: &Sample| row.effort_n_per_kg;
+    // A driver's brake has steps as well, and a recorder's are in both.
+    let effort = |row: &Sample| row.effort_n_per_kg.map(|effort| effort.max(0.0));
     let stairs = Stairs::of(rows, effort).without_beats();
     let is_band = |value: f64| value <= MOST_N_PER_KG && stairs.share_near(value, NEAR) >= ALIKE;
     let Some(figure) = stairs.usual(level(rows, effort)).filter(|usual| is_band(usual.value)) else { return };
@@ -175,7 +176,7 @@ mod tests {
     #[test]
     fn rounded_efforts_levers_and_those_that_arrive_every_fifth_row_stay() {
         let rounded = shown(|_, effort| (50.0 * effort).round() / 50.0);
-        let lever = shown(|i, _| [0.31, 0.07, 0.22, -0.1, 0.4, 0.12][i / 7 % 6] + 0.003 * (i / 42) as f64);
+        let notches = shown(|i, _| [0.31, 0.07, 0.22, -0.1, 0.4, 0.12][i / 7 % 6] + 0.003 * (i / 42) as f64);
         let mut last = 0.0;
         let late = shown(|i, effort| {
             if i % 5 == 0 {
@@ -192,7 +193,16 @@ mod tests {
             }
             hand
         });
-        for (name, mut rows) in [("rounded", rounded), ("lever", lever), ("late", late), ("hand", moves)] {
+        // A smooth traction beside the steps of a brake lever.
+        let mut lever = 3;
+        let brake = shown(|_, effort| {
+            if rng.random_bool(0.3) {
+                lever = if rng.random_bool(0.5) { lever % 6 + 1 } else { (lever + 4) % 6 + 1 };
+            }
+            if effort > 0.25 { effort } else { -0.04 * f64::from(lever) }
+        });
+        let all = [("rounded", rounded), ("lever", notches), ("late", late), ("hand", moves), ("brake", brake)];
+        for (name, mut rows) in all {
             let (before, mut findings) = (rows.clone(), Vec::new());
             put_right(&mut rows, &mut findings);
             assert_eq!((findings.len(), rows == before), (0, true), "{name}: {findings:?}");

@@ -34,9 +34,18 @@ const DRIVEN: std::ops::Range<f64> = 0.5..2.0;
 /// repeat in both directions or not.
 const HOLDS_FROM_MPS: f64 = 12.0;
 const HOLDS_WITHIN_MPS: f64 = 0.15;
+/// A smaller effort below zero is noise around none, N/kg.
+const LEAST_BRAKE_N_PER_KG: f64 = 0.01;
+/// Where no effort is ever below that, so many stops tell that the column has no brake: of a train that runs out on the
+/// level none would be seen.
+const LEAST_STOPS: usize = 5;
 /// So many such stretches, and this share of them with zeros, tell.
 const LEAST_STRETCHES: usize = 20;
 const LEAST_SHARE: f64 = 0.7;
+/// Where slopes are described, a train keeps its speed that changes it by less than this, m/s; whole km/h hide whether
+/// it holds it. So many stretches with zeros are more than slopes, where the column has a gap above 0.
+const KEEPS_WITHIN_MPS: f64 = 0.3;
+const LEAST_KEPT: usize = 5;
 /// Held speeds are this share of the stretches with zeros: fewer are coasts on slopes that just keep the speed.
 const LEAST_OF_ZEROS: f64 = 0.4;
 /// A zero is none of a coast from where the train slows down faster than this, m/s², until it powers again, and for so
@@ -73,7 +82,11 @@ impl Stretches {
     }
 
     fn tell(self) -> bool {
-        self.all >= LEAST_STRETCHES && self.with_zeros as f64 >= LEAST_SHARE * self.all as f64
+        self.are(LEAST_STRETCHES)
+    }
+
+    fn are(self, least: usize) -> bool {
+        self.all >= least && self.with_zeros as f64 >= LEAST_SHARE * self.all as f64
     }
 }
 
@@ -81,7 +94,12 @@ impl Stretches {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Zeros {
     pub brakes: Stretches,
+    pub stops: Stretches,
+    /// An effort below zero was read while the train moved.
+    shows_brakes: bool,
     pub holds: Stretches,
+    /// Stretches with zeros in which the train keeps its speed.
+    pub kept: usize,
     /// Whatever it does.
     moves: Stretches,
 }
@@ -90,6 +108,16 @@ impl Zeros {
     /// The column has no brake: its zeros are none while the train brakes.
     pub fn lack_the_brake(&self) -> bool {
         self.brakes.tell()
+    }
+
+    /// Trains keep their speed with an effort of 0, though most do not.
+    pub fn keep_some(&self) -> bool {
+        self.kept >= LEAST_KEPT
+    }
+
+    /// The column has traction only: no zero is surely that of a coast.
+    pub fn never_show_a_brake(&self) -> bool {
+        !self.shows_brakes && self.stops.are(LEAST_STOPS)
     }
 
     /// The column drops what is small: no zero is one.
@@ -134,10 +162,31 @@ fn holds_coasting(line: &Line<'_>, rows: &[Sample]) -> bool {
     DRIVEN.contains(&(down.sum::<f64>() / resistances.sum::<f64>()))
 }
 
+/// The last [`STRETCH_S`] of a train that slows down to a stop by more than [`SLOWS_MPS2`], where each row has a speed
+/// and an effort.
+fn stops(rows: &[Sample]) -> impl Iterator<Item = &[Sample]> {
+    let is_moving = |row: &Sample| row.speed_mps.is_some_and(|mps| mps > 0.0);
+    let ends = (1..rows.len()).filter(move |i| is_moving(&rows[i - 1]) && rows[*i].speed_mps == Some(0.0));
+    ends.filter_map(|end| {
+        let begin = rows[..end].partition_point(|row| row.time_s < rows[end].time_s - STRETCH_S);
+        let stop = &rows[begin..end];
+        let is_complete = stop.iter().all(|row| row.speed_mps.is_some() && row.effort_n_per_kg.is_some());
+        let slows = stop.first()?.speed_mps? > SLOWS_MPS2 * STRETCH_S;
+        (is_complete && slows).then_some(stop)
+    })
+}
+
 /// Of all runs of a unit. Where the described slopes explain that a train holds its speed, a zero is one.
 pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, known: &Known) -> Zeros {
     let mut found = Zeros::default();
     for recording in recordings {
+        let is_brake = |row: &Sample| {
+            row.speed_mps > Some(0.0) && row.effort_n_per_kg.is_some_and(|effort| effort < -LEAST_BRAKE_N_PER_KG)
+        };
+        found.shows_brakes |= recording.rows.iter().any(is_brake);
+        for rows in stops(&recording.rows) {
+            found.stops.add(rows.iter().all(|row| row.effort_n_per_kg == Some(0.0)));
+        }
         for rows in stretches(&recording.rows, STRETCH_S) {
             let speeds = rows.iter().filter_map(|row| row.speed_mps);
             let (low, high) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -149,9 +198,16 @@ pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, known: 
                 found.brakes.add(is_zero);
             }
             let holds = high - low < HOLDS_WITHIN_MPS;
-            if low > HOLDS_FROM_MPS
-                && !(holds && known.line(recording.direction).is_some_and(|line| holds_coasting(&line, rows)))
-            {
+            let line = known.line(recording.direction);
+            let keeps = holds || (line.is_some() && (rate * long_s).abs() < KEEPS_WITHIN_MPS);
+            let is_slope = keeps && line.is_some_and(|line| holds_coasting(&line, rows));
+            if low <= HOLDS_FROM_MPS {
+                continue;
+            }
+            if keeps && !is_slope {
+                found.kept += usize::from(is_zero);
+            }
+            if !(holds && is_slope) {
                 found.moves.add(is_zero);
                 if holds {
                     found.holds.add(is_zero);

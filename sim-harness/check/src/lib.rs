@@ -83,6 +83,7 @@ mod drifting;
 pub mod effort;
 mod effort_age;
 mod effort_demanded;
+mod effort_gap;
 mod effort_held;
 mod effort_stairs;
 mod effort_unlike;

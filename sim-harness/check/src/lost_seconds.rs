@@ -140,31 +140,40 @@ pub(crate) const NOT_SEEN_S: f64 = 1.0 / SURE;
 
 /// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right.
 pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> Sought {
-    let usable = of_unit.iter().copied().filter(|i| runs[*i].is_usable());
-    let mut longest: Vec<(usize, f64)> = usable.map(|i| (i, length_m(&recordings[i].rows))).collect();
+    let usable: Vec<(usize, f64)> =
+        of_unit.iter().copied().filter(|i| runs[*i].is_usable()).map(|i| (i, runs[i].step_s)).collect();
+    let (step_sd_s, period_s) = sought(&usable, recordings);
+    let Some(period_s) = period_s else {
+        return Sought { moved: false, step_sd_s };
+    };
+    for (i, step_s) in usable {
+        let rows = &mut recordings[i].rows;
+        if let Some(compared) = Compared::fitted(differences(rows, step_s)) {
+            runs[i].findings.push(compared.finding(period_s, rows, step_s));
+        }
+    }
+    Sought { moved: true, step_sd_s }
+}
+
+/// How surely the height of steps is known in runs of one recorder, s, and the period with which its clock loses a
+/// second; none where it does not. `usable`: places and times between rows, s.
+pub(crate) fn sought(usable: &[(usize, f64)], recordings: &[Recording]) -> (Option<f64>, Option<f64>) {
+    let mut longest: Vec<(&(usize, f64), f64)> =
+        usable.iter().map(|run| (run, length_m(&recordings[run.0].rows))).collect();
     longest.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let of = |(i, _): &(usize, f64)| differences(&recordings[*i].rows, runs[*i].step_s);
+    let of = |((i, step_s), _): &(&(usize, f64), f64)| differences(&recordings[*i].rows, *step_s);
     let asked: Vec<Differences> = longest.iter().take(ASKED).map(of).filter(Differences::are_enough).collect();
     let is_ahead = excess(&asked).abs() > LEAST_EXCESS;
     let mut asked: Vec<Compared> = asked.into_iter().filter_map(Compared::fitted).collect();
-    let none = Sought { moved: false, step_sd_s: step_sd_s(&asked) };
+    let step_sd_s = step_sd_s(&asked);
     if !is_ahead && !steps_stand_out(&asked) {
-        return none;
+        return (step_sd_s, None);
     }
-    let Some(period_s) = likely_period_s(&asked) else {
-        return none;
-    };
-    asked.extend(longest.iter().skip(ASKED).take(CONFIRM).map(of).filter_map(Compared::fitted));
-    if !is_confirmed(&asked, period_s) {
-        return none;
-    }
-    for (i, _) in longest {
-        let (rows, run) = (&mut recordings[i].rows, &mut runs[i]);
-        if let Some(compared) = Compared::fitted(differences(rows, run.step_s)) {
-            run.findings.push(compared.finding(period_s, rows, run.step_s));
-        }
-    }
-    Sought { moved: true, ..none }
+    let period_s = likely_period_s(&asked).filter(|period_s| {
+        asked.extend(longest.iter().skip(ASKED).take(CONFIRM).map(of).filter_map(Compared::fitted));
+        is_confirmed(&asked, *period_s)
+    });
+    (step_sd_s, period_s)
 }
 
 /// How surely the height of steps at the usual intervals is known, all these runs together, s.

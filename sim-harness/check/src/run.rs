@@ -2,7 +2,7 @@
 
 use crate::agreement::{Agreement, Figure};
 use crate::compared::{Compared, Differences, Row};
-use crate::creep::Creep;
+use crate::creep::{Creep, Falls};
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
@@ -22,6 +22,9 @@ use std::collections::BTreeMap;
 const MOST_SHARED: f64 = 0.8;
 /// In rows farther apart the acceleration is not known, s.
 const MOST_NEAR_S: f64 = 2.5;
+/// Which part of what creep makes of scale and offset stays a doubt: wheels need not creep by the same share of each
+/// speed.
+const CREEP_DOUBT: f64 = 0.3;
 
 /// What is the matter with one run.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -194,6 +197,8 @@ pub(crate) struct Taken {
     pub(crate) second_order_s2: Figure,
     /// The speeds of brakes, in which the wheels slide.
     pub(crate) brakes: bool,
+    /// Creep, against these speeds.
+    pub(crate) creep: Option<Falls>,
 }
 
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
@@ -255,6 +260,12 @@ impl OfSpeed {
         if taken_s2.value != 0.0 {
             compared = compared.without(&turns_mps2.iter().map(|turn| taken_s2.value * turn).collect::<Vec<_>>())?;
         }
+        let mut by_creep = Vector2::zeros();
+        let creep = taken.creep.filter(|_| step_s < MOST_NEAR_S);
+        if let Some(creep_m) = creep.and_then(|falls| falls.creep_m(&compared)) {
+            by_creep = compared.taken_up(&creep_m).0.xy();
+            compared = compared.without(&creep_m)?;
+        }
         let beside = compared.beside(&turns_mps2).filter(|_| step_s < MOST_NEAR_S);
         let correlated = compared.independent().sqrt();
         let second_order_s2 = beside.map(|(left, _)| Figure { sd: left.sd / correlated, ..left });
@@ -263,8 +274,8 @@ impl OfSpeed {
         let with_other_bends = compared.with_other_bends();
         let creep = Creep::of(&compared, with_other_bends.as_ref());
         let each_brake = EachBrake::of(&compared).filter(|_| step_s < MOST_NEAR_S && !taken.brakes);
-        let agreement =
-            compared.agreement(with_other_bends.as_ref()).after_moving(moved_s).doubted(by_second_order * taken_s2.sd);
+        let agreement = compared.agreement(with_other_bends.as_ref()).after_moving(moved_s);
+        let agreement = agreement.doubted(by_second_order * taken_s2.sd + CREEP_DOUBT * by_creep);
         Some(Self { agreement, change, creep, each_brake, taken, second_order_s2, by_second_order })
     }
 

@@ -3,11 +3,13 @@
 use crate::agreement::Figure;
 use crate::diagnosis::RecorderCheck;
 use crate::effort_age::Asked;
+use crate::effort_gap::Gap;
+use crate::effort_zero::Stretches;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
-    Known, SURE, effort, effort_age, effort_demanded, effort_held, effort_unlike, effort_zero, limits, read_of,
-    smoothed, steps, trailing,
+    Known, SURE, effort, effort_age, effort_demanded, effort_gap, effort_held, effort_unlike, effort_zero, limits,
+    read_of, smoothed, steps, trailing,
 };
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -197,17 +199,30 @@ impl RecorderCheck {
             efforts.for_each(|effort| *effort -= figure.value);
             return;
         }
-        let (stretches, what, leave_out): (_, _, fn(&mut [Sample]) -> usize) = if zeros.drop_what_is_small() {
-            (zeros.holds, "holds its speed: all efforts of 0", effort_zero::leave_out_zeros)
+        let of = |stretches: Stretches, what: &str| {
+            format!("{} of {} stretches in which the train {what}", stretches.with_zeros, stretches.all)
+        };
+        let gap = effort_gap::of(&rows.iter().map(|rows| &**rows).collect::<Vec<_>>());
+        let (why, leave_out): (String, fn(&mut [Sample]) -> usize) = if zeros.drop_what_is_small() {
+            (of(zeros.holds, "holds its speed: all efforts of 0"), effort_zero::leave_out_zeros)
+        } else if zeros.never_show_a_brake() {
+            let what = "brakes to a stop, and no effort is below 0: all efforts of 0";
+            (of(zeros.stops, what), effort_zero::leave_out_zeros)
+        } else if let Some(Gap { least_n_per_kg, rows }) = gap.filter(|_| zeros.keep_some()) {
+            let why = format!(
+                "the train keeps its speed in {} stretches of 20 s with none, and no effort is between 0 and \
+                 {least_n_per_kg:.4} N/kg, beside {rows} of up to twice as much: all efforts of 0",
+                zeros.kept
+            );
+            (why, effort_zero::leave_out_zeros)
         } else if zeros.lack_the_brake() {
-            (zeros.brakes, "brakes: its efforts while it brakes", effort_zero::leave_out_brakes)
+            (of(zeros.brakes, "brakes: its efforts while it brakes"), effort_zero::leave_out_brakes)
         } else {
             return;
         };
         let count: usize = rows.into_iter().map(leave_out).sum();
         let figure = Figure { value: count as f64, sd: 0.0 };
-        let of = format!("{} of {} stretches in which the train {what}", stretches.with_zeros, stretches.all);
-        self.found_by(Kind::EffortZeros, figure, "rows", Done::LeftOut, of);
+        self.found_by(Kind::EffortZeros, figure, "rows", Done::LeftOut, why);
     }
 
     /// Says that the effort is older than the speed, and brings it to its age where the rows are near enough in time.

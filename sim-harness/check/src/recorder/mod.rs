@@ -11,7 +11,7 @@ use crate::drifting::Drift;
 use crate::finding::{Done, Finding, Kind};
 use crate::of_most::OfMost;
 use crate::own::Grown;
-use crate::run::{OfSpeed, RunCheck};
+use crate::run::{OfSpeed, RunCheck, Taken};
 use crate::wheel_change::OfRun;
 use crate::{
     Known, LEAST_SCALE, SURE, dead_band, dead_zone, held, lost_seconds, own, put_right, read_of, steps, usable_of,
@@ -29,6 +29,10 @@ const LEAST_SKEW_S: f64 = 0.3;
 const NEAR_HALF: f64 = 0.12;
 /// One of two offsets is decided where it is nearer than this share of the distance to the other.
 const CLEARLY: f64 = 0.5;
+
+/// Creep is taken off where it is so many standard deviations from none: what the rounding of a held speed looks like is
+/// less.
+const CREEP_SURE: f64 = 6.0;
 
 /// How the speeds are shown.
 #[derive(Clone, Copy, PartialEq)]
@@ -164,11 +168,17 @@ fn compared_again(
     };
     let mut again: Vec<Option<OfSpeed>> = of_unit.iter().map(again).collect();
     let creep = Creep::sure(again.iter().flatten().filter_map(|of_speed| of_speed.creep.as_ref()));
+    if let Some((_, falls)) = creep.filter(|(figure, _)| figure.away_from(0.0) > CREEP_SURE) {
+        for (i, of_speed) in of_unit.iter().zip(&mut again) {
+            let taken = of_speed.as_ref().map(|of_speed| Taken { creep: Some(falls), ..of_speed.taken });
+            *of_speed = taken.and_then(|taken| OfSpeed::of(&recordings[*i].rows, runs[*i].step_s, taken));
+        }
+    }
     if creep.is_some() {
         // What contradicts itself all the way shows no place from which on the wheel is another one.
         again.iter_mut().flatten().for_each(|of_speed| of_speed.change = None);
     }
-    (again, creep)
+    (again, creep.map(|(figure, _)| figure))
 }
 
 /// Leaves out repeats of speeds that are written again only once they have changed by a step: by how much they are

@@ -9,11 +9,11 @@
 //! wheel that creeps wherever it powers, and is off by as much, looks like q. So it is named only where no wheel is
 //! left.
 
-use crate::LEAST_SCALE;
 use crate::agreement::{Agreement, Figure, pooled};
 use crate::compared::{BRAKES_MPS2, Compared, Differences};
 use crate::creep::{FALLS_MPS2, RISES_MPS2};
 use crate::run::{OfSpeed, Taken, differences};
+use crate::{LEAST_SCALE, lost_seconds};
 use nalgebra::Vector3;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -101,6 +101,10 @@ pub(crate) fn take_off(
     let shares: Vec<f64> = runs.iter().zip(&again).filter_map(of_run).collect();
     let usual = median(shares.iter().copied())?;
     if usual < LEAST_SHARE {
+        return None;
+    }
+    // Where a clock loses seconds they are put right first, and the times of brakes are others.
+    if let (_, Some(_)) = lost_seconds::sought(runs, recordings) {
         return None;
     }
     let sd = sd_of_median(spread(shares.iter().map(|share| share - usual)), shares.len());

@@ -10,6 +10,7 @@ use rundown_check::limits::Described;
 use rundown_check::{Check, Known, check, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use std::cell::Cell;
 
 /// Eight runs from stop to stop, a row a second: power, a held speed, a coast, a brake. The column is `read` of the
 /// effort and of whether the train stands.
@@ -89,10 +90,29 @@ fn a_constant_on_the_effort_is_taken_from_it() {
     }
 }
 
+/// Nothing shows which of them are those of a light brake, as on a descent.
 #[test]
-fn zeros_of_a_brake_that_is_not_recorded_are_left_out() {
+fn all_zeros_of_a_column_without_brakes_are_left_out() {
     for seed in 0..4 {
-        let mut recordings = runs(72_000 + seed, |effort, _| Some(effort.max(0.0)));
+        // Nor does a brake that holds the train that stands.
+        let mut recordings = runs(72_100 + seed, |effort, stands| Some(if stands { -0.4 } else { effort.max(0.0) }));
+        let findings = found(&mut recordings);
+        assert!(
+            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
+            "{findings:?}"
+        );
+        assert!(recordings.iter().flat_map(|one| &one.rows).all(|row| row.effort_n_per_kg != Some(0.0)));
+    }
+}
+
+#[test]
+fn zeros_of_brakes_that_are_mostly_not_recorded_are_left_out() {
+    for seed in 0..4 {
+        let brakes = Cell::new(0);
+        let mut recordings = runs(72_000 + seed, |effort, _| {
+            brakes.set(brakes.get() + usize::from(effort < 0.0));
+            Some(if brakes.get() < 60 { effort } else { effort.max(0.0) })
+        });
         let findings = found(&mut recordings);
         assert!(
             matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
@@ -115,6 +135,20 @@ fn zeros_of_a_brake_that_is_not_recorded_are_left_out() {
 fn zeros_of_a_column_that_drops_what_is_small_are_left_out() {
     for seed in 0..4 {
         let mut recordings = runs(73_000 + seed, |effort, _| Some(if effort.abs() < 0.09 { 0.0 } else { effort }));
+        let findings = found(&mut recordings);
+        assert!(
+            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
+            "{findings:?}"
+        );
+        assert!(recordings.iter().flat_map(|one| &one.rows).all(|row| row.effort_n_per_kg != Some(0.0)));
+    }
+}
+
+/// A band of 0.035 N/kg around 0: at low speeds it takes the efforts that hold them, at high ones none.
+#[test]
+fn zeros_of_a_column_that_drops_only_the_smallest_efforts_are_left_out() {
+    for seed in 0..4 {
+        let mut recordings = runs(75_000 + seed, |effort, _| Some(if effort.abs() < 0.035 { 0.0 } else { effort }));
         let findings = found(&mut recordings);
         assert!(
             matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
