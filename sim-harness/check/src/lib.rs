@@ -68,6 +68,7 @@
 #![warn(missing_docs)]
 
 pub mod agreement;
+mod braking;
 mod bridged;
 mod bursts;
 pub mod chainage;

@@ -1,12 +1,12 @@
 //! One run by itself: its clock, its places, its readings, and what its speed and location say of each other.
 
 use crate::agreement::{Agreement, Figure};
+use crate::braking::{EachBrake, without_brakes};
 use crate::compared::{Compared, Differences, Row};
 use crate::creep::{Creep, Falls};
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
-use crate::slips::each_brake::{EachBrake, without_brakes};
 use crate::{
     bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs,
     stuck_speeds, wheel_change,
