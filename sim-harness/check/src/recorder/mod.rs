@@ -30,8 +30,8 @@ const NEAR_HALF: f64 = 0.12;
 /// One of two offsets is decided where it is nearer than this share of the distance to the other.
 const CLEARLY: f64 = 0.5;
 
-/// Creep is taken off where it is so many standard deviations from none: what the rounding of a held speed looks like is
-/// less.
+/// Creep is taken off where it is so many standard deviations from none: what the rounding of a held speed looks like
+/// is less.
 const CREEP_SURE: f64 = 6.0;
 
 /// How the speeds are shown.

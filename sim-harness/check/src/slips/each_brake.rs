@@ -14,8 +14,8 @@ use nalgebra::Vector3;
 use rundown_files::recording::Recording;
 use rundown_files::statistics::{median, sd_of_median, spread};
 
-/// Wheels that creep wherever they power are off by one per cent and more: a scale that is known less well does not show
-/// whether one is left.
+/// Wheels that creep wherever they power are off by one per cent and more: a scale that is known less well does not
+/// show whether one is left.
 const VAGUE: f64 = 0.005;
 /// What the ends of brakes, between two rows that are compared, make of the usual share, as a share of it.
 const OF_ENDS: f64 = 0.02;

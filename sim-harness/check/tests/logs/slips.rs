@@ -133,7 +133,7 @@ fn wheels_that_slide_in_each_brake_are_named_and_no_wheel_and_no_age_is_put_righ
             let check = check_for_replay(&mut runs);
             let is_changed = |kind: &Kind| find(&check, *kind).is_some_and(|one| one.done == Done::PutRight);
             assert!(!WRONG.iter().any(is_changed), "{i} {:?}", all(&check));
-            // Of trams, which hold one speed, a wheel is not told from slides.
+            // Of trams, which hold one speed, a wheel is not distinguished from slides.
             if i % 3 != 1 {
                 let slides = found(&check, Kind::Slides);
                 let off = (slides.figure.value - 100.0 * (factor - 1.0)).abs();
