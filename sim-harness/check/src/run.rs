@@ -273,7 +273,8 @@ impl OfSpeed {
         let change = wheel_change::within(&compared);
         let with_other_bends = compared.with_other_bends();
         let creep = Creep::of(&compared, with_other_bends.as_ref());
-        let each_brake = EachBrake::of(&compared).filter(|_| step_s < MOST_NEAR_S && !taken.brakes);
+        let shows_brakes = step_s < MOST_NEAR_S && !taken.brakes;
+        let each_brake = if shows_brakes { EachBrake::of(&compared) } else { None };
         let agreement = compared.agreement(with_other_bends.as_ref()).after_moving(moved_s);
         let agreement = agreement.doubted(by_second_order * taken_s2.sd + CREEP_DOUBT * by_creep);
         Some(Self { agreement, change, creep, each_brake, taken, second_order_s2, by_second_order })
