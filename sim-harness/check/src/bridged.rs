@@ -79,7 +79,9 @@ pub(crate) fn leave_out(
     stuck: &[StuckRows],
     findings: &mut Vec<Finding>,
 ) -> Option<String> {
-    let step_m = steps::of_location_m(rows.iter()).unwrap_or_else(|| written_m(rows));
+    let step_m = steps::of_location_m(rows.iter())
+        .or_else(|| steps::of_scaled_location_m(rows))
+        .unwrap_or_else(|| written_m(rows));
     let sign = places::heading(rows);
     let stuck =
         |row: usize| stuck.iter().map(|stuck| [stuck.from, stuck.to]).find(|[from, to]| (*from..=*to).contains(&row));

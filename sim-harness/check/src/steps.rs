@@ -44,6 +44,10 @@ pub fn of_location_m<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<f64> 
 
 /// Efforts nearer to each other are one, N/kg: tables are printed with so many digits.
 const PRINTED_N_PER_KG: f64 = 1e-4;
+/// The same of ways between two locations in whole millimetres, m.
+const PRINTED_M: f64 = 3e-3;
+/// So many ways of one length are no chance.
+const USUAL_WAYS: usize = 3;
 /// Share of a step by which an effort may miss a multiple of it.
 const MISSED: f64 = 0.05;
 /// An effort with fewer levels may be that of a controller with notches.
@@ -51,10 +55,26 @@ const LEAST_LEVELS: usize = 10;
 
 /// The step of the efforts, N/kg; none where it is below ten times the digits of a table.
 pub fn of_effort_n_per_kg<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<f64> {
-    let mut values: Vec<f64> = rows.filter_map(|row| row.effort_n_per_kg).filter(|effort| *effort != 0.0).collect();
+    any_step(rows.filter_map(|row| row.effort_n_per_kg).filter(|effort| *effort != 0.0).collect(), PRINTED_N_PER_KG)
+}
+
+/// The step of an odometer whose ways were scaled, m, by the ways from row to row; none where it is below ten times the
+/// digits of a table.
+pub fn of_scaled_location_m(rows: &[Sample]) -> Option<f64> {
+    let way_m = |two: &[Sample]| Some((two[1].location_m? - two[0].location_m?).abs());
+    let mut ways_m: Vec<f64> = rows.windows(2).filter_map(way_m).filter(|way_m| *way_m > PRINTED_M).collect();
+    ways_m.sort_by(f64::total_cmp);
+    // Where the odometer began again a way is any.
+    let are_usual = |same: &&[f64]| same.len() >= USUAL_WAYS;
+    let usual_m = ways_m.chunk_by(|a, b| b - a < PRINTED_M).filter(are_usual).flatten().copied();
+    any_step(usual_m.collect(), PRINTED_M)
+}
+
+/// The step that these values are multiples of, whatever it is. `printed`: nearer ones are one.
+fn any_step(mut values: Vec<f64>, printed: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let mut levels = values.clone();
-    levels.dedup_by(|next, kept| *next - *kept < PRINTED_N_PER_KG);
+    levels.dedup_by(|next, kept| *next - *kept < printed);
     let gaps = levels.windows(2).map(|pair| pair[1] - pair[0]);
     // The smallest gap is a step, but for its digits; the multiples of the far levels say it better, one by one from
     // zero on.
@@ -69,7 +89,7 @@ pub fn of_effort_n_per_kg<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<
     }
     let off = |value: f64| (value / step - (value / step).round()).abs();
     let fit = values.iter().filter(|value| off(**value) < MISSED).count();
-    (step > 10.0 * PRINTED_N_PER_KG && fit as f64 >= MOST * values.len() as f64).then_some(step)
+    (step > 10.0 * printed && fit as f64 >= MOST * values.len() as f64).then_some(step)
 }
 
 /// Standard deviation of what rounding to a step takes from one reading.
@@ -109,6 +129,26 @@ mod tests {
         assert_eq!([efforts(0.0, 1e-9), efforts(0.0, 1e-4), efforts(5e-4, 1e-4)], [None; 3]);
         let notches: Vec<Sample> = (0..400).map(|i| sample(0.08 * f64::from(i % 7))).collect();
         assert_eq!(of_effort_n_per_kg(notches.iter()), None);
+    }
+
+    #[test]
+    fn the_step_of_a_scaled_odometer_is_found_and_a_receiver_has_none() {
+        let rows = |written: fn(f64) -> f64| -> Vec<Sample> {
+            let at_m = |i: u32| f64::from(i).powi(2) * 0.05;
+            (0..300).map(|i| Sample { location_m: Some(written(at_m(i))), ..Sample::default() }).collect()
+        };
+        // Four hops; at each the odometer begins again elsewhere.
+        let scaled = |at_m: f64| (987.2 * at_m.round()).round() / 1000.0 + 500.0;
+        let hops: Vec<Sample> = [0.0, 0.4, 0.7, 0.9]
+            .into_iter()
+            .flat_map(|more_m| {
+                let at_m = move |i: u32| f64::from(i).powi(2) * 0.05;
+                (0..100).map(move |i| Sample { location_m: Some(scaled(at_m(i)) + more_m), ..Sample::default() })
+            })
+            .collect();
+        let found = of_scaled_location_m(&hops).unwrap();
+        assert!((found - 0.9872).abs() < 1e-4, "{found}");
+        assert_eq!(of_scaled_location_m(&rows(|at_m| (1000.0 * at_m).round() / 1000.0)), None);
     }
 
     #[test]
