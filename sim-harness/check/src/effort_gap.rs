@@ -6,7 +6,7 @@
 //! A lever has steps, and a driver who turns the power on and off passes small efforts within a row. So efforts just
 //! above the least one are asked for, of many sizes.
 
-use crate::stairs::level;
+use crate::stairs::spacing;
 use rundown_files::sample::Sample;
 
 /// A least effort of so many steps of the column is none of them.
@@ -23,21 +23,17 @@ pub(crate) struct Gap {
 }
 
 /// None: efforts reach down to 0, or too few do nearly.
-pub(crate) fn of(rows: &[&[Sample]]) -> Option<Gap> {
-    let efforts = rows.iter().flat_map(|rows| rows.iter()).filter_map(|row| row.effort_n_per_kg);
+pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<Gap> {
+    let efforts = rows.filter_map(|row| row.effort_n_per_kg);
     let mut sizes: Vec<f64> = efforts.map(f64::abs).filter(|size| *size > 0.0).collect();
     sizes.sort_by(f64::total_cmp);
     let least_n_per_kg = *sizes.first()?;
     let mut small = sizes[..sizes.partition_point(|size| *size < 2.0 * least_n_per_kg)].to_vec();
     let rows = small.len();
     small.dedup();
-    let step = level(&small.iter().map(effort).collect::<Vec<_>>(), |row| row.effort_n_per_kg);
-    let is_gap = rows >= LEAST_ROWS && small.len() >= LEAST_SIZES && least_n_per_kg > LEAST_STEPS * step;
+    let is_no_step = least_n_per_kg > LEAST_STEPS * spacing(&small);
+    let is_gap = rows >= LEAST_ROWS && small.len() >= LEAST_SIZES && is_no_step;
     is_gap.then_some(Gap { least_n_per_kg, rows })
-}
-
-fn effort(n_per_kg: &f64) -> Sample {
-    Sample { effort_n_per_kg: Some(*n_per_kg), ..Sample::default() }
 }
 
 #[cfg(test)]
@@ -48,8 +44,9 @@ mod tests {
     fn found(step: f64, least: f64) -> Option<Gap> {
         let size = |i: usize| (0.3 * (i as f64 / 2000.0) / step).round() * step;
         let written = |n_per_kg: f64| if n_per_kg < least { 0.0 } else { n_per_kg };
-        let rows: Vec<Sample> = (0..2000).map(|i| effort(&written(size(i)))).collect();
-        of(&[&rows])
+        let row = |i| Sample { effort_n_per_kg: Some(written(size(i))), ..Sample::default() };
+        let rows: Vec<Sample> = (0..2000).map(row).collect();
+        of(rows.iter())
     }
 
     #[test]

@@ -197,13 +197,13 @@ pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, known: 
             if rate < -BRAKES_MPS2 {
                 found.brakes.add(is_zero);
             }
+            if low <= HOLDS_FROM_MPS {
+                continue;
+            }
             let holds = high - low < HOLDS_WITHIN_MPS;
             let line = known.line(recording.direction);
             let keeps = holds || (line.is_some() && (rate * long_s).abs() < KEEPS_WITHIN_MPS);
             let is_slope = keeps && line.is_some_and(|line| holds_coasting(&line, rows));
-            if low <= HOLDS_FROM_MPS {
-                continue;
-            }
             if keeps && !is_slope {
                 found.kept += usize::from(is_zero);
             }

@@ -128,8 +128,8 @@ impl Compared {
 /// What came of the search.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sought {
-    /// Times were moved.
-    pub(crate) moved: bool,
+    /// The clock loses a second each time so long has passed, s; none where it does not.
+    pub(crate) period_s: Option<f64>,
     /// How surely the height of steps at the usual intervals is known beside a wheel, standard deviation, s; none where
     /// nothing is compared.
     pub(crate) step_sd_s: Option<f64>,
@@ -142,9 +142,9 @@ pub(crate) const NOT_SEEN_S: f64 = 1.0 / SURE;
 pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> Sought {
     let usable: Vec<(usize, f64)> =
         of_unit.iter().copied().filter(|i| runs[*i].is_usable()).map(|i| (i, runs[i].step_s)).collect();
-    let (step_sd_s, period_s) = sought(&usable, recordings);
-    let Some(period_s) = period_s else {
-        return Sought { moved: false, step_sd_s };
+    let sought = sought(&usable, recordings);
+    let Some(period_s) = sought.period_s else {
+        return sought;
     };
     for (i, step_s) in usable {
         let rows = &mut recordings[i].rows;
@@ -152,12 +152,11 @@ pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &
             runs[i].findings.push(compared.finding(period_s, rows, step_s));
         }
     }
-    Sought { moved: true, step_sd_s }
+    sought
 }
 
-/// How surely the height of steps is known in runs of one recorder, s, and the period with which its clock loses a
-/// second; none where it does not. `usable`: places and times between rows, s.
-pub(crate) fn sought(usable: &[(usize, f64)], recordings: &[Recording]) -> (Option<f64>, Option<f64>) {
+/// The same, but nothing is put right. `usable`: places and times between rows, s.
+pub(crate) fn sought(usable: &[(usize, f64)], recordings: &[Recording]) -> Sought {
     let mut longest: Vec<(&(usize, f64), f64)> =
         usable.iter().map(|run| (run, length_m(&recordings[run.0].rows))).collect();
     longest.sort_by(|(_, a), (_, b)| b.total_cmp(a));
@@ -167,13 +166,13 @@ pub(crate) fn sought(usable: &[(usize, f64)], recordings: &[Recording]) -> (Opti
     let mut asked: Vec<Compared> = asked.into_iter().filter_map(Compared::fitted).collect();
     let step_sd_s = step_sd_s(&asked);
     if !is_ahead && !steps_stand_out(&asked) {
-        return (step_sd_s, None);
+        return Sought { period_s: None, step_sd_s };
     }
     let period_s = likely_period_s(&asked).filter(|period_s| {
         asked.extend(longest.iter().skip(ASKED).take(CONFIRM).map(of).filter_map(Compared::fitted));
         is_confirmed(&asked, *period_s)
     });
-    (step_sd_s, period_s)
+    Sought { period_s, step_sd_s }
 }
 
 /// How surely the height of steps at the usual intervals is known, all these runs together, s.

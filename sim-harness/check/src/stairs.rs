@@ -65,6 +65,11 @@ pub(crate) fn level(rows: &[Sample], reading: impl Fn(&Sample) -> Option<f64>) -
     let mut levels: Vec<f64> = rows.iter().filter_map(reading).filter(|reading| *reading != 0.0).collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
+    spacing(&levels)
+}
+
+/// The same of these, in order.
+pub(crate) fn spacing(levels: &[f64]) -> f64 {
     median(levels.windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(0.0)
 }
 

@@ -133,22 +133,15 @@ mod tests {
 
     #[test]
     fn the_step_of_a_scaled_odometer_is_found_and_a_receiver_has_none() {
-        let rows = |written: fn(f64) -> f64| -> Vec<Sample> {
+        let rows = |count: u32, written: &dyn Fn(f64) -> f64| -> Vec<Sample> {
             let at_m = |i: u32| f64::from(i).powi(2) * 0.05;
-            (0..300).map(|i| Sample { location_m: Some(written(at_m(i))), ..Sample::default() }).collect()
+            (0..count).map(|i| Sample { location_m: Some(written(at_m(i))), ..Sample::default() }).collect()
         };
         // Four hops; at each the odometer begins again elsewhere.
-        let scaled = |at_m: f64| (987.2 * at_m.round()).round() / 1000.0 + 500.0;
-        let hops: Vec<Sample> = [0.0, 0.4, 0.7, 0.9]
-            .into_iter()
-            .flat_map(|more_m| {
-                let at_m = move |i: u32| f64::from(i).powi(2) * 0.05;
-                (0..100).map(move |i| Sample { location_m: Some(scaled(at_m(i)) + more_m), ..Sample::default() })
-            })
-            .collect();
-        let found = of_scaled_location_m(&hops).unwrap();
+        let hop = |more_m: f64| rows(100, &|at_m| (987.2 * at_m.round()).round() / 1000.0 + 500.0 + more_m);
+        let found = of_scaled_location_m(&[0.0, 0.4, 0.7, 0.9].map(hop).concat()).unwrap();
         assert!((found - 0.9872).abs() < 1e-4, "{found}");
-        assert_eq!(of_scaled_location_m(&rows(|at_m| (1000.0 * at_m).round() / 1000.0)), None);
+        assert_eq!(of_scaled_location_m(&rows(300, &|at_m| (1000.0 * at_m).round() / 1000.0)), None);
     }
 
     #[test]

@@ -202,13 +202,15 @@ impl RecorderCheck {
         let of = |stretches: Stretches, what: &str| {
             format!("{} of {} stretches in which the train {what}", stretches.with_zeros, stretches.all)
         };
-        let gap = effort_gap::of(&rows.iter().map(|rows| &**rows).collect::<Vec<_>>());
+        let gap = || effort_gap::of(rows.iter().flat_map(|rows| rows.iter()));
         let (why, leave_out): (String, fn(&mut [Sample]) -> usize) = if zeros.drop_what_is_small() {
             (of(zeros.holds, "holds its speed: all efforts of 0"), effort_zero::leave_out_zeros)
         } else if zeros.never_show_a_brake() {
             let what = "brakes to a stop, and no effort is below 0: all efforts of 0";
             (of(zeros.stops, what), effort_zero::leave_out_zeros)
-        } else if let Some(Gap { least_n_per_kg, rows }) = gap.filter(|_| zeros.keep_some()) {
+        } else if zeros.keep_some()
+            && let Some(Gap { least_n_per_kg, rows }) = gap()
+        {
             let why = format!(
                 "the train keeps its speed in {} stretches of 20 s with none, and no effort is between 0 and \
                  {least_n_per_kg:.4} N/kg, beside {rows} of up to twice as much: all efforts of 0",

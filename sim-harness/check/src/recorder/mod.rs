@@ -97,7 +97,7 @@ pub(crate) fn of(
     let location_step_m = steps::of_location_m(usable_of(&unit, runs).iter().flat_map(|i| &recordings[*i].rows));
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
     let behind = leave_out_behind(recordings, &usable, step_kmh);
-    let is_other = sought.moved || behind.is_some();
+    let is_other = sought.period_s.is_some() || behind.is_some();
     let (again, creep) = compared_again(&of_unit, recordings, runs, of_speeds, is_other);
     let judged = |(i, of_speed): (&usize, Option<OfSpeed>)| {
         let (one, grown) = of_one(of_speed?, &recordings[*i].rows, &mut runs[*i], step_kmh, known)?;

@@ -49,7 +49,7 @@ pub(crate) fn take_off(
         return None;
     }
     // Where a clock loses seconds they are put right first, and the times of brakes are others.
-    if let (_, Some(_)) = lost_seconds::sought(runs, recordings) {
+    if lost_seconds::sought(runs, recordings).period_s.is_some() {
         return None;
     }
     let sd = sd_of_median(spread(shares.iter().map(|share| share - usual)), shares.len());

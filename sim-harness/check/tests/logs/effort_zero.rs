@@ -64,6 +64,19 @@ fn found_by(check: Check) -> Vec<Finding> {
     check.recorders[0].findings.iter().filter(of_effort).cloned().collect()
 }
 
+/// It is said once, and nothing else of the zero.
+fn leaves_out_zeros(recordings: &mut [Recording]) {
+    let findings = found(recordings);
+    assert!(
+        matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
+        "{findings:?}"
+    );
+}
+
+fn has_no_zero(recordings: &[Recording]) -> bool {
+    recordings.iter().flat_map(|one| &one.rows).all(|row| row.effort_n_per_kg != Some(0.0))
+}
+
 #[test]
 fn a_right_zero_is_left_alone() {
     for seed in 0..6 {
@@ -96,12 +109,8 @@ fn all_zeros_of_a_column_without_brakes_are_left_out() {
     for seed in 0..4 {
         // Nor does a brake that holds the train that stands.
         let mut recordings = runs(72_100 + seed, |effort, stands| Some(if stands { -0.4 } else { effort.max(0.0) }));
-        let findings = found(&mut recordings);
-        assert!(
-            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
-            "{findings:?}"
-        );
-        assert!(recordings.iter().flat_map(|one| &one.rows).all(|row| row.effort_n_per_kg != Some(0.0)));
+        leaves_out_zeros(&mut recordings);
+        assert!(has_no_zero(&recordings));
     }
 }
 
@@ -113,11 +122,7 @@ fn zeros_of_brakes_that_are_mostly_not_recorded_are_left_out() {
             brakes.set(brakes.get() + usize::from(effort < 0.0));
             Some(if brakes.get() < 60 { effort } else { effort.max(0.0) })
         });
-        let findings = found(&mut recordings);
-        assert!(
-            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
-            "{findings:?}"
-        );
+        leaves_out_zeros(&mut recordings);
         let truth = runs(72_000 + seed, |effort, _| Some(effort));
         let read = recordings.iter().flat_map(|one| &one.rows).map(|row| row.effort_n_per_kg);
         let pairs: Vec<_> = read.zip(truth.iter().flat_map(|one| &one.rows)).collect();
@@ -135,12 +140,8 @@ fn zeros_of_brakes_that_are_mostly_not_recorded_are_left_out() {
 fn zeros_of_a_column_that_drops_what_is_small_are_left_out() {
     for seed in 0..4 {
         let mut recordings = runs(73_000 + seed, |effort, _| Some(if effort.abs() < 0.09 { 0.0 } else { effort }));
-        let findings = found(&mut recordings);
-        assert!(
-            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
-            "{findings:?}"
-        );
-        assert!(recordings.iter().flat_map(|one| &one.rows).all(|row| row.effort_n_per_kg != Some(0.0)));
+        leaves_out_zeros(&mut recordings);
+        assert!(has_no_zero(&recordings));
     }
 }
 
@@ -149,12 +150,8 @@ fn zeros_of_a_column_that_drops_what_is_small_are_left_out() {
 fn zeros_of_a_column_that_drops_only_the_smallest_efforts_are_left_out() {
     for seed in 0..4 {
         let mut recordings = runs(75_000 + seed, |effort, _| Some(if effort.abs() < 0.035 { 0.0 } else { effort }));
-        let findings = found(&mut recordings);
-        assert!(
-            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeros, done: Done::LeftOut, .. }]),
-            "{findings:?}"
-        );
-        assert!(recordings.iter().flat_map(|one| &one.rows).all(|row| row.effort_n_per_kg != Some(0.0)));
+        leaves_out_zeros(&mut recordings);
+        assert!(has_no_zero(&recordings));
     }
 }
 
