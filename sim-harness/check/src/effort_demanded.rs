@@ -37,12 +37,13 @@ const MOST_R: f64 = 1.5;
 const MOST_SHARE: f64 = 0.92;
 
 /// One window of a train under power.
-struct Powered {
+pub(crate) struct Powered {
     mps: f64,
-    effort: f64,
+    /// Its effort, N/kg.
+    pub(crate) effort: f64,
     /// Δv/Δt + g, and r as described, N/kg.
-    gained: f64,
-    resistance: f64,
+    pub(crate) gained: f64,
+    pub(crate) resistance: f64,
 }
 
 /// Share of its efforts that the motion of the fast train needs, over that of the slow one, where it is surely less
@@ -78,7 +79,7 @@ fn ratio(windows: &[Powered], times_r: f64) -> Option<Figure> {
 }
 
 /// Windows in which the effort is above zero and steady.
-fn powered(rows: &[Sample], line: &Line<'_>) -> Vec<Powered> {
+pub(crate) fn powered(rows: &[Sample], line: &Line<'_>) -> Vec<Powered> {
     let of = |rows: &[Sample]| {
         let (first, last) = (rows.first()?, rows.last()?);
         let speeds = [first.speed_mps?, last.speed_mps?];

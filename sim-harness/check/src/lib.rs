@@ -27,6 +27,7 @@
 //! | are rows no readings, but between them? | `interpolated` |
 //! | does a straight line bridge what was not received? | `bridged` |
 //! | does the effort stand still? | `effort_held` |
+//! | does it end at a most? | `effort_cut` |
 //! | do speeds trail behind the train in a filter? | `trailing` |
 //! | are speeds means over some seconds? | `smoothed` |
 //! | what does an age of the speed add to the way besides? | `second_order` |
@@ -83,6 +84,7 @@ mod diagnosis;
 mod drifting;
 pub mod effort;
 mod effort_age;
+mod effort_cut;
 mod effort_demanded;
 mod effort_gap;
 mod effort_held;

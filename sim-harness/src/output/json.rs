@@ -75,6 +75,7 @@ pub const FIELDS: &[[&str; 4]] = &[
         "the chainage of the runs plus this is that of the gradients",
         "it is another kind",
     ],
+    ["gradient_doubt.times", "", "how many times as steep as described, by measured efforts", "it is another kind"],
     ["gradient_doubt.off_permille", "permille", "root mean square of what they are off by", NOT_WRONG],
     ["gradient_doubt.sd_n_per_kg", "N/kg", "scatter of coasted stretches of 20 s if they were so", NOT_WRONG],
     ["gradient_doubt.described_sd_n_per_kg", "N/kg", "the same as they are described", NOT_WRONG],
@@ -151,6 +152,7 @@ fn gradient_doubt(doubt: &Doubt) -> Value {
     json!({
         "better": doubt.better.word(),
         "shift_m": doubt.better.shift_m(),
+        "times": doubt.better.times(),
         "off_permille": doubt.off_permille,
         "sd_n_per_kg": doubt.sd_n_per_kg,
         "described_sd_n_per_kg": doubt.described_sd_n_per_kg,

@@ -21,6 +21,17 @@ pub struct Answer {
 pub struct SmallErrors {
     /// Standard deviation, permille.
     pub sd_permille: f64,
+    /// What shows them.
+    pub seen_by: SeenBy,
+}
+
+/// What shows small errors of gradients.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SeenBy {
+    /// Measured efforts, whose accelerations other gradients would explain.
+    Efforts,
+    /// Coasts, which gain and lose speed.
+    Coasts,
 }
 
 impl Coasts {
@@ -31,8 +42,8 @@ impl Coasts {
         let (gradients, resistance) = self.doubts_of(&described, train, track, said_permille.unwrap_or(0.0));
         // A resistance in other units leaves at each place what it is off by at the speeds there.
         let may_be_small = said_permille.is_none() && gradients.is_none() && resistance.is_none();
-        let small = may_be_small.then(|| self.small_errors_permille(train, &described)).flatten();
-        Answer { gradients, resistance, small: small.map(|sd_permille| SmallErrors { sd_permille }) }
+        let small = may_be_small.then(|| self.small_errors(train, &described)).flatten();
+        Answer { gradients, resistance, small }
     }
 }
 
@@ -51,9 +62,13 @@ impl Answer {
 impl fmt::Display for SmallErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sd = self.sd_permille;
+        let seen_by = match self.seen_by {
+            SeenBy::Efforts => "efforts",
+            SeenBy::Coasts => "coasts",
+        };
         write!(
             f,
-            "gradients are taken to be off by {sd:.2} permille (standard deviation), on which coasts of different runs \
+            "gradients are taken to be off by {sd:.2} permille (standard deviation), on which {seen_by} of different runs \
              agree at their places; gradient_sd_permille in the track's file says otherwise"
         )
     }

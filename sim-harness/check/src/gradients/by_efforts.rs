@@ -1,16 +1,21 @@
-//! Do measured efforts vouch for the described gradients?
+//! What measured efforts say of the described gradients: are they right, how many times as steep, and by how much off at
+//! their places?
 //!
 //! ```text
 //! dv/dt = q u - k g(s) - b0 - b1 v - b2 v²          k: 1 described rightly, -1 with the sign turned, 0 of another line
 //! ```
 //!
 //! Speeds that are held by a fine hand fall and rise with the slopes, run after run at the same places, as coasts on
-//! other slopes would. Beside the efforts they are no riddle. How surely k is known is what places say of it.
+//! other slopes would. Beside the efforts they are no riddle. How surely k is known is what places say of it; what the
+//! slopes are off by is what different runs have in common at a place, with k = 1.
 
+use super::places::{self, OfRun, Recurring};
+use super::stretch::climb_n_per_kg;
+use super::{Doubt, LEAST_SHARPER, Version, off_by_place_permille};
+use crate::agreement::Figure;
 use crate::effort::{self, least_squares};
 use nalgebra::SVector;
 use rundown::model::direction::Direction;
-use rundown::model::line::Line;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown_files::sample::Sample;
@@ -21,65 +26,168 @@ const WINDOW_S: f64 = 10.0;
 /// Slower trains creep, m/s; and an effort that changes by more has no mean that is known, N/kg.
 const SLOWEST_MPS: f64 = 5.0;
 const MOST_CHANGE_N_PER_KG: f64 = 0.05;
+/// Brakes are left out, N/kg: many columns have a gain of their own for them, or none of some brakes.
+const LEAST_EFFORT_N_PER_KG: f64 = -0.02;
 /// Fewer windows say nothing.
 const LEAST_WINDOWS: usize = 200;
 /// k of described gradients is within this of 1 ...
 const NEAR: f64 = 0.15;
-/// ... by so many standard deviations less.
+/// ... by so many standard deviations less; and it is not by so many more.
 const SURE: f64 = 2.0;
+const SURELY_NOT: f64 = 3.0;
+/// Errors that follow the slopes do not average out over the line, as the estimator takes errors to do, and the gain of
+/// the efforts follows them, too: they count as so many times as large. Measured: r is within its interval then.
+const FOLLOWS_SLOPES: f64 = 2.0;
+/// Efforts that leave more of the accelerations unexplained than this are not known there, N/kg.
+const MOST_SD_N_PER_KG: f64 = 0.025;
 /// Length of a place, m.
 const PLACE_M: f64 = 1000.0;
+/// Errors of the gradients come again at their places by so many standard errors.
+const LEAST_Z: f64 = 2.0;
+/// Smaller ones are those of the readings, N/kg.
+const LEAST_SD_N_PER_KG: f64 = 0.001;
 
 /// What a train did in some seconds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Driven {
-    ends_m: [f64; 2],
+    fronts_m: [f64; 2],
+    way_m: f64,
     direction: Direction,
+    run: usize,
     speed_mps: f64,
     acceleration_mps2: f64,
     effort_n_per_kg: f64,
 }
 
-/// The windows of a run in which the effort hardly changes; none without an effort column.
-pub(super) fn windows(rows: &[Sample], direction: Direction) -> Vec<Driven> {
-    effort::stretches(rows, WINDOW_S).into_iter().filter_map(|rows| window(rows, direction)).collect()
+/// What efforts say of the gradients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ByEfforts {
+    /// Times as steep as described, k.
+    pub(super) steep: Figure,
+    /// Scatter of the accelerations with k, and as described, N/kg.
+    pub(super) sds_n_per_kg: [f64; 2],
+    /// What the described ones are off by at their places; none where that is nothing.
+    pub(super) off: Option<Recurring>,
+    /// Force of the described climbs, root mean square, N/kg.
+    pub(super) climbs_n_per_kg: f64,
+    /// Mean way over which a window sees them, m.
+    pub(super) mean_way_m: f64,
+    /// Windows.
+    pub(super) windows: usize,
 }
 
-fn window(rows: &[Sample], direction: Direction) -> Option<Driven> {
+impl ByEfforts {
+    /// The described gradients are those that the efforts need.
+    pub(super) fn vouch(&self) -> bool {
+        (self.steep.value - 1.0).abs() + SURE * self.steep.sd < NEAR
+    }
+
+    /// They surely need others, which are so many times as steep.
+    pub(super) fn other_steepness(&self, train: &Train) -> Option<Doubt> {
+        let [sd, described] = self.sds_n_per_kg;
+        let z = (self.steep.value - 1.0).abs() / self.steep.sd;
+        let is_sure = (self.steep.value - 1.0).abs() - SURELY_NOT * self.steep.sd > NEAR;
+        (is_sure && sd < LEAST_SHARPER * described).then(|| Doubt {
+            better: Version::Times(self.steep.value),
+            sd_n_per_kg: sd,
+            described_sd_n_per_kg: described,
+            log_likelihood: None,
+            z,
+            stretches: self.windows,
+            off_permille: self.steepness_permille(train),
+        })
+    }
+
+    /// How far the gradients are off, standard deviation, permille; none where that is nothing.
+    pub(super) fn off_permille(&self, train: &Train) -> Option<f64> {
+        let by_place = self.off.map(|off| off_by_place_permille(off.sd_n_per_kg, self.mean_way_m, train));
+        let is_sure = (self.steep.value - 1.0).abs() > SURELY_NOT * self.steep.sd;
+        let steepness = self.off.filter(|_| is_sure).map(|_| self.steepness_permille(train));
+        by_place.map(|by_place| by_place.max(steepness.unwrap_or(0.0)))
+    }
+
+    /// Errors that are independent from place to place and leave as much in r as a steepness that is off.
+    fn steepness_permille(&self, train: &Train) -> f64 {
+        let off_n_per_kg = (self.steep.value - 1.0).abs() * self.climbs_n_per_kg;
+        FOLLOWS_SLOPES * 1e3 * off_n_per_kg / train.gravity_n_per_kg()
+    }
+}
+
+/// The windows of a run in which the effort hardly changes; none without an effort column.
+pub(super) fn windows(rows: &[Sample], direction: Direction, run: usize) -> Vec<Driven> {
+    effort::stretches(rows, WINDOW_S).into_iter().filter_map(|rows| window(rows, direction, run)).collect()
+}
+
+fn window(rows: &[Sample], direction: Direction, run: usize) -> Option<Driven> {
     let ([from, to], (acceleration_mps2, effort_n_per_kg)) = ([rows.first()?, rows.last()?], effort::window(rows)?);
     let speeds_mps = [from.speed_mps?, to.speed_mps?];
+    let speed_mps = 0.5 * (speeds_mps[0] + speeds_mps[1]);
+    let way_m = speed_mps * (to.time_s - from.time_s);
+    let middle_m = 0.5 * (from.location_m? + to.location_m?);
     let efforts = || rows.iter().filter_map(|row| row.effort_n_per_kg);
     let change = efforts().fold(f64::NEG_INFINITY, f64::max) - efforts().fold(f64::INFINITY, f64::min);
-    let is_usable = speeds_mps[0].min(speeds_mps[1]) > SLOWEST_MPS && change < MOST_CHANGE_N_PER_KG;
+    let is_slow = speeds_mps[0].min(speeds_mps[1]) <= SLOWEST_MPS;
+    let is_usable = !is_slow && change < MOST_CHANGE_N_PER_KG && effort_n_per_kg > LEAST_EFFORT_N_PER_KG;
     is_usable.then_some(Driven {
-        ends_m: [from.location_m?, to.location_m?],
+        fronts_m: [-0.5, 0.5].map(|share| middle_m + direction.sign() * share * way_m),
+        way_m,
         direction,
-        speed_mps: 0.5 * (speeds_mps[0] + speeds_mps[1]),
+        run,
+        speed_mps,
         acceleration_mps2,
         effort_n_per_kg,
     })
 }
 
-/// The described gradients are those that the efforts need.
-pub(super) fn vouch(windows: &[Driven], train: &Train, track: &Track) -> bool {
-    let row = |window: &Driven| {
-        let line = Line { train, track, direction: window.direction };
-        let gradient = 0.5 * window.ends_m.iter().map(|at_m| line.gradient_n_per_kg(*at_m)).sum::<f64>();
+/// Of all windows; nothing from too few.
+pub(super) fn read(windows: &[Driven], train: &Train, track: &Track) -> Option<ByEfforts> {
+    if windows.len() < LEAST_WINDOWS {
+        return None;
+    }
+    let climb = |window: &Driven| climb_n_per_kg(window.fronts_m, window.way_m, window.direction, (train, track));
+    let climbs: Vec<f64> = windows.iter().map(climb).collect();
+    let others = |window: &Driven| {
         let v = window.speed_mps;
-        (SVector::from([-gradient, window.effort_n_per_kg, 1.0, v, v * v]), window.acceleration_mps2)
+        [window.effort_n_per_kg, 1.0, v, v * v]
     };
-    let rows: Vec<(SVector<f64, 5>, f64)> = windows.iter().map(row).collect();
-    if rows.len() < LEAST_WINDOWS {
-        return false;
+    let freely = windows.iter().zip(&climbs).map(|(window, climb)| {
+        let [u, one, v, squared] = others(window);
+        (SVector::from([-climb, u, one, v, squared]), window.acceleration_mps2)
+    });
+    let freely: Vec<(SVector<f64, 5>, f64)> = freely.collect();
+    let (beta, inverse) = least_squares(&freely)?;
+    let mut scores: BTreeMap<i64, f64> = BTreeMap::new();
+    for (window, (x, acceleration)) in windows.iter().zip(&freely) {
+        let place = (window.fronts_m[0] / PLACE_M).floor() as i64;
+        *scores.entry(place).or_default() += (inverse.row(0) * x)[0] * (acceleration - x.dot(&beta));
     }
-    let Some((beta, inverse)) = least_squares(&rows) else { return false };
-    let mut places: BTreeMap<i64, f64> = BTreeMap::new();
-    for (window, (x, acceleration)) in windows.iter().zip(&rows) {
-        let place = (window.ends_m[0] / PLACE_M).floor() as i64;
-        *places.entry(place).or_default() += (inverse.row(0) * x)[0] * (acceleration - x.dot(&beta));
-    }
-    let sd = places.values().map(|score| score * score).sum::<f64>().sqrt();
-    (beta[0] - 1.0).abs() + SURE * sd < NEAR
+    let sd = scores.values().map(|score| score * score).sum::<f64>().sqrt();
+    let described = windows.iter().zip(&climbs);
+    let described = described.map(|(window, climb)| (SVector::from(others(window)), window.acceleration_mps2 + climb));
+    let described: Vec<(SVector<f64, 4>, f64)> = described.collect();
+    let (gamma, _) = least_squares(&described)?;
+    let residuals: Vec<f64> = described.iter().map(|(x, y)| y - x.dot(&gamma)).collect();
+    let of_run = |(window, residual): (&Driven, &f64)| OfRun {
+        cell: places::cell(window.fronts_m),
+        run: window.run,
+        share: 1.0,
+        residual: window.direction.sign() * residual,
+    };
+    let off = places::recurring(windows.iter().zip(&residuals).map(of_run));
+    let sds_n_per_kg = [rms(freely.iter().map(|(x, y)| y - x.dot(&beta))), rms(residuals.iter().copied())];
+    (sds_n_per_kg[0] < MOST_SD_N_PER_KG).then(|| ByEfforts {
+        steep: Figure { value: beta[0], sd },
+        sds_n_per_kg,
+        off: off.filter(|off| off.z > LEAST_Z && off.sd_n_per_kg > LEAST_SD_N_PER_KG),
+        mean_way_m: windows.iter().map(|window| window.way_m).sum::<f64>() / windows.len() as f64,
+        climbs_n_per_kg: rms(climbs.iter().copied()),
+        windows: windows.len(),
+    })
+}
+
+fn rms(residuals: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = residuals.len() as f64;
+    (residuals.map(|residual| residual * residual).sum::<f64>() / count).sqrt()
 }
 
 #[cfg(test)]
@@ -90,40 +198,78 @@ mod tests {
     use rundown::model::track::Gradient;
     use rundown::model::train::TrainDescription;
 
-    /// 40 km of slopes, so many times as steep.
-    fn track(steep: f64) -> Track {
-        let gradient =
-            |i: u32| Gradient { from_m: 1000.0 * f64::from(i), permille: steep * (f64::from(i * 7 % 11) - 5.0) };
+    /// 40 km of slopes, so many times as steep, each off by so many permille in turn.
+    fn track(steep: f64, off_permille: f64) -> Track {
+        let permille = |i: u32| steep * (f64::from(i * 7 % 11) - 5.0) + off_permille * (f64::from(i * 5 % 3) - 1.0);
+        let gradient = |i: u32| Gradient { from_m: 1000.0 * f64::from(i), permille: permille(i) };
         Track::try_new(40_000.0, (0..40).map(gradient)).unwrap()
     }
 
-    /// What a driver who holds the speed roughly does on these slopes, seconds late.
-    fn driven(track: &Track, train: &Train) -> Vec<Driven> {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
-        let line = Line { train, track, direction: Direction::Up };
+    fn train() -> Train {
+        Train::try_new(TrainDescription::CASE_STUDY).unwrap()
+    }
+
+    /// What drivers of ten runs who hold the speed roughly do on slopes as described, seconds late.
+    fn driven(noise_n_per_kg: f64) -> Vec<Driven> {
+        let (mut rng, track, train) = (ChaCha8Rng::seed_from_u64(3), track(1.0, 0.0), train());
         let window = |i: u32| {
             let at_m = f64::from(i * 150 % 39_000) + 400.0;
-            let effort_n_per_kg = 0.02 + line.gradient_n_per_kg(at_m - 300.0) + rng.random_range(-0.02..0.02);
-            let resistance = 0.01 + 2e-5 * 900.0 + line.gradient_n_per_kg(at_m);
+            let climb =
+                |at_m: f64| climb_n_per_kg([at_m - 150.0, at_m + 150.0], 300.0, Direction::Up, (&train, &track));
+            let effort_n_per_kg = 0.02 + climb(at_m - 300.0) + rng.random_range(-0.02..0.02);
+            let resistance = 0.01 + 2e-5 * 900.0 + climb(at_m);
+            let noise = rng.random_range(-1.0..1.0) * noise_n_per_kg;
             Driven {
-                ends_m: [at_m; 2],
+                fronts_m: [at_m - 150.0, at_m + 150.0],
+                way_m: 300.0,
                 direction: Direction::Up,
+                run: i as usize / 150,
                 speed_mps: 30.0 + rng.random_range(-5.0..5.0),
-                acceleration_mps2: 1.03 * effort_n_per_kg - resistance + rng.random_range(-0.01..0.01),
+                acceleration_mps2: 1.03 * effort_n_per_kg - resistance + noise,
                 effort_n_per_kg,
             }
         };
         (0..1500).map(window).collect()
     }
 
+    fn said(described: &Track) -> ByEfforts {
+        read(&driven(0.01), &train(), described).unwrap()
+    }
+
     #[test]
     fn efforts_vouch_for_the_slopes_that_they_go_over_and_for_no_others() {
-        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
-        let windows = driven(&track(1.0), &train);
-        assert!(vouch(&windows, &train, &track(1.0)));
-        for steep in [-1.0, 0.1, 0.5, 2.0] {
-            assert!(!vouch(&windows, &train, &track(steep)), "{steep}");
+        let right = said(&track(1.0, 0.0));
+        assert!(right.vouch() && right.other_steepness(&train()).is_none(), "{right:?}");
+        assert_eq!(right.off_permille(&train()), None);
+        for steep in [-1.0, 0.1, 0.5, 0.8, 1.3, 2.0] {
+            assert!(!said(&track(steep, 0.0)).vouch(), "{steep}");
         }
-        assert!(!vouch(&windows[..LEAST_WINDOWS - 1], &train, &track(1.0)), "too few");
+    }
+
+    #[test]
+    fn slopes_with_another_steepness_are_denied_with_it_and_with_what_they_are_off_by() {
+        for steep in [0.5, 0.75, 1.3, 2.0] {
+            let doubt = said(&track(steep, 0.0)).other_steepness(&train()).unwrap();
+            let times = doubt.better.times().unwrap();
+            assert!((times * steep - 1.0).abs() < 0.03, "{steep}: {doubt:?}");
+            // As described they have a root mean square of 3.2 permille times that; seen over a window and a train a
+            // little less.
+            let off_permille = FOLLOWS_SLOPES * (times - 1.0).abs() * 3.2 * steep;
+            assert!((0.8..1.0).contains(&(doubt.off_permille / off_permille)), "{off_permille}: {doubt:?}");
+        }
+    }
+
+    #[test]
+    fn errors_at_places_are_found_as_large_as_they_are() {
+        // -0.8, 0 and 0.8 permille in turn.
+        let off_permille = said(&track(1.0, 0.8)).off_permille(&train()).unwrap();
+        assert!((0.5..0.9).contains(&off_permille), "{off_permille}");
+    }
+
+    #[test]
+    fn efforts_that_do_not_explain_the_accelerations_and_a_few_say_nothing() {
+        let right = track(1.0, 0.0);
+        assert_eq!(read(&driven(0.06), &train(), &right), None);
+        assert_eq!(read(&driven(0.01)[..LEAST_WINDOWS - 1], &train(), &right), None);
     }
 }

@@ -43,6 +43,7 @@ impl Doubt {
     pub fn is_decisive(&self) -> bool {
         let scaled = match self.better {
             Version::SignTurned | Version::PerCent | Version::TwiceOfIt | Version::HalfOfIt => true,
+            Version::Times(_) => return true,
             Version::Described
             | Version::TenthOfIt
             | Version::Level
@@ -62,6 +63,13 @@ pub fn explains(sd_n_per_kg: f64) -> bool {
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { better, sd_n_per_kg: sd, described_sd_n_per_kg: described, stretches, z, .. } = self;
+        if let Version::Times(_) = better {
+            return write!(
+                f,
+                "gradients look wrong: {better} they would explain what measured efforts do: the accelerations of \
+                 {stretches} windows of 10 s scatter by {sd:.4} in place of {described:.4} N/kg (z = {z:.0})"
+            );
+        }
         write!(
             f,
             "gradients look wrong: {better} they would explain the coasts: {stretches} stretches of 20 s scatter by \

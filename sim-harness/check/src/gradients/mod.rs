@@ -22,11 +22,12 @@ mod stretch;
 mod units;
 mod version;
 
-pub use answer::{Answer, SmallErrors};
+pub use answer::{Answer, SeenBy, SmallErrors};
 pub use doubt::Doubt;
 pub use units::{CONVERSIONS, OtherUnits, converted};
 pub use version::Version;
 
+use by_efforts::ByEfforts;
 use doubt::explains;
 use mixture::{MOST_SD_N_PER_KG, MixtureFit};
 use places::{AtPlaces, Locked};
@@ -96,12 +97,14 @@ struct AsDescribed {
     climbs_n_per_kg: Vec<f64>,
     /// Those that coast, as other versions of the gradients and of the resistance are compared with; none from too few.
     fit: Option<MixtureFit>,
+    /// What efforts say of them; none of too few.
+    efforts: Option<ByEfforts>,
 }
 
 impl AsDescribed {
     fn of(stretches: &[Stretch], climbs_n_per_kg: Vec<f64>) -> Self {
         let fit = MixtureFit::of(stretches, &climbs_n_per_kg, MOST_SD_N_PER_KG);
-        Self { climbs_n_per_kg, fit }
+        Self { climbs_n_per_kg, fit, efforts: None }
     }
 
     /// What coasts have in common at a place, where slopes that nobody described may add to their scatter; none from
@@ -121,7 +124,7 @@ impl Coasts {
                 return;
             }
             self.stretches.extend(stretch::of(&recording.rows, recording.direction, self.runs, train));
-            self.driven.extend(by_efforts::windows(&recording.rows, recording.direction));
+            self.driven.extend(by_efforts::windows(&recording.rows, recording.direction, self.runs));
             self.runs += 1;
         }
     }
@@ -134,16 +137,18 @@ impl Coasts {
     }
 
     fn as_described(&self, train: &Train, track: &Track) -> AsDescribed {
-        AsDescribed::of(&self.stretches, self.climbs(Version::Described, train, track))
+        let coasts = AsDescribed::of(&self.stretches, self.climbs(Version::Described, train, track));
+        AsDescribed { efforts: by_efforts::read(&self.driven, train, track), ..coasts }
     }
 
     fn doubt_of(&self, described: &AsDescribed, train: &Train, track: &Track, said_permille: f64) -> Option<Doubt> {
         // A level line has one version only.
         let is_level = described.climbs_n_per_kg.iter().all(|climb| climb.abs() <= 1e-6);
         let other = (!is_level).then(|| self.other_version(train, track, described)).flatten();
+        let steeper = || described.efforts.filter(|_| !is_level)?.other_steepness(train);
         let by_place = || self.by_place(train, described, is_level);
-        let doubt = other.or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille));
-        doubt.filter(|_| is_level || !by_efforts::vouch(&self.driven, train, track))
+        let doubt = other.or_else(steeper).or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille));
+        doubt.filter(|_| is_level || !described.efforts.is_some_and(|efforts| efforts.vouch()))
     }
 
     /// What is wrong with the described gradients, or with the units of the described resistance: one of the two, which
@@ -167,13 +172,20 @@ impl Coasts {
         }
     }
 
-    /// How far the described gradients are off, standard deviation, permille: what coasts of different runs have in
-    /// common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
-    fn small_errors_permille(&self, train: &Train, described: &AsDescribed) -> Option<f64> {
+    /// How far the described gradients are off, standard deviation: what efforts, or else coasts, of different runs have
+    /// in common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
+    fn small_errors(&self, train: &Train, described: &AsDescribed) -> Option<SmallErrors> {
+        if self.runs < LEAST_RUNS_SMALL {
+            return None;
+        }
+        if let Some(efforts) = &described.efforts {
+            let small = |sd_permille| SmallErrors { sd_permille, seen_by: SeenBy::Efforts };
+            return efforts.off_permille(train).map(small);
+        }
         let found = described.locked(&self.stretches, AtPlaces::SmallErrors)?;
-        let are_enough = self.runs >= LEAST_RUNS_SMALL && found.stretches >= LEAST_STRETCHES;
-        let is_seen = are_enough && found.z > LEAST_Z_SMALL;
-        is_seen.then(|| self.off_by_place_permille(found.sd_n_per_kg, train).min(MOST_SMALL_PERMILLE))
+        let is_seen = found.stretches >= LEAST_STRETCHES && found.z > LEAST_Z_SMALL;
+        let sd_permille = self.off_by_place_permille(found.sd_n_per_kg, train).min(MOST_SMALL_PERMILLE);
+        is_seen.then_some(SmallErrors { sd_permille, seen_by: SeenBy::Coasts })
     }
 
     /// Another version explains the coasts better.
@@ -242,13 +254,9 @@ impl Coasts {
         })
     }
 
-    /// Standard deviation of a gradient whose mean over a stretch and the train has this one.
     fn off_by_place_permille(&self, sd_n_per_kg: f64, train: &Train) -> f64 {
         let mean_way_m = self.stretches.iter().map(|s| s.way_m).sum::<f64>() / self.stretches.len() as f64;
-        let ways = (mean_way_m + train.length_m()) / TrackDoubtConfig::default().alike_m;
-        // Of errors whose correlation falls exponentially.
-        let of_mean = 2.0 / ways - 2.0 / (ways * ways) * (1.0 - (-ways).exp());
-        let permille = 1e3 * sd_n_per_kg / train.gravity_n_per_kg() / of_mean.sqrt();
+        let permille = off_by_place_permille(sd_n_per_kg, mean_way_m, train);
         if sd_n_per_kg > STEEP_N_PER_KG { permille.max(UNKNOWN_PERMILLE) } else { permille }
     }
 
@@ -264,6 +272,7 @@ impl Coasts {
                 Version::TenthOfIt => 0.1 * under(front_m, stretch.direction),
                 Version::TwiceOfIt => 2.0 * under(front_m, stretch.direction),
                 Version::HalfOfIt => 0.5 * under(front_m, stretch.direction),
+                Version::Times(times) => times * under(front_m, stretch.direction),
                 Version::Level | Version::ByPlace => 0.0,
                 Version::OtherEnd => under(track.length_m() - front_m, opposite(stretch.direction)),
                 Version::Shifted(by_m) => under(front_m + by_m, stretch.direction),
@@ -292,6 +301,14 @@ fn versions() -> impl Iterator<Item = Version> {
         Version::OtherEnd,
     ];
     fixed.into_iter().chain(shifts)
+}
+
+/// Standard deviation of a gradient whose mean over a way and the train has this one.
+fn off_by_place_permille(sd_n_per_kg: f64, way_m: f64, train: &Train) -> f64 {
+    let ways = (way_m + train.length_m()) / TrackDoubtConfig::default().alike_m;
+    // Of errors whose correlation falls exponentially.
+    let of_mean = 2.0 / ways - 2.0 / (ways * ways) * (1.0 - (-ways).exp());
+    1e3 * sd_n_per_kg / train.gravity_n_per_kg() / of_mean.sqrt()
 }
 
 /// Root mean square of the difference between two versions over the coasted stretches. Of another line nothing is known

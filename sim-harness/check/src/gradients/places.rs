@@ -69,7 +69,7 @@ fn standard_errors(places: impl Iterator<Item = f64> + Clone) -> f64 {
 pub fn better_by(stretches: &[Stretch], better: &MixtureFit, other: &MixtureFit) -> f64 {
     let mut places: BTreeMap<i64, f64> = BTreeMap::new();
     for (stretch, (a, b)) in stretches.iter().zip(better.log_likelihoods.iter().zip(&other.log_likelihoods)) {
-        *places.entry(stretch.cell(PLACE_M)).or_default() += a - b;
+        *places.entry(cell(stretch.fronts_m)).or_default() += a - b;
     }
     standard_errors(places.into_values().collect::<Vec<f64>>().iter().copied())
 }
@@ -98,25 +98,58 @@ impl Locked {
         let shares: Vec<f64> = stretches.iter().zip(&fit.shares).zip(&efforts).map(losing).collect();
         let climbs: Vec<f64> = climbs_n_per_kg.iter().map(|climb| asked.follows_climb() * climb).collect();
         let residuals = without_resistance((stretches, &climbs), &shares, &efforts);
-        let mut cells: BTreeMap<i64, BTreeMap<usize, [f64; 2]>> = BTreeMap::new();
-        let (mut squares, mut weight) = (0.0, 0.0);
-        for ((stretch, share), residual) in stretches.iter().zip(&shares).zip(&residuals) {
-            let [sum, of_run] = cells.entry(stretch.cell(PLACE_M)).or_default().entry(stretch.run).or_default();
-            *sum += share * stretch.direction.sign() * residual;
-            *of_run += share;
-            squares += share * residual * residual;
-            weight += share;
-        }
-        let places: Vec<[f64; 2]> = cells.values().filter_map(product).collect();
-        let pairs: f64 = places.iter().map(|[_, weight]| weight).sum();
-        let products = places.iter().map(|[product, _]| *product);
-        (places.len() >= FEWEST).then(|| Self {
-            sd_n_per_kg: (products.clone().sum::<f64>() / pairs).max(0.0).sqrt(),
-            z: standard_errors(products),
-            all_sd_n_per_kg: (squares / weight).sqrt(),
-            stretches: weight,
-        })
+        let weighed = stretches.iter().zip(&shares).zip(&residuals);
+        let of_run = |((stretch, share), residual): ((&Stretch, &f64), &f64)| OfRun {
+            cell: cell(stretch.fronts_m),
+            run: stretch.run,
+            share: *share,
+            residual: stretch.direction.sign() * residual,
+        };
+        let Recurring { sd_n_per_kg, z } = recurring(weighed.clone().map(of_run))?;
+        let squares: f64 = weighed.map(|((_, share), residual)| share * residual * residual).sum();
+        let weight = shares.iter().sum::<f64>();
+        Some(Self { sd_n_per_kg, z, all_sd_n_per_kg: (squares / weight).sqrt(), stretches: weight })
     }
+}
+
+/// What a run leaves unexplained at a place, uphill as the chainage grows, N/kg, and how surely it counts, 0 to 1.
+#[derive(Clone, Copy, Debug)]
+pub struct OfRun {
+    pub cell: i64,
+    pub run: usize,
+    pub share: f64,
+    pub residual: f64,
+}
+
+/// What different runs leave unexplained at the same places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recurring {
+    /// Its standard deviation, N/kg.
+    pub sd_n_per_kg: f64,
+    /// By how many standard errors over places it is above zero.
+    pub z: f64,
+}
+
+/// The place in whose cell the middle between two fronts lies.
+pub fn cell(fronts_m: [f64; 2]) -> i64 {
+    (0.5 * (fronts_m[0] + fronts_m[1]) / PLACE_M).floor() as i64
+}
+
+/// Mean product over the pairs of different runs at one place; none from too few places.
+pub fn recurring(residuals: impl Iterator<Item = OfRun>) -> Option<Recurring> {
+    let mut cells: BTreeMap<i64, BTreeMap<usize, [f64; 2]>> = BTreeMap::new();
+    for OfRun { cell, run, share, residual } in residuals {
+        let [sum, of_run] = cells.entry(cell).or_default().entry(run).or_default();
+        *sum += share * residual;
+        *of_run += share;
+    }
+    let places: Vec<[f64; 2]> = cells.values().filter_map(product).collect();
+    let pairs: f64 = places.iter().map(|[_, weight]| weight).sum();
+    let products = places.iter().map(|[product, _]| *product);
+    (places.len() >= FEWEST).then(|| Recurring {
+        sd_n_per_kg: (products.clone().sum::<f64>() / pairs).max(0.0).sqrt(),
+        z: standard_errors(products),
+    })
 }
 
 /// Mean product of residuals of different runs at one place, times its weight, and that weight: as many as there are
@@ -243,7 +276,8 @@ mod tests {
         };
         let other = fit(&|_| 0.0);
         let everywhere = better_by(&stretches, &fit(&|_| 0.2), &other);
-        let at_one = better_by(&stretches, &fit(&|stretch| if stretch.cell(PLACE_M) == 3 { 4.0 } else { 0.0 }), &other);
+        let at_one =
+            better_by(&stretches, &fit(&|stretch| if cell(stretch.fronts_m) == 3 { 4.0 } else { 0.0 }), &other);
         assert!(everywhere > 3.0 && at_one < 1.1, "{everywhere} {at_one}");
     }
 }

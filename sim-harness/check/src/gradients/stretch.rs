@@ -3,6 +3,7 @@
 use crate::steps;
 use rundown::model::direction::Direction;
 use rundown::model::resistance::Davis;
+use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown_files::sample::Sample;
 
@@ -54,11 +55,13 @@ impl Stretch {
         let [mps, squared] = self.mean_powers;
         Self { resistance_n_per_kg: davis.r0 + davis.r1 * mps + davis.r2 * squared, ..self }
     }
+}
 
-    /// Which cell of so many metres along the line its middle lies in.
-    pub fn cell(&self, extent_m: f64) -> i64 {
-        (0.5 * (self.fronts_m[0] + self.fronts_m[1]) / extent_m).floor() as i64
-    }
+/// Force of the described climb over a way, N/kg.
+pub fn climb_n_per_kg(fronts_m: [f64; 2], way_m: f64, direction: Direction, (train, track): (&Train, &Track)) -> f64 {
+    let length_m = train.length_m();
+    let [from_m, to_m] = fronts_m.map(|front_m| track.height_integral_m2(front_m, length_m, direction) / length_m);
+    train.gravity_n_per_kg() * (to_m - from_m) / way_m
 }
 
 pub fn of(rows: &[Sample], direction: Direction, run: usize, train: &Train) -> Vec<Stretch> {

@@ -18,6 +18,8 @@ pub enum Version {
     TwiceOfIt,
     /// Half as steep.
     HalfOfIt,
+    /// So many times as steep, as measured efforts have it.
+    Times(f64),
     /// A level line: the described gradients belong to another one.
     Level,
     /// As coasts at each place have them, run after run: in a shape that is not known.
@@ -38,6 +40,7 @@ impl Version {
             Self::TenthOfIt => "tenth_of_it",
             Self::TwiceOfIt => "twice_of_it",
             Self::HalfOfIt => "half_of_it",
+            Self::Times(_) => "times",
             Self::Level => "level",
             Self::ByPlace => "by_place",
             Self::OtherEnd => "other_end",
@@ -49,6 +52,14 @@ impl Version {
     pub fn shift_m(self) -> Option<f64> {
         match self {
             Self::Shifted(by_m) => Some(by_m),
+            _ => None,
+        }
+    }
+
+    /// How many times as steep, where that was estimated.
+    pub fn times(self) -> Option<f64> {
+        match self {
+            Self::Times(times) => Some(times),
             _ => None,
         }
     }
@@ -69,6 +80,7 @@ impl fmt::Display for Version {
             Self::TenthOfIt => write!(f, "a tenth as steep (permille multiplied by ten)"),
             Self::TwiceOfIt => write!(f, "twice as steep"),
             Self::HalfOfIt => write!(f, "half as steep"),
+            Self::Times(times) => write!(f, "{times:.2} times as steep"),
             Self::Level => write!(f, "without any (they are those of another line)"),
             Self::ByPlace => write!(f, "as coasts at each place have them, run after run,"),
             Self::OtherEnd => write!(f, "described from the other end of the line"),

@@ -8,9 +8,10 @@ use crate::effort_zero::Stretches;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
-    Known, SURE, effort, effort_age, effort_demanded, effort_gap, effort_held, effort_unlike, effort_zero, limits,
-    read_of, smoothed, steps, trailing,
+    Known, SURE, effort, effort_age, effort_cut, effort_demanded, effort_gap, effort_held, effort_unlike, effort_zero,
+    limits, read_of, smoothed, steps, trailing,
 };
+use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -28,6 +29,8 @@ const AGED: usize = 12;
 impl RecorderCheck {
     /// Judges the efforts and what is described of the train. Call it when the speeds are put right.
     pub(crate) fn efforts(&mut self, recordings: &mut [Recording], runs: &mut [RunCheck], known: &Known) {
+        // What is cut off above looks like what a lever asks for.
+        self.cut_efforts(recordings, runs, known);
         self.demanded_efforts(recordings, runs, known);
         // First the single runs: one in another unit spoils what all say together.
         self.held_efforts(recordings, runs);
@@ -70,14 +73,20 @@ impl RecorderCheck {
         own.for_each(|(recording, _)| without_efforts(&mut recording.rows));
     }
 
+    /// Leaves out efforts at the most that the column has, where trains had more.
+    fn cut_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+        let own = self.usable(runs);
+        let Some(cut) = effort_cut::of(with_lines(&own, recordings, known)) else { return };
+        let leave_out = |i: usize| effort_cut::leave_out(&mut recordings[i].rows, &cut);
+        let count: usize = own.into_iter().map(leave_out).sum();
+        let text = format!("{:.3} N/kg in {count} rows, which are left out with those beside them", cut.most_n_per_kg);
+        self.found_by(Kind::EffortCut, Figure { value: cut.times, sd: 0.0 }, "", Done::LeftOut, text);
+    }
+
     /// Leaves out efforts that do not act.
     fn demanded_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let own = self.usable(runs);
-        let asked = own.iter().filter_map(|i| {
-            let recording = &recordings[*i];
-            Some((recording.rows.as_slice(), known.line(recording.direction)?))
-        });
-        let Some(share) = effort_demanded::share(asked) else { return };
+        let Some(share) = effort_demanded::share(with_lines(&own, recordings, known)) else { return };
         self.found(Kind::EffortDemanded, share, "", Done::LeftOut);
         own.into_iter().for_each(|i| without_efforts(&mut recordings[i].rows));
     }
@@ -263,6 +272,18 @@ impl RecorderCheck {
             }
         }
     }
+}
+
+/// The runs at these places whose line is known.
+fn with_lines<'a>(
+    own: &'a [usize],
+    recordings: &'a [Recording],
+    known: &'a Known,
+) -> impl Iterator<Item = (&'a [Sample], Line<'a>)> {
+    own.iter().filter_map(|i| {
+        let recording = &recordings[*i];
+        Some((recording.rows.as_slice(), known.line(recording.direction)?))
+    })
 }
 
 fn without_efforts(rows: &mut [Sample]) {

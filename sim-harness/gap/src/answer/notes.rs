@@ -18,7 +18,7 @@ use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
 use crate::wording::{listed, section};
 use rundown::model::effects::Effect;
-use rundown_check::gradients::SmallErrors;
+use rundown_check::gradients::{SeenBy, SmallErrors};
 use rundown_pages::numbers::counted;
 
 /// Sentences, the weightiest first.
@@ -89,10 +89,14 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     notes
 }
 
-/// What coasts of different runs have in common at their places.
+/// What different runs have in common at their places.
 fn agreeing(small: &SmallErrors) -> String {
+    let seen_by = match small.seen_by {
+        SeenBy::Efforts => "Efforts",
+        SeenBy::Coasts => "Coasts",
+    };
     format!(
-        "Coasts of different runs agree at their places on {:.2} permille (standard deviation) that the track does not describe: errors of its gradients, or an effect at places. Where it is errors, what is named beside them may be theirs.",
+        "{seen_by} of different runs agree at their places on {:.2} permille (standard deviation) that the track does not describe: errors of its gradients, or an effect at places. Where it is errors, what is named beside them may be theirs.",
         small.sd_permille
     )
 }
