@@ -107,6 +107,41 @@ fn small_errors_of_gradients_are_found_by_the_coasts_and_doubted() {
     assert!(!is_said && permille == 0.0, "{is_said} {permille}");
 }
 
+/// The track with all slopes so many times as steep.
+fn steeper(track: &str, times: f64) -> String {
+    let line = |line: &str| match line.strip_prefix("permille = ") {
+        Some(permille) => format!("permille = {:.3}\n", times * permille.parse::<f64>().unwrap()),
+        None => format!("{line}\n"),
+    };
+    track.lines().map(line).collect()
+}
+
+#[test]
+fn measured_efforts_say_how_many_times_as_steep_the_gradients_are_and_doubt_small_errors() {
+    let folder = Folder::simulated("name = \"set\"\nruns = 12\nseed = 8\n[effort]\ncolumn = true\n");
+    let track = folder.read("set/track.toml");
+    let replay = |described: &str| {
+        folder.write("track.toml", described);
+        let of = ["replay", "--mode", "measured", "--train", "set/train.toml", "--track", "track.toml", "--out", "out"];
+        let said = folder.rundown(&[&of[..], &["set/runs"]].concat());
+        let json = folder.json("out/replay.json");
+        (said, json["gradient_doubt"].clone(), json["gradient_sd_permille"].as_f64().unwrap())
+    };
+    let (_, doubt, right) = replay(&track);
+    assert!(doubt.is_null() && right == 0.0, "{doubt} {right}");
+    for times in [0.6, 1.6] {
+        let (said, doubt, permille) = replay(&steeper(&track, times));
+        assert_eq!((&doubt["better"], &doubt["log_likelihood"]), (&"times".into(), &serde_json::Value::Null));
+        let found = doubt["times"].as_f64().unwrap();
+        assert!((found * times - 1.0).abs() < 0.05, "{times}: {found}");
+        assert!(said.err.contains(&format!("{found:.2} times as steep")), "{}", said.err);
+        assert!((doubt["off_permille"].as_f64().unwrap() - permille).abs() < 1e-9, "{doubt} {permille}");
+    }
+    let (said, doubt, permille) = replay(&off_by_half(&track));
+    assert!(doubt.is_null() && (0.2..0.8).contains(&permille), "{doubt} {permille}");
+    assert!(said.out.contains("on which efforts of different runs agree"), "{}", said.out);
+}
+
 #[test]
 fn a_study_and_a_tuning_ask_whether_the_gradients_are_right() {
     let folder = simulated(12);

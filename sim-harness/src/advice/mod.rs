@@ -8,6 +8,7 @@ mod changed;
 pub(crate) mod coasts;
 pub(crate) mod foreseen;
 mod taught;
+mod two_sorts;
 mod unlike;
 pub(crate) mod vehicle;
 
@@ -99,7 +100,11 @@ impl Advice {
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
         notes.extend(self.foreseen.notes());
         notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
-        notes.extend(self.vehicles.iter().filter_map(|(unit, after)| changed::note(unit, &self.taught, &after.davis)));
+        let not_one = |(unit, after): (&String, &vehicle::After)| {
+            let two_sorts = two_sorts::note(unit, &self.taught, &after.davis);
+            two_sorts.or_else(|| changed::note(unit, &self.taught, &after.davis))
+        };
+        notes.extend(self.vehicles.iter().filter_map(not_one));
         notes.extend(vehicle::notes(estimator, &self.vehicles, gradients_are_said));
         notes
     }
@@ -177,6 +182,7 @@ mod tests {
     use crate::replaying::{Replayed, Request};
     use crate::report::resistance::Resistance;
     use rundown::estimator::config::Config;
+    use rundown::model::direction::Direction;
     use rundown_check::agreement::Figure;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
     use std::path::{Path, PathBuf};
@@ -220,6 +226,8 @@ mod tests {
             let run = |i: u32| taught::Taught {
                 name: format!("run{i}"),
                 unit: String::new(),
+                direction: Direction::Up,
+                share: 1.0,
                 speed_mps: 25.0,
                 r_n_per_kg: Figure { value: r_n_per_kg * if i < 4 { 1.0 } else { since }, sd: 1e-5 },
             };

@@ -8,13 +8,16 @@
 
 use crate::report::resistance::Resistance;
 use rundown::filter::gaussian::Gaussian;
+use rundown::model::direction::Direction;
 use rundown::model::state::R0;
 use rundown::tick::estimate::Estimate;
 use rundown_check::agreement::Figure;
 use rundown_files::replay::ReplayedRun;
 
-/// A run that taught less of its resistance says little by itself.
-const LEAST_TAUGHT: f64 = 0.7;
+/// A run that taught less of its resistance says nothing by itself.
+const LEAST_TAUGHT: f64 = 0.25;
+/// One that taught more says much.
+const MUCH: f64 = 0.7;
 /// Speeds that are asked, km/h: that of which a run taught most counts.
 const ASKED_KMH: [f64; 5] = [40.0, 60.0, 80.0, 100.0, 120.0];
 
@@ -23,6 +26,9 @@ const ASKED_KMH: [f64; 5] = [40.0, 60.0, 80.0, 100.0, 120.0];
 pub(super) struct Taught {
     pub(super) name: String,
     pub(super) unit: String,
+    pub(super) direction: Direction,
+    /// Which share of what was not known before it taught.
+    pub(super) share: f64,
     /// Speed at which the run taught most, m/s ...
     pub(super) speed_mps: f64,
     /// ... and the resistance there.
@@ -51,8 +57,20 @@ impl Taught {
             Some((taught, speed_mps, Figure { value, sd: posterior.sd_n_per_kg / taught.sqrt() }))
         };
         let taught = ASKED_KMH.into_iter().filter_map(of).filter(|(taught, ..)| *taught > LEAST_TAUGHT);
-        let (_, speed_mps, r_n_per_kg) = taught.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(Self { name: run.name.clone(), unit: run.unit.clone(), speed_mps, r_n_per_kg })
+        let (share, speed_mps, r_n_per_kg) = taught.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Self {
+            name: run.name.clone(),
+            unit: run.unit.clone(),
+            direction: run.direction,
+            share,
+            speed_mps,
+            r_n_per_kg,
+        })
+    }
+
+    /// It taught most of it, and says much by itself.
+    pub(super) fn much(&self) -> bool {
+        self.share > MUCH
     }
 
     /// Its resistance over that of a vehicle, less 1.

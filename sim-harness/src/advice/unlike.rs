@@ -27,7 +27,7 @@ const NAMED: usize = 3;
 /// Runs far from all others, the farthest first. `vehicle`: the coefficients of a unit after all runs.
 pub(super) fn note(runs: &[Taught], vehicle: impl Fn(&str) -> Option<Gaussian<3>>) -> Option<String> {
     let shares: Vec<(Figure, &Taught)> =
-        runs.iter().filter_map(|run| Some((run.over(&vehicle(&run.unit)?)?, run))).collect();
+        runs.iter().filter(|run| run.much()).filter_map(|run| Some((run.over(&vehicle(&run.unit)?)?, run))).collect();
     if shares.len() < LEAST_RUNS {
         return None;
     }
@@ -62,6 +62,7 @@ pub(super) fn note(runs: &[Taught], vehicle: impl Fn(&str) -> Option<Gaussian<3>
 mod tests {
     use super::*;
     use crate::report::resistance::Resistance;
+    use rundown::model::direction::Direction;
 
     /// The note on runs with so much of the vehicle's resistance each.
     fn said(factors: &[f64]) -> Option<String> {
@@ -70,6 +71,8 @@ mod tests {
         let run = |(i, factor): (usize, &f64)| Taught {
             name: format!("run{i}"),
             unit: String::new(),
+            direction: Direction::Up,
+            share: 1.0,
             speed_mps: 25.0,
             r_n_per_kg: Figure { value: factor * vehicle, sd: 1e-4 },
         };

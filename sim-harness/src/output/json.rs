@@ -76,17 +76,27 @@ pub const FIELDS: &[[&str; 4]] = &[
         "it is another kind",
     ],
     ["gradient_doubt.times", "", "how many times as steep as described, by measured efforts", "it is another kind"],
-    ["gradient_doubt.off_permille", "permille", "root mean square of what they are off by", NOT_WRONG],
-    ["gradient_doubt.sd_n_per_kg", "N/kg", "scatter of coasted stretches of 20 s if they were so", NOT_WRONG],
+    [
+        "gradient_doubt.off_permille",
+        "permille",
+        "root mean square of what they are off by; with `times` twice that, for errors that follow the slopes do not average out",
+        NOT_WRONG,
+    ],
+    [
+        "gradient_doubt.sd_n_per_kg",
+        "N/kg",
+        "scatter of coasted stretches of 20 s if they were so; with `times` of accelerations over 10 s",
+        NOT_WRONG,
+    ],
     ["gradient_doubt.described_sd_n_per_kg", "N/kg", "the same as they are described", NOT_WRONG],
     [
         "gradient_doubt.log_likelihood",
         "",
         "log-likelihood ratio of the two",
-        "they do not look wrong, or `better` is `by_place`",
+        "they do not look wrong, or `better` is `by_place` or `times`",
     ],
     ["gradient_doubt.z", "", "standard errors over the places of the line by which it is better", NOT_WRONG],
-    ["gradient_doubt.stretches", "", "coasted stretches", NOT_WRONG],
+    ["gradient_doubt.stretches", "", "coasted stretches; with `times` windows of 10 s", NOT_WRONG],
     GRADIENT_SD,
 ];
 

@@ -11,7 +11,7 @@
 
 use super::places::{self, OfRun, Recurring};
 use super::stretch::climb_n_per_kg;
-use super::{Doubt, LEAST_SHARPER, Version, off_by_place_permille};
+use super::{Doubt, Version, off_by_place_permille};
 use crate::agreement::Figure;
 use crate::effort::{self, least_squares};
 use nalgebra::SVector;
@@ -35,6 +35,8 @@ const NEAR: f64 = 0.15;
 /// ... by so many standard deviations less; and it is not by so many more.
 const SURE: f64 = 2.0;
 const SURELY_NOT: f64 = 3.0;
+/// Where so little of the slopes is seen, they are those of another place or line.
+const LEAST_STEEP: f64 = 0.4;
 /// Errors that follow the slopes do not average out over the line, as the estimator takes errors to do, and the gain of
 /// the efforts follows them, too: they count as so many times as large. Measured: r is within its interval then.
 const FOLLOWS_SLOPES: f64 = 2.0;
@@ -87,7 +89,7 @@ impl ByEfforts {
         let [sd, described] = self.sds_n_per_kg;
         let z = (self.steep.value - 1.0).abs() / self.steep.sd;
         let is_sure = (self.steep.value - 1.0).abs() - SURELY_NOT * self.steep.sd > NEAR;
-        (is_sure && sd < LEAST_SHARPER * described).then(|| Doubt {
+        (is_sure && self.steep.value > LEAST_STEEP).then(|| Doubt {
             better: Version::Times(self.steep.value),
             sd_n_per_kg: sd,
             described_sd_n_per_kg: described,

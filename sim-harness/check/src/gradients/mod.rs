@@ -147,7 +147,10 @@ impl Coasts {
         let other = (!is_level).then(|| self.other_version(train, track, described)).flatten();
         let steeper = || described.efforts.filter(|_| !is_level)?.other_steepness(train);
         let by_place = || self.by_place(train, described, is_level);
-        let doubt = other.or_else(steeper).or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille));
+        // Efforts know better how many times as steep.
+        let is_multiple = other.is_some_and(|doubt| matches!(doubt.better, Version::TwiceOfIt | Version::HalfOfIt));
+        let doubt = if is_multiple { steeper().or(other) } else { other.or_else(steeper) };
+        let doubt = doubt.or_else(|| by_place().filter(|doubt| doubt.off_permille > said_permille));
         doubt.filter(|_| is_level || !described.efforts.is_some_and(|efforts| efforts.vouch()))
     }
 
