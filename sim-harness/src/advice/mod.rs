@@ -217,6 +217,37 @@ mod tests {
     }
 
     #[test]
+    fn runs_of_two_sorts_in_no_order_are_said_with_their_names_and_in_order_are_a_change() {
+        let replayed = replayed();
+        let said = |more: &[u32]| {
+            let mut advice = Advice::default();
+            advice.add(&replayed.runs);
+            let r_n_per_kg = Resistance::at(&advice.vehicles[""].davis, 25.0).unwrap().mean_n_per_kg;
+            let run = |i: u32| taught::Taught {
+                name: format!("run{i}"),
+                unit: String::new(),
+                direction: if i.is_multiple_of(2) { Direction::Up } else { Direction::Down },
+                share: 0.5,
+                speed_mps: 25.0,
+                r_n_per_kg: Figure { value: r_n_per_kg * if more.contains(&i) { 1.25 } else { 1.0 }, sd: 1e-5 },
+            };
+            advice.taught = (0..9).map(run).collect();
+            advice.notes(&estimator(Config::default()), false).join("\n")
+        };
+        let few = said(&[1, 2, 5, 8]);
+        let expected = "the vehicle: its runs are of two sorts: 4 of 9 that teach enough by themselves have 25 % more \
+                        resistance than the others (at about 90 km/h), run1, run2, run5, run8: coaches, a load";
+        assert!(few.contains(expected), "{few}");
+        let many = said(&[0, 1, 2, 5, 8]);
+        assert!(
+            many.contains("4 of 9") && many.contains("20 % less") && many.contains("run3, run4, run6, run7"),
+            "{many}"
+        );
+        assert!(said(&[1, 3, 5, 7]).contains("one for each direction: a steady wind"), "{}", said(&[1, 3, 5, 7]));
+        assert!(!said(&[5, 6, 7, 8]).contains("two sorts"), "{}", said(&[5, 6, 7, 8]));
+    }
+
+    #[test]
     fn a_train_that_changes_at_once_is_said_with_the_run() {
         let replayed = replayed();
         let said = |since: f64| {
