@@ -143,7 +143,7 @@ fn needed(columns: &Columns, source: &SourceFile) -> Result<(), String> {
 fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     let mut notes = Vec::new();
     for (meaning, column) in &columns.of {
-        if *meaning == Meaning::Effort && headers[column.index].unit.as_deref().is_some_and(|unit| unit.trim() == "%") {
+        if meaning.is_force() && headers[column.index].unit.as_deref().is_some_and(|unit| unit.trim() == "%") {
             notes.push(format!(
                 "column {:?} is not used: per cent are of what there is at each speed; expected N/kg, N or kN",
                 column.header
@@ -158,7 +158,7 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
                 line([(*meaning, column.header.as_str(), format!("unit = {:?}", first.name))])
             ));
         }
-        if *meaning == Meaning::Effort
+        if meaning.is_force()
             && column.unit.is_some_and(|unit| unit.name != "N/kg")
             && columns.rotating_mass_kg.is_none()
         {

@@ -39,7 +39,8 @@ pub struct SeenRows {
     begins: Vec<usize>,
     /// The first line that is no row.
     bad: Option<String>,
-    efforts: Vec<f64>,
+    /// Of [`FORCES`].
+    forces: [Vec<f64>; 2],
     /// Units that stand behind the values.
     behind: BTreeMap<Meaning, Unit>,
 }
@@ -53,7 +54,8 @@ impl SeenRows {
         let mut left = ROWS;
         let index = |meaning| columns.index(meaning);
         let numbers = EXPECTED.map(index);
-        let (date, effort) = (index(Meaning::Date), index(Meaning::Effort));
+        let date = index(Meaning::Date);
+        let forces = FORCES.map(index);
         // A new file is a new stretch.
         self.begins.push(self.rows.len());
         self.rows.push(WrittenRow::default());
@@ -83,7 +85,7 @@ impl SeenRows {
                         self.behind.entry(meaning).or_insert(unit);
                     }
                 }
-                self.efforts.extend(value(effort));
+                self.forces.iter_mut().zip(forces).for_each(|(seen, force)| seen.extend(value(force)));
                 left -= 1;
             }
             left > 0
@@ -233,7 +235,7 @@ impl SeenRows {
     /// # Errors
     /// Names the candidates, and the line that decides.
     pub fn units(&self, columns: &mut Columns) -> Result<Vec<String>, String> {
-        self.effort(columns);
+        self.forces(columns);
         for (meaning, unit) in &self.behind {
             if let Some(column) = columns.of.get_mut(meaning).filter(|column| column.unit.is_none()) {
                 column.unit = Some(*unit);
@@ -298,15 +300,15 @@ impl SeenRows {
         self.begins.iter().zip(ends).map(of_file).collect()
     }
 
-    /// An effort without unit is one per mass if it is as small as that.
-    fn effort(&self, columns: &mut Columns) {
-        let largest = self.efforts.iter().map(|effort| effort.abs()).fold(0.0, f64::max);
-        let Some(column) = columns.of.get_mut(&Meaning::Effort) else {
-            return;
-        };
-        if column.unit.is_none() && largest < 3.0 && largest > 0.0 {
-            column.unit = units::by_name(Meaning::Effort, "N/kg");
-            column.how = How::Evidence(format!("no value beyond {largest:.2}"));
+    /// A force without unit is one per mass if it is as small as that.
+    fn forces(&self, columns: &mut Columns) {
+        for (meaning, seen) in FORCES.into_iter().zip(&self.forces) {
+            let largest = seen.iter().map(|force| force.abs()).fold(0.0, f64::max);
+            let Some(column) = columns.of.get_mut(&meaning) else { continue };
+            if column.unit.is_none() && largest < 3.0 && largest > 0.0 {
+                column.unit = units::by_name(meaning, "N/kg");
+                column.how = How::Evidence(format!("no value beyond {largest:.2}"));
+            }
         }
     }
 }
@@ -343,6 +345,9 @@ fn is_said(columns: &Columns) -> bool {
     let said = |meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::Mapping);
     [Meaning::Location, Meaning::Speed].iter().any(said)
 }
+
+/// What a mass may divide.
+const FORCES: [Meaning; 2] = [Meaning::Effort, Meaning::Braking];
 
 /// What a row says of where the train is.
 const EXPECTED: [Meaning; 5] =

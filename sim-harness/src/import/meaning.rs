@@ -14,6 +14,8 @@ pub enum Meaning {
     Longitude,
     Altitude,
     Effort,
+    /// Of the brakes, in a column beside that of the traction.
+    Braking,
     Temperature,
     Headwind,
     SpeedIsComputed,
@@ -22,7 +24,7 @@ pub enum Meaning {
 }
 
 impl Meaning {
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Time,
         Self::Date,
         Self::Location,
@@ -31,6 +33,7 @@ impl Meaning {
         Self::Longitude,
         Self::Altitude,
         Self::Effort,
+        Self::Braking,
         Self::Temperature,
         Self::Headwind,
         Self::SpeedIsComputed,
@@ -41,6 +44,11 @@ impl Meaning {
     /// A position on Earth.
     pub const fn is_angle(self) -> bool {
         matches!(self, Self::Latitude | Self::Longitude)
+    }
+
+    /// A force, which a mass divides.
+    pub const fn is_force(self) -> bool {
+        matches!(self, Self::Effort | Self::Braking)
     }
 
     /// The key in `import.toml`.
@@ -90,6 +98,13 @@ impl Meaning {
                  effort de traction|effort traction|esfuerzo|esfuerzo de traccion|sforzo|sforzo di trazione|\
                  applied effort|zugkraft masse|zugkraft je masse|zugkraft pro masse|spezifische zugkraft|\
                  effort mass|force mass|specific effort|specific tractive effort|effort masse"
+            }
+            Self::Braking => {
+                "braking|brake force|braking force|brake effort|braking effort|bremskraft|bremskraft masse|\
+                 bremskraft je masse|bremskraft pro masse|spezifische bremskraft|dynamic brake effort|\
+                 electric brake effort|electric brake force|elektrische bremskraft|ed bremskraft|\
+                 effort de freinage|force de freinage|fuerza de freno|fuerza de frenado|esfuerzo de frenado|\
+                 forza frenante|sforzo di frenatura|brake force mass|braking force mass|specific brake force"
             }
             Self::Temperature => {
                 "temperature|ambient temperature|outside temperature|temperatur|aussentemperatur|\

@@ -72,8 +72,10 @@ fn is_grouped(number: &str, separator: char) -> bool {
     first && rest.peek().is_some() && rest.all(|group| digits(group) && group.len() == 3)
 }
 
-/// The decimal sign of some fields; a point unless more of them hold a comma.
+/// The decimal sign of some fields; a point unless more of them hold a comma. What may be a group of thousands decides
+/// only where nothing else does.
 pub fn decimal_of<'a>(fields: impl Iterator<Item = &'a str>) -> char {
+    // Whether it is a number with this sign once, and no whole one in groups of three.
     let with = |text: &str, sign: char| {
         let text = text.trim().trim_start_matches(['-', '+']);
         // A unit may stand behind the number.
@@ -81,13 +83,18 @@ pub fn decimal_of<'a>(fields: impl Iterator<Item = &'a str>) -> char {
         let is_number = text[end..].chars().all(|c| !c.is_ascii_digit());
         let parts: Vec<&str> = text[..end].split(sign).collect();
         let digits = |part: &&str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
-        is_number && parts.len() == 2 && parts.iter().all(digits)
+        (is_number && parts.len() == 2 && parts.iter().all(digits)).then(|| !is_grouped(&text[..end], sign))
     };
-    let (mut commas, mut points) = (0, 0);
+    let [mut sure, mut all] = [[0_usize; 2]; 2];
     for field in fields {
-        commas += usize::from(with(field, ','));
-        points += usize::from(with(field, '.'));
+        for (i, sign) in [',', '.'].into_iter().enumerate() {
+            if let Some(is_sure) = with(field, sign) {
+                sure[i] += usize::from(is_sure);
+                all[i] += 1;
+            }
+        }
     }
+    let [commas, points] = if sure[0] == sure[1] { all } else { sure };
     if commas > points { ',' } else { '.' }
 }
 
@@ -119,6 +126,11 @@ mod tests {
     fn the_decimal_sign_is_that_of_most_numbers() {
         assert_eq!(decimal_of(["1,5", "2,25 km", "51.3", "10:00:00,5"].into_iter()), ',');
         assert_eq!(decimal_of(["1.5", "1,234.5", "31.01.2025"].into_iter()), '.');
+        // Metres in groups of thousands beside speeds with decimals, and kilometres with three.
+        assert_eq!(decimal_of(["12.345", "80,5", "12.369", "81", "12.393", "81,5"].into_iter()), ',');
+        assert_eq!(decimal_of(["12,345", "80.5", "12,369", "81", "12,393", "81.5"].into_iter()), '.');
+        assert_eq!(decimal_of(["12,345", "80", "12,369", "81"].into_iter()), ',');
+        assert_eq!(decimal_of(["12.345", "80", "0,5"].into_iter()), ',');
     }
 
     #[test]

@@ -84,7 +84,7 @@ impl<'a> Converter<'a> {
         sample.location_m = number(Meaning::Location);
         sample.speed_mps = number(Meaning::Speed);
         let altitude_m = number(Meaning::Altitude);
-        sample.effort_n_per_kg = number(Meaning::Effort);
+        sample.effort_n_per_kg = with_brake(number(Meaning::Effort), number(Meaning::Braking));
         sample.temperature_c = number(Meaning::Temperature);
         sample.headwind_mps = number(Meaning::Headwind);
         let (latitude, longitude) = (number(Meaning::Latitude), number(Meaning::Longitude));
@@ -174,7 +174,7 @@ impl<'a> Converter<'a> {
                 with_unit
             }
         };
-        let mass = if meaning == Meaning::Effort && unit.name != "N/kg" { self.columns.rotating_mass_kg? } else { 1.0 };
+        let mass = if meaning.is_force() && unit.name != "N/kg" { self.columns.rotating_mass_kg? } else { 1.0 };
         Some(unit.to_si(value) / mass).filter(|value| value.is_finite())
     }
 
@@ -252,6 +252,14 @@ impl<'a> Converter<'a> {
         }
         Some((time_s, false))
     }
+}
+
+/// The effort of traction and brake where each has a column of its own, whatever the sign of the brake's. An effort below
+/// zero has the brake in it already; none beside no brake stays unknown.
+fn with_brake(traction: Option<f64>, braking: Option<f64>) -> Option<f64> {
+    let Some(brake) = braking.map(f64::abs).filter(|brake| *brake > 0.0) else { return traction };
+    let traction = traction.unwrap_or(0.0);
+    Some(if traction < 0.0 { traction } else { traction - brake })
 }
 
 /// What recorders write for nothing. `#N/A` of a table calculation is none of it: it stands where a formula found no

@@ -34,6 +34,11 @@ impl Unit {
         self.name == "degrees"
     }
 
+    /// A tenth or hundredth of a second.
+    pub fn is_of_counter(self) -> bool {
+        ["0.1 s", "0.01 s"].contains(&self.name)
+    }
+
     pub const fn factor(self) -> f64 {
         self.factor
     }
@@ -68,10 +73,13 @@ const SPEEDS: [Unit; 9] = [
     Unit::new("cm/s", &["cmps", "cm s", "cm/sec"], 0.01),
     Unit::new("mm/s", &["mmps", "mm s", "mm/sec"], 0.001),
 ];
-const TIMES: [Unit; 6] = [
+const TIMES: [Unit; 8] = [
     Unit::new("s", &["sec", "secs", "second", "seconds", "sek", "sekunden", "secondes", "segundos", "secondi"], 1.0),
     Unit::new("ms", &["msec", "millis", "milliseconds", "millisekunden"], 0.001),
     Unit::new("minutes", &["min", "mins", "minute", "minuten", "minutos", "minuti"], 60.0),
+    // Whole numbers of a counter.
+    Unit::new("0.1 s", &["ds", "tenths", "zehntelsekunden"], 0.1),
+    Unit::new("0.01 s", &["cs", "hundredths", "hundertstelsekunden"], 0.01),
     Unit::new("us", &["µs", "microseconds"], 1e-6),
     Unit::new("hours", &["h", "hour", "std", "stunden"], 3600.0),
     Unit::new("ns", &["nanoseconds"], 1e-9),
@@ -99,7 +107,7 @@ pub const fn of(meaning: Meaning) -> &'static [Unit] {
         Meaning::Location | Meaning::Altitude => &LENGTHS,
         Meaning::Speed | Meaning::Headwind => &SPEEDS,
         Meaning::Latitude | Meaning::Longitude => &ANGLES,
-        Meaning::Effort => &EFFORTS,
+        Meaning::Effort | Meaning::Braking => &EFFORTS,
         Meaning::Temperature => &TEMPERATURES,
         Meaning::Date | Meaning::SpeedIsComputed | Meaning::Unit | Meaning::Run => &[],
     }
@@ -109,7 +117,7 @@ pub const fn of(meaning: Meaning) -> &'static [Unit] {
 pub fn candidates(meaning: Meaning) -> &'static [Unit] {
     let all = of(meaning);
     let count = match meaning {
-        Meaning::Time => 3,
+        Meaning::Time => 5,
         Meaning::Speed => all.len(),
         _ => 4,
     };

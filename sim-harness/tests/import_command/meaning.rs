@@ -480,3 +480,60 @@ fn a_date_that_turns_beside_midnight_is_put_right() {
         }
     }
 }
+
+#[test]
+fn forces_of_traction_and_brake_in_two_columns_are_one_effort() {
+    let rows = drive(&STOPS_M, 30.0);
+    let mapping = "[[source]]\nrotating_mass_kg = 400000.0\n";
+    // 40 kN of traction in the first minute, 80 kN of the brake in the second, then nothing.
+    let traction = |t: f64| if t < 60.0 { "40,0" } else { "0,0" };
+    for (brake, idle) in [("80,0", "0,0"), ("-80,0", "0,0"), ("80,0", "")] {
+        let text = table("Zeit [s];Weg [km];v [km/h];Zugkraft [kN];Bremskraft [kN]", &rows, |t, x, v| {
+            let braking = if (60.0..120.0).contains(&t) { brake } else { idle };
+            let km = format!("{:.4};{:.1}", x / 1000.0, 3.6 * v).replace('.', ",");
+            format!("{t:.0};{km};{};{braking}", if t < 120.0 { traction(t) } else { idle })
+        });
+        let folder = Folder::new().with("a.csv", &text).with("m.toml", mapping);
+        folder.done(&["import", "--mapping", "m.toml", "a.csv"]);
+        let log = folder.read("runs/a_01.csv");
+        let column = log.lines().next().unwrap().split(',').position(|name| name == "effort_n_per_kg").unwrap();
+        let effort = |row: usize| log.lines().nth(row + 1).unwrap().split(',').nth(column).unwrap().parse::<f64>().ok();
+        assert_eq!((effort(30), effort(90)), (Some(0.1), Some(-0.2)), "{brake}");
+        assert_eq!(effort(150), if idle.is_empty() { None } else { Some(0.0) });
+    }
+}
+
+#[test]
+fn metres_in_groups_of_thousands_are_read_beside_speeds_with_decimals() {
+    let rows = drive(&STOPS_M, 30.0);
+    let grouped = |x: f64, sign: &str| {
+        let whole = format!("{:.0}", x);
+        match whole.len().checked_sub(3) {
+            Some(at) if at > 0 => format!("{}{sign}{}", &whole[..at], &whole[at..]),
+            _ => whole,
+        }
+    };
+    for (sign, decimal) in [(".", ","), (",", ".")] {
+        let text = table("time [s];location;speed [km/h]", &rows, |t, x, v| {
+            format!("{t:.0};{};{}", grouped(x, sign), format!("{:.1}", 3.6 * v).replace('.', decimal))
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv"]);
+        let found = csv(&folder, "runs/a_01.csv");
+        assert_eq!(found.len(), rows.len(), "{}", said.err);
+        near(last(&found)[1] - found[0][1], rows.last().unwrap().1 - rows[0].1, 2.0);
+    }
+}
+
+#[test]
+fn a_counter_of_tenths_and_hundredths_of_a_second_is_recognised() {
+    let rows = drive(&STOPS_M, 30.0);
+    for (per_s, unit) in [(10.0, "0.1 s"), (100.0, "0.01 s"), (1.0, "s")] {
+        let text = table("t,location_m,speed_kmh", &rows, |t, x, v| format!("{:.0},{x:.1},{:.1}", per_s * t, 3.6 * v));
+        let folder = Folder::new().with("a.csv", &text);
+        folder.done(&["import", "a.csv"]);
+        let found = csv(&folder, "runs/a_01.csv");
+        near(last(&found)[0] - found[0][0], rows.last().unwrap().0, 0.002);
+        assert!(folder.read("runs/import.toml").contains(&format!("unit = \"{unit}\"")), "{unit}");
+    }
+}

@@ -109,7 +109,11 @@ impl Stretches {
         };
         let is_text = !columns.kind.has_unit();
         let second = || units::by_name(Meaning::Time, "s").into_iter().collect();
-        let times: Vec<Unit> = if is_text { second() } else { units(Meaning::Time, "s") };
+        let mut times: Vec<Unit> = if is_text { second() } else { units(Meaning::Time, "s") };
+        if unknown.contains(&Meaning::Time) && unknown.contains(&Meaning::Speed) {
+            // A tenth of a second, or of the speed?
+            times.retain(|unit| !unit.is_of_counter());
+        }
         let mut tried = Vec::new();
         for time in times {
             for length in units(Meaning::Location, "m") {
