@@ -1,4 +1,4 @@
-//! Is a column of what the lever asks for left out, and one of what acts not?
+//! Is a column of what the lever asks for, or one that ends at a most, left out, and one of what acts not?
 
 use crate::simulated::recording;
 use rand::{RngExt, SeedableRng};
@@ -78,7 +78,7 @@ fn found(mut recordings: Vec<Recording>, times_r: f64) -> (Vec<Finding>, usize) 
         ..Known::default()
     };
     let check = check_beside(&mut recordings, &known);
-    let of = |finding: &&Finding| finding.kind == Kind::EffortDemanded;
+    let of = |finding: &&Finding| matches!(finding.kind, Kind::EffortDemanded | Kind::EffortCut);
     let findings = check.recorders.iter().flat_map(|recorder| &recorder.findings).filter(of).cloned().collect();
     let kept = recordings.iter().flat_map(|one| &one.rows).filter(|row| row.effort_n_per_kg.is_some()).count();
     (findings, kept)
@@ -88,7 +88,9 @@ fn found(mut recordings: Vec<Recording>, times_r: f64) -> (Vec<Finding>, usize) 
 fn what_the_lever_asks_for_is_left_out() {
     for (step_s, times_r) in [(1, 1.0), (1, 1.6), (1, 0.7), (5, 1.0)] {
         let (findings, kept) = found(runs(step_s, 0, |_, asked| asked), times_r);
-        let [Finding { figure, done: Done::LeftOut, .. }] = &findings[..] else { panic!("{findings:?}") };
+        let [Finding { kind: Kind::EffortDemanded, figure, done: Done::LeftOut, .. }] = &findings[..] else {
+            panic!("{findings:?}")
+        };
         assert!(figure.value < 0.7 && kept == 0, "{figure:?} {kept}");
     }
 }
@@ -101,5 +103,18 @@ fn what_acts_stays_however_late_it_is_and_whatever_is_described() {
             assert!(findings.is_empty(), "{step_s} s, {late_s} s late, {times_r} r: {findings:?}");
             assert!(kept > 0 || late_s > 5);
         }
+    }
+}
+
+#[test]
+fn what_is_cut_off_above_a_most_is_left_out_and_the_rest_stays() {
+    for (step_s, times_r) in [(1, 1.0), (1, 1.6), (1, 0.7), (5, 1.0)] {
+        let (_, all) = found(runs(step_s, 0, |acts, _| acts), times_r);
+        let (findings, kept) = found(runs(step_s, 0, |acts, _| acts.min(0.28)), times_r);
+        let [Finding { kind: Kind::EffortCut, figure, done: Done::LeftOut, .. }] = &findings[..] else {
+            panic!("{findings:?}")
+        };
+        assert!((1.1..1.7).contains(&figure.value), "{figure:?}");
+        assert!(kept > all / 2 && kept < all, "{kept} of {all}");
     }
 }

@@ -174,3 +174,21 @@ fn a_receiver_that_stands_still_for_two_rows_begins_nowhere_again() {
         assert!(run.rows[first + 1].location_m.is_none() && run.rows[first + 3].location_m.is_some(), "{late}");
     }
 }
+
+#[test]
+fn a_wild_speed_in_a_row_is_no_end_of_a_line_that_bridges_others() {
+    let (findings, _) = spoilt(Recorder { noise_m: 0.0, ..Recorder::default() }, |rows| {
+        // Where the train hardly changes its speed it keeps it, on a straight line.
+        let mps = |row: usize| rows[row].speed_mps.unwrap();
+        let is_even = |row: &usize| mps(*row) > 10.0 && (mps(row + 30) - mps(*row)).abs() < 0.1;
+        let from = (60..rows.len() - 30).find(is_even).unwrap();
+        let (at_m, speed_mps, begin_s) = (rows[from].location_m.unwrap(), mps(from), rows[from].time_s);
+        let (end_m, end_s) = (rows[from + 30].location_m.unwrap(), rows[from + 30].time_s);
+        for row in &mut rows[from..from + 30] {
+            row.speed_mps = Some(speed_mps);
+            row.location_m = Some(at_m + (end_m - at_m) * (row.time_s - begin_s) / (end_s - begin_s));
+        }
+        rows[from + 20].speed_mps = Some(255.0 / 3.6);
+    });
+    assert_eq!(one(&findings, Kind::SpeedSpikes).count, 1);
+}
