@@ -373,7 +373,7 @@ fn of_recorder(recorder: &RecorderCheck) -> String {
     }
     if let Some(sd_s) = recorder.lost_second_sd_s.filter(|_| recorder.hides_lost_seconds()) {
         text += &format!(
-            "  the noise of the locations hides whether the clock loses seconds beside a wheel that makes up for them: a step is known to {sd_s:.2} s\n"
+            "  whether the clock loses seconds, and a wheel makes up for them, is hidden by the noise of the locations: a step of the clock is known to {sd_s:.2} s only\n"
         );
     }
     let said = |finding: &Finding| format!("  {}\n", recorder.said(finding));

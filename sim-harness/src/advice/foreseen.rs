@@ -29,7 +29,7 @@ impl Foreseen {
         let line = |(unit, sums): (&String, &[f64; 3])| {
             let [learned, described] = rms_kmh(sums)?;
             Some(format!(
-                "{}: {}, the speed at {} end foreseen within {learned:.1} km/h (rms) by what had been learned, {described:.1} by the description\n",
+                "{}: {}, the speed at {} end predicted within {learned:.1} km/h (rms) by what had been learned, {described:.1} by the description\n",
                 named(unit),
                 counted(sums[0] as usize, "coast", "coasts"),
                 if sums[0] > 1.0 { "their" } else { "its" },
@@ -44,7 +44,7 @@ impl Foreseen {
             let [learned, described] = rms_kmh(sums)?;
             (sums[0] >= LEAST_COASTS && learned > WORSE * described).then(|| {
                 format!(
-                    "{}: coasts were foreseen within {learned:.1} km/h (rms) by what had been learned, but within {described:.1} by \
+                    "{}: coasts were predicted within {learned:.1} km/h (rms) by what had been learned, but within {described:.1} by \
                      the description: what is learned here is worse than it, whatever its interval; a tunnel, a slope or a \
                      brake that the description lacks looks so",
                     named(unit)
@@ -68,7 +68,7 @@ mod tests {
         let notes = |sums| Foreseen(BTreeMap::from([("7".to_owned(), sums)])).notes().collect::<Vec<_>>();
         let said = notes([9.0, 9.0 * 4.0, 9.0]);
         assert!(said[0].starts_with(
-            "unit 7: coasts were foreseen within 7.2 km/h (rms) by what had been learned, but within 3.6"
+            "unit 7: coasts were predicted within 7.2 km/h (rms) by what had been learned, but within 3.6"
         ));
         assert!(notes([9.0, 9.0 * 2.0, 9.0]).is_empty() && notes([3.0, 30.0, 3.0]).is_empty());
     }

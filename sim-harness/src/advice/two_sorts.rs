@@ -20,8 +20,8 @@ use rundown_files::statistics::median;
 const LEAST_RUNS: usize = 4;
 /// Nearer sorts are those of winds and loads, as a share of the resistance. Judgement.
 const LEAST_APART: f64 = 0.08;
-/// Both are so many times as far apart as they scatter: the best split of runs of one sort leaves 2.7 in the middle, and
-/// more than this in one of 500 sets of 8 to 10 runs.
+/// Both are so many times as far apart as they scatter: the best split of runs of one sort leaves 2.7 in the middle,
+/// and more than this in one of 500 sets of 8 to 10 runs.
 const SURE: f64 = 7.0;
 /// So many are named.
 const NAMED: usize = 12;

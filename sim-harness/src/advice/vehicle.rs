@@ -101,7 +101,7 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
     let trust = &after.trust;
     match after.learned {
         Learned::PredictsWorse => {
-            say("the description foresees coasts better than what was learned, which is not published; \
+            say("the description predicts coasts better than what was learned, which is not published; \
              are the gradients those of this line?"
                 .to_owned())
         }
@@ -135,7 +135,7 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
         let hint = nearest.filter(|(_, off)| off.rms < NEARER * described.rms);
         let hint = hint.map_or_else(String::new, |(words, _)| format!("; nearest to it would be {words}"));
         say(format!(
-            "the described resistance looks wrong: what was learned is {away:.0} standard deviations of trains away from it{hint}"
+            "the described resistance looks wrong: what was learned is {away:.0} standard deviations away from it, as trains differ from their descriptions{hint}"
         ));
     } else if let Some((words, _)) = nearest.filter(|(_, off)| off.may_be_units(&described)) {
         say(format!(

@@ -299,7 +299,7 @@ fn finished(hub: &Hub) -> Result<ExitCode, Failure> {
         }
         if view.state.missing_runs > 0 {
             screen::note(&format!(
-                "between the runs that end in it {} missing by their numbers; lost frames of these are in no count",
+                "by their numbers {} missing between those recorded; their lost frames are not counted",
                 counted(view.state.missing_runs as usize, "run is", "runs are")
             ));
         }

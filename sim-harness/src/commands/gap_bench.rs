@@ -62,8 +62,7 @@ pub struct Arguments {
     /// Sets with two effects, of each size and effort
     #[arg(long, value_name = "N", default_value_t = 6)]
     pairs: u64,
-    /// As many sets with each of these, instead of those without: what is wrong with recorders and descriptions, and no
-    /// effect
+    /// Instead of the sets without an effect, as many with each of these faults of recorders and descriptions
     #[arg(long, value_enum, value_name = "NAME")]
     nuisance: Vec<Nuisance>,
     /// Share of the sets with an effect that have dirty sensors

@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Number of the key, shown in lists; says nothing of the key
     #[arg(long, value_name = "N", default_value_t = 1)]
     key_id: u32,
-    /// File for the record; must not exist, for a lost key locks a board
+    /// File for the record; it must not exist yet, for a key that is overwritten leaves its board locked
     #[arg(long, value_name = "KEY.bin")]
     out: PathBuf,
 }
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     let mut file = options.open(&arguments.out).map_err(|error| match error.kind() {
         std::io::ErrorKind::AlreadyExists => {
-            at("expected no file of this name, for the key in it may be a board's; choose another --out".to_owned())
+            at("expected a new file, found one whose key a board may need; choose another --out".to_owned())
         }
         _ => WriteError { path: arguments.out.clone(), source: error }.into(),
     })?;

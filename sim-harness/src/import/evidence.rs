@@ -221,7 +221,7 @@ impl SeenRows {
                 "column {header:?} is taken for the {key} by its unit alone, which no other column has; too few rows of a moving train to try it"
             ),
             (false, Some(_)) => format!(
-                "column {header:?} has a unit of a {key}, but is none: speed and location agree in {percent:.0} % of the stretches, expected {:.0} %",
+                "column {header:?} has the unit of a {key} without being one: speed and location agree in {percent:.0} % of the stretches, expected {:.0} %",
                 100.0 * LEAST_ALIKE
             ),
             (false, None) => {

@@ -254,8 +254,8 @@ impl<'a> Converter<'a> {
     }
 }
 
-/// The effort of traction and brake where each has a column of its own, whatever the sign of the brake's. An effort below
-/// zero has the brake in it already; none beside no brake stays unknown.
+/// The effort of traction and brake where each has a column of its own, whatever the sign of the brake's. An effort
+/// below zero has the brake in it already; none beside no brake stays unknown.
 fn with_brake(traction: Option<f64>, braking: Option<f64>) -> Option<f64> {
     let Some(brake) = braking.map(f64::abs).filter(|brake| *brake > 0.0) else { return traction };
     let traction = traction.unwrap_or(0.0);

@@ -39,7 +39,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     [
         "runs[].speeds_put_right",
         "",
-        "whether half a step was added to its speeds, for the runs before have shown that they are cut off",
+        "whether half a step was added to its speeds, because earlier runs showed that they are truncated",
         "",
     ],
     ["runs[].perturbed", "", "what outside the train held the run up", "nothing did, or nobody looked"],

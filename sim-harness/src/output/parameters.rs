@@ -59,7 +59,8 @@ pub(super) fn learned_kmh(run: &ReplayedRun) -> Option<[f64; 2]> {
 pub(super) fn foresight() -> Vec<Column<ReplayedRun>> {
     let published = "whether the board would publish the vehicle's resistance between runs: `learned`, or why not; `not_yet`, \
                      too, where falls before brakes, which it does not compare, say that r is larger";
-    let scatter = "errors of foreseen coasts over what is expected of them, rms over the last tens of runs, at least 1";
+    let scatter =
+        "errors of predicted coasts over what is expected of them, rms over the last tens of runs, at least 1";
     let mut columns = vec![
         Column::text("published", published, |run: &ReplayedRun| run.learned.as_str()),
         Column::count("coasts", "coasts that taught", |run: &ReplayedRun| run.summary.foresight.trust.coasts as usize),
@@ -72,7 +73,7 @@ pub(super) fn foresight() -> Vec<Column<ReplayedRun>> {
 }
 
 fn coast_error(name: &str, whose: &str, squares_mps: fn(&Foresight) -> f64) -> Column<ReplayedRun> {
-    let meaning = format!("rms error of the speed at the end of a coast, as foreseen {whose}");
+    let meaning = format!("rms error of the speed at the end of a coast, as predicted {whose}");
     Column::number(name, "km/h", &meaning, move |run: &ReplayedRun| {
         let foresight = &run.summary.foresight;
         let coasts = foresight.trust.coasts;

@@ -298,7 +298,7 @@ pub fn dropped_words(paper: &ReplayedRun) -> Option<String> {
     let count = paper.estimates.iter().zip(&paper.measurements).filter(is_dropped).count();
     (count > 0).then(|| {
         let readings = counted(count, "reading of its speed was", "readings of its speed were");
-        format!("{readings} dropped as impossible for a train; until the next one the effort is held, and what the speed changed by meanwhile the forward effort makes up for then, the backward one never")
+        format!("{readings} dropped as impossible for a train; the effort is held until the next one, where the forward effort makes up for the speed's change in between; the backward effort never does")
     })
 }
 

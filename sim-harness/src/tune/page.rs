@@ -87,7 +87,7 @@ fn parameters(page: &Tuning) -> Markup {
     } } };
     html! {
         (table(head, rows))
-        p.small { "An acceleration noise at its least value stands for none. The configuration lies beside this page: "
+        p.small { "An acceleration noise at its lower bound means none. The configuration lies beside this page: "
             code { "rundown replay --config config.toml" } "." }
     }
 }

@@ -1,5 +1,5 @@
-//! What measured efforts say of the described gradients: are they right, how many times as steep, and by how much off at
-//! their places?
+//! What measured efforts say of the described gradients: are they right, how many times as steep, and by how much off
+//! at their places?
 //!
 //! ```text
 //! dv/dt = q u - k g(s) - b0 - b1 v - b2 v²          k: 1 described rightly, -1 with the sign turned, 0 of another line
@@ -9,7 +9,7 @@
 //! other slopes would. Beside the efforts they are no riddle. How surely k is known is what places say of it; what the
 //! slopes are off by is what different runs have in common at a place, with k = 1.
 
-use super::places::{self, OfRun, Recurring};
+use super::places::{self, Leaves, Recurring};
 use super::stretch::climb_n_per_kg;
 use super::{Doubt, Version, off_by_place_permille};
 use crate::agreement::Figure;
@@ -169,7 +169,7 @@ pub(super) fn read(windows: &[Driven], train: &Train, track: &Track) -> Option<B
     let described: Vec<(SVector<f64, 4>, f64)> = described.collect();
     let (gamma, _) = least_squares(&described)?;
     let residuals: Vec<f64> = described.iter().map(|(x, y)| y - x.dot(&gamma)).collect();
-    let of_run = |(window, residual): (&Driven, &f64)| OfRun {
+    let of_run = |(window, residual): (&Driven, &f64)| Leaves {
         cell: places::cell(window.fronts_m),
         run: window.run,
         share: 1.0,

@@ -175,8 +175,8 @@ impl Coasts {
         }
     }
 
-    /// How far the described gradients are off, standard deviation: what efforts, or else coasts, of different runs have
-    /// in common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
+    /// How far the described gradients are off, standard deviation: what efforts, or else coasts, of different runs
+    /// have in common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
     fn small_errors(&self, train: &Train, described: &AsDescribed) -> Option<SmallErrors> {
         if self.runs < LEAST_RUNS_SMALL {
             return None;

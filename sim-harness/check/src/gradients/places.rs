@@ -99,7 +99,7 @@ impl Locked {
         let climbs: Vec<f64> = climbs_n_per_kg.iter().map(|climb| asked.follows_climb() * climb).collect();
         let residuals = without_resistance((stretches, &climbs), &shares, &efforts);
         let weighed = stretches.iter().zip(&shares).zip(&residuals);
-        let of_run = |((stretch, share), residual): ((&Stretch, &f64), &f64)| OfRun {
+        let of_run = |((stretch, share), residual): ((&Stretch, &f64), &f64)| Leaves {
             cell: cell(stretch.fronts_m),
             run: stretch.run,
             share: *share,
@@ -114,7 +114,7 @@ impl Locked {
 
 /// What a run leaves unexplained at a place, uphill as the chainage grows, N/kg, and how surely it counts, 0 to 1.
 #[derive(Clone, Copy, Debug)]
-pub struct OfRun {
+pub struct Leaves {
     pub cell: i64,
     pub run: usize,
     pub share: f64,
@@ -136,9 +136,9 @@ pub fn cell(fronts_m: [f64; 2]) -> i64 {
 }
 
 /// Mean product over the pairs of different runs at one place; none from too few places.
-pub fn recurring(residuals: impl Iterator<Item = OfRun>) -> Option<Recurring> {
+pub fn recurring(residuals: impl Iterator<Item = Leaves>) -> Option<Recurring> {
     let mut cells: BTreeMap<i64, BTreeMap<usize, [f64; 2]>> = BTreeMap::new();
-    for OfRun { cell, run, share, residual } in residuals {
+    for Leaves { cell, run, share, residual } in residuals {
         let [sum, of_run] = cells.entry(cell).or_default().entry(run).or_default();
         *sum += share * residual;
         *of_run += share;
