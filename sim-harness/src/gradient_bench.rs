@@ -98,8 +98,8 @@ impl DescribedGradients {
             Self::Shifted => matches!(better, Version::Shifted(_)),
             Self::OtherLine => matches!(better, Version::Level | Version::ByPlace),
             Self::Level => better == Version::ByPlace,
-            Self::Twice => better == Version::HalfOfIt,
-            Self::Half => better == Version::TwiceOfIt,
+            Self::Twice => better == Version::HalfOfIt || is_times(better, 0.5),
+            Self::Half => better == Version::TwiceOfIt || is_times(better, 2.0),
             Self::Right | Self::Rounded | Self::Survey => false,
         }
     }
@@ -132,6 +132,11 @@ impl DescribedGradients {
         let gradients: Vec<Gradient> = source.gradients_permille().iter().map(&mut gradient).collect();
         Track::try_new(length_m, gradients).map_err(|e| e.to_string())
     }
+}
+
+/// Measured efforts say how many times as steep, and within a tenth of it.
+fn is_times(better: Version, times: f64) -> bool {
+    better.times().is_some_and(|found| (found / times - 1.0).abs() < 0.1)
 }
 
 /// What came of sets with gradients described in one way.

@@ -139,7 +139,7 @@ fn measured_efforts_say_how_many_times_as_steep_the_gradients_are_and_doubt_smal
     }
     let (said, doubt, permille) = replay(&off_by_half(&track));
     assert!(doubt.is_null() && (0.2..0.8).contains(&permille), "{doubt} {permille}");
-    assert!(said.out.contains("on which efforts of different runs agree"), "{}", said.out);
+    assert!(said.out.contains("on which the accelerations beside the efforts of different runs"), "{}", said.out);
 }
 
 #[test]

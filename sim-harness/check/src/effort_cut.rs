@@ -1,4 +1,4 @@
-//! An effort column that ends at a most: what is larger is written as that.
+//! An effort column that is cut off at a maximum: what is larger is written as that.
 //!
 //! In: rows of all runs of a unit, put right, and the line with the train as described. Out: the most, where the train
 //! needs more than that for its motion.
@@ -11,12 +11,13 @@
 //! Trains that start with a constant effort have a most of their own, too, and it moves them as their other efforts do.
 
 use crate::SURE;
+use crate::agreement::Figure;
 use crate::effort::least_squares;
 use crate::effort_demanded::{Powered, powered};
 use nalgebra::Vector2;
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{median, sd_of_median, spread};
 
 /// Efforts within this share of the most are at it: the digits of the column.
 const AT_MOST: f64 = 2e-3;
@@ -32,7 +33,7 @@ const LEAST_TIMES: f64 = 1.04;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cut {
     pub(crate) most_n_per_kg: f64,
-    pub(crate) times: f64,
+    pub(crate) times: Figure,
 }
 
 /// None: the efforts end nowhere, or where the trains' do.
@@ -56,12 +57,14 @@ pub(crate) fn of<'a>(runs: impl Iterator<Item = (&'a [Sample], Line<'a>)>) -> Op
     let [q, k] = [fitted[0], fitted[1]];
     let noise = rows.iter().map(|(x, y)| (y - x.dot(&fitted)).powi(2)).sum::<f64>() / rows.len() as f64;
     let of = |window: &Powered| (window.gained + k * window.resistance) / (q * window.effort);
-    // Of many sizes, as what was cut off was: their scatter is no doubt.
     let times = median(at_most.iter().map(of))?;
     let resistance = median(at_most.iter().map(|window| window.resistance))?;
     let by = Vector2::new(-times / q, resistance / (q * most));
-    let sd = (noise * (by.transpose() * inverse * by)[0]).sqrt();
-    (q > 0.0 && times - SURE * sd > LEAST_TIMES).then_some(Cut { most_n_per_kg: most, times })
+    let of_fit = (noise * (by.transpose() * inverse * by)[0]).sqrt();
+    let of_median = sd_of_median(spread(at_most.iter().map(|window| of(window) - times)), at_most.len());
+    let times = Figure { value: times, sd: of_fit.hypot(of_median) };
+    let is_cut = q > 0.0 && times.value - SURE * times.sd > LEAST_TIMES;
+    is_cut.then_some(Cut { most_n_per_kg: most, times })
 }
 
 fn is_at(effort: f64, most: f64) -> bool {
@@ -115,7 +118,7 @@ mod tests {
     fn a_column_that_ends_below_what_moves_the_train_is_cut_off_and_an_effort_of_the_start_is_not() {
         let (cut, mut rows) = found(0.2, 1.0);
         let cut = cut.unwrap();
-        assert!((cut.most_n_per_kg - 0.2).abs() < 1e-12 && (1.1..2.0).contains(&cut.times), "{cut:?}");
+        assert!((cut.most_n_per_kg - 0.2).abs() < 1e-12 && (1.1..2.0).contains(&cut.times.value), "{cut:?}");
         let count = leave_out(&mut rows, &cut);
         let kept: Vec<f64> = rows.iter().filter_map(|row| row.effort_n_per_kg).collect();
         assert!(count > 100 && kept.len() > 1000 && kept.iter().all(|effort| *effort < 0.2), "{count}");

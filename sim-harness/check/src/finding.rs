@@ -76,9 +76,9 @@ kinds! {
         => "look whether train and mass are the described ones, and in which unit the effort is";
     EffortApart "measured efforts do not go with the train's acceleration: correlation"
         => "look at the column: which train's, which sign, which clock";
-    EffortDemanded "efforts are what the lever asks for, or end at a most, and not what acts: the fast train needs this share of them, where the slow one needs all"
+    EffortDemanded "efforts are what the lever asks for, or are cut off at a maximum, and not what acts: the fast train needs this share of them, where the slow one needs all"
         => "record the effort that the traction gives";
-    EffortCut "efforts end at a most, above which trains need this many times as much"
+    EffortCut "efforts are cut off at a maximum, where the motion of the trains needs this many times as much"
         => "look at the range of the column's signal";
     EffortSteps "measured efforts have steps too large for a resistance:" => "record the effort with more digits";
     EffortUnlike "efforts are unlike those of the other runs: acceleration for the effort, over theirs"

@@ -27,7 +27,7 @@
 //! | are rows no readings, but between them? | `interpolated` |
 //! | does a straight line bridge what was not received? | `bridged` |
 //! | does the effort stand still? | `effort_held` |
-//! | does it end at a most? | `effort_cut` |
+//! | is it cut off at a maximum? | `effort_cut` |
 //! | do speeds trail behind the train in a filter? | `trailing` |
 //! | are speeds means over some seconds? | `smoothed` |
 //! | what does an age of the speed add to the way besides? | `second_order` |

@@ -221,7 +221,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
         let usual_s = row_step::usual_step_s(rows);
         // They accuse the locations beside them.
         let stuck = if speed_is_computed { Vec::new() } else { stuck_speeds::found(rows) };
-        // Single wild speeds deny no line.
+        // A single wild speed must not make a straight line look bridged.
         readings::speed_spikes(rows, &mut findings);
         evidence.extend(bridged::leave_out(rows, usual_s, &stuck, &mut findings).map(|text| (Kind::Bridged, text)));
         places::stuck_locations(rows, &mut findings);

@@ -109,10 +109,10 @@ pub enum Refusal {
         /// The largest factor that is taken for right.
         most: f64,
     },
-    /// Coasts say that the gradients are wrong.
+    /// Coasts or measured efforts say that the gradients are wrong.
     #[error("track: {doubt}; the gap would be theirs; nothing was written")]
     WrongGradients {
-        /// What coasts say.
+        /// What they say.
         doubt: Doubt,
     },
     /// A line that is described as level has slopes.

@@ -37,7 +37,7 @@ struct ChangedAt {
 
 /// The note on a unit; `vehicle`: its coefficients after all runs.
 pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option<String> {
-    let of_unit = runs.iter().filter(|run| run.unit == unit && run.much());
+    let of_unit = runs.iter().filter(|run| run.unit == unit && run.teaches_much());
     let mut of_unit: Vec<(&Taught, Figure)> = of_unit.filter_map(|run| Some((run, run.over(vehicle)?))).collect();
     of_unit.drain(..of_unit.len().saturating_sub(MOST_RUNS));
     let shares: Vec<Figure> = of_unit.iter().map(|(_, share)| *share).collect();

@@ -14,9 +14,10 @@ use rundown::tick::estimate::Estimate;
 use rundown_check::agreement::Figure;
 use rundown_files::replay::ReplayedRun;
 
-/// A run that taught less of its resistance says nothing by itself.
+/// A run that taught less of its resistance says nothing by itself: what it says is multiplied by the inverse.
+/// Judgement.
 const LEAST_TAUGHT: f64 = 0.25;
-/// One that taught more says much.
+/// One that taught more says much. Judgement.
 const MUCH: f64 = 0.7;
 /// Speeds that are asked, km/h: that of which a run taught most counts.
 const ASKED_KMH: [f64; 5] = [40.0, 60.0, 80.0, 100.0, 120.0];
@@ -69,7 +70,7 @@ impl Taught {
     }
 
     /// It taught most of it, and says much by itself.
-    pub(super) fn much(&self) -> bool {
+    pub(super) fn teaches_much(&self) -> bool {
         self.share > MUCH
     }
 

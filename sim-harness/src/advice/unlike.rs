@@ -26,8 +26,11 @@ const NAMED: usize = 3;
 
 /// Runs far from all others, the farthest first. `vehicle`: the coefficients of a unit after all runs.
 pub(super) fn note(runs: &[Taught], vehicle: impl Fn(&str) -> Option<Gaussian<3>>) -> Option<String> {
-    let shares: Vec<(Figure, &Taught)> =
-        runs.iter().filter(|run| run.much()).filter_map(|run| Some((run.over(&vehicle(&run.unit)?)?, run))).collect();
+    let shares: Vec<(Figure, &Taught)> = runs
+        .iter()
+        .filter(|run| run.teaches_much())
+        .filter_map(|run| Some((run.over(&vehicle(&run.unit)?)?, run)))
+        .collect();
     if shares.len() < LEAST_RUNS {
         return None;
     }

@@ -305,7 +305,9 @@ impl SeenRows {
         for (meaning, seen) in FORCES.into_iter().zip(&self.forces) {
             let largest = seen.iter().map(|force| force.abs()).fold(0.0, f64::max);
             let Some(column) = columns.of.get_mut(&meaning) else { continue };
-            if column.unit.is_none() && largest < 3.0 && largest > 0.0 {
+            // A column of 0 and 1 says only whether.
+            let is_measured = seen.iter().any(|force| force.fract() != 0.0);
+            if column.unit.is_none() && largest < 3.0 && is_measured {
                 column.unit = units::by_name(meaning, "N/kg");
                 column.how = How::Evidence(format!("no value beyond {largest:.2}"));
             }

@@ -72,10 +72,13 @@ fn is_grouped(number: &str, separator: char) -> bool {
     first && rest.peek().is_some() && rest.all(|group| digits(group) && group.len() == 3)
 }
 
+/// One in so many numbers with a sign must be surely a decimal.
+const LEAST_SURE: usize = 20;
+
 /// The decimal sign of some fields; a point unless more of them hold a comma. What may be a group of thousands decides
 /// only where nothing else does.
 pub fn decimal_of<'a>(fields: impl Iterator<Item = &'a str>) -> char {
-    // Whether it is a number with this sign once, and no whole one in groups of three.
+    // None: no number with this sign once. True: surely a decimal; false: may be a group of thousands.
     let with = |text: &str, sign: char| {
         let text = text.trim().trim_start_matches(['-', '+']);
         // A unit may stand behind the number.
@@ -94,7 +97,9 @@ pub fn decimal_of<'a>(fields: impl Iterator<Item = &'a str>) -> char {
             }
         }
     }
-    let [commas, points] = if sure[0] == sure[1] { all } else { sure };
+    // A stray field decides nothing.
+    let are_many = LEAST_SURE * sure[0].max(sure[1]) >= all[0] + all[1];
+    let [commas, points] = if sure[0] == sure[1] || !are_many { all } else { sure };
     if commas > points { ',' } else { '.' }
 }
 
@@ -131,6 +136,8 @@ mod tests {
         assert_eq!(decimal_of(["12,345", "80.5", "12,369", "81", "12,393", "81.5"].into_iter()), '.');
         assert_eq!(decimal_of(["12,345", "80", "12,369", "81"].into_iter()), ',');
         assert_eq!(decimal_of(["12.345", "80", "0,5"].into_iter()), ',');
+        let stray = std::iter::repeat_n("12.345", 50).chain(["0,5"]);
+        assert_eq!(decimal_of(stray), '.');
     }
 
     #[test]

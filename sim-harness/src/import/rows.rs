@@ -84,7 +84,10 @@ impl<'a> Converter<'a> {
         sample.location_m = number(Meaning::Location);
         sample.speed_mps = number(Meaning::Speed);
         let altitude_m = number(Meaning::Altitude);
-        sample.effort_n_per_kg = with_brake(number(Meaning::Effort), number(Meaning::Braking));
+        sample.effort_n_per_kg = number(Meaning::Effort);
+        if self.columns.unit(Meaning::Effort).is_some() {
+            sample.effort_n_per_kg = with_brake(sample.effort_n_per_kg, number(Meaning::Braking));
+        }
         sample.temperature_c = number(Meaning::Temperature);
         sample.headwind_mps = number(Meaning::Headwind);
         let (latitude, longitude) = (number(Meaning::Latitude), number(Meaning::Longitude));
@@ -254,12 +257,12 @@ impl<'a> Converter<'a> {
     }
 }
 
-/// The effort of traction and brake where each has a column of its own, whatever the sign of the brake's. An effort
-/// below zero has the brake in it already; none beside no brake stays unknown.
+/// The effort of traction and brake where each has a column of its own, whatever the sign of the brake's. In an effort
+/// below zero the larger of both may be all of it; none beside no brake stays unknown.
 fn with_brake(traction: Option<f64>, braking: Option<f64>) -> Option<f64> {
     let Some(brake) = braking.map(f64::abs).filter(|brake| *brake > 0.0) else { return traction };
     let traction = traction.unwrap_or(0.0);
-    Some(if traction < 0.0 { traction } else { traction - brake })
+    Some(if traction < 0.0 { traction.min(-brake) } else { traction - brake })
 }
 
 /// What recorders write for nothing. `#N/A` of a table calculation is none of it: it stands where a formula found no

@@ -69,6 +69,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["failed[].errors[]", "", "why", ""],
     ["notes[]", "", "what a person should know about all runs", ""],
     ["gradient_doubt.better", "", "what the described gradients look like: `sign_turned`, `per_cent`, ...", NOT_WRONG],
+    ["gradient_doubt.seen_by", "", "what shows it: `coasts` or measured `efforts`", NOT_WRONG],
     [
         "gradient_doubt.shift_m",
         "m",
@@ -79,13 +80,13 @@ pub const FIELDS: &[[&str; 4]] = &[
     [
         "gradient_doubt.off_permille",
         "permille",
-        "root mean square of what they are off by; with `times` twice that, for errors that follow the slopes do not average out",
+        "root mean square of what they are off by; by efforts twice that, for errors that follow the slopes do not average out",
         NOT_WRONG,
     ],
     [
         "gradient_doubt.sd_n_per_kg",
         "N/kg",
-        "scatter of coasted stretches of 20 s if they were so; with `times` of accelerations over 10 s",
+        "scatter of coasted stretches of 20 s if they were so; by efforts of accelerations over 10 s",
         NOT_WRONG,
     ],
     ["gradient_doubt.described_sd_n_per_kg", "N/kg", "the same as they are described", NOT_WRONG],
@@ -93,10 +94,10 @@ pub const FIELDS: &[[&str; 4]] = &[
         "gradient_doubt.log_likelihood",
         "",
         "log-likelihood ratio of the two",
-        "they do not look wrong, or `better` is `by_place` or `times`",
+        "they do not look wrong, or `better` is `by_place`, or it is seen by efforts",
     ],
     ["gradient_doubt.z", "", "standard errors over the places of the line by which it is better", NOT_WRONG],
-    ["gradient_doubt.stretches", "", "coasted stretches; with `times` windows of 10 s", NOT_WRONG],
+    ["gradient_doubt.stretches", "", "coasted stretches; by efforts windows of 10 s", NOT_WRONG],
     GRADIENT_SD,
 ];
 
@@ -104,7 +105,7 @@ pub const FIELDS: &[[&str; 4]] = &[
 pub const GRADIENT_SD: [&str; 4] = [
     "gradient_sd_permille",
     "permille",
-    "how far gradients were taken to be off, standard deviation: by the track, the configuration or the coasts",
+    "how far gradients were taken to be off, standard deviation: by the track, the configuration, the coasts or measured efforts",
     "",
 ];
 
@@ -161,6 +162,7 @@ impl End<'_> {
 fn gradient_doubt(doubt: &Doubt) -> Value {
     json!({
         "better": doubt.better.word(),
+        "seen_by": doubt.seen_by,
         "shift_m": doubt.better.shift_m(),
         "times": doubt.better.times(),
         "off_permille": doubt.off_permille,

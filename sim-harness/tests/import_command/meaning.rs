@@ -487,7 +487,7 @@ fn forces_of_traction_and_brake_in_two_columns_are_one_effort() {
     let mapping = "[[source]]\nrotating_mass_kg = 400000.0\n";
     // 40 kN of traction in the first minute, 80 kN of the brake in the second, then nothing.
     let traction = |t: f64| if t < 60.0 { "40,0" } else { "0,0" };
-    for (brake, idle) in [("80,0", "0,0"), ("-80,0", "0,0"), ("80,0", "")] {
+    for (brake, idle) in [("80,0", "0,0"), ("-80,0", "0,0"), ("80,0", ""), ("80,0", "-0,1")] {
         let text = table("Zeit [s];Weg [km];v [km/h];Zugkraft [kN];Bremskraft [kN]", &rows, |t, x, v| {
             let braking = if (60.0..120.0).contains(&t) { brake } else { idle };
             let km = format!("{:.4};{:.1}", x / 1000.0, 3.6 * v).replace('.', ",");
@@ -499,8 +499,22 @@ fn forces_of_traction_and_brake_in_two_columns_are_one_effort() {
         let column = log.lines().next().unwrap().split(',').position(|name| name == "effort_n_per_kg").unwrap();
         let effort = |row: usize| log.lines().nth(row + 1).unwrap().split(',').nth(column).unwrap().parse::<f64>().ok();
         assert_eq!((effort(30), effort(90)), (Some(0.1), Some(-0.2)), "{brake}");
-        assert_eq!(effort(150), if idle.is_empty() { None } else { Some(0.0) });
+        let idle: Option<f64> = idle.replace(',', ".").parse().ok();
+        assert_eq!(effort(150), idle.map(|kn| kn / 400.0));
     }
+}
+
+#[test]
+fn a_column_that_only_says_whether_the_train_brakes_is_no_force() {
+    let rows = drive(&STOPS_M, 30.0);
+    let text = table("time_s,location_m,speed_kmh,effort_n_per_kg,braking", &rows, |t, x, v| {
+        format!("{t},{x:.1},{:.1},0.25,{}", 3.6 * v, u8::from(t > 100.0))
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    let said = folder.done(&["import", "a.csv"]);
+    assert!(said.err.contains("column \"braking\" is not used: its unit is not known"), "{}", said.err);
+    let log = folder.read("runs/a_01.csv");
+    assert!(log.lines().skip(1).all(|line| line.contains("0.25")), "{log}");
 }
 
 #[test]

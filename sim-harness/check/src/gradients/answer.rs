@@ -1,11 +1,13 @@
-//! All that coasts say of the described gradients and resistance, and by how much an estimator doubts the track for it.
+//! All that coasts and measured efforts say of the described gradients and resistance, and by how much an estimator
+//! doubts the track for it.
 
-use super::{Coasts, Doubt, OtherUnits};
+use super::{Coasts, Doubt, OtherUnits, SeenBy};
 use rundown::model::{track::Track, train::Train};
 use rundown::tick::track_doubt::TrackDoubtConfig;
+use rundown_files::track_file::MOST_SD_PERMILLE;
 use std::fmt;
 
-/// What coasts say of the descriptions.
+/// What coasts and efforts say of the descriptions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answer {
     /// The described gradients look wrong.
@@ -23,15 +25,6 @@ pub struct SmallErrors {
     pub sd_permille: f64,
     /// What shows them.
     pub seen_by: SeenBy,
-}
-
-/// What shows small errors of gradients.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SeenBy {
-    /// Measured efforts, whose accelerations other gradients would explain.
-    Efforts,
-    /// Coasts, which gain and lose speed.
-    Coasts,
 }
 
 impl Coasts {
@@ -54,7 +47,7 @@ impl Answer {
             gradients.raise(doubt);
         }
         if let Some(small) = &self.small {
-            doubt.gradient_sd_permille = small.sd_permille;
+            doubt.gradient_sd_permille = small.sd_permille.min(MOST_SD_PERMILLE);
         }
     }
 }
@@ -62,13 +55,13 @@ impl Answer {
 impl fmt::Display for SmallErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sd = self.sd_permille;
-        let seen_by = match self.seen_by {
-            SeenBy::Efforts => "efforts",
+        let what = match self.seen_by {
+            SeenBy::Efforts => "the accelerations beside the efforts",
             SeenBy::Coasts => "coasts",
         };
         write!(
             f,
-            "gradients are taken to be off by {sd:.2} permille (standard deviation), on which {seen_by} of different runs \
+            "gradients are taken to be off by {sd:.2} permille (standard deviation), on which {what} of different runs \
              agree at their places; gradient_sd_permille in the track's file says otherwise"
         )
     }

@@ -10,23 +10,36 @@ use std::fmt;
 /// Coasts are explained where they scatter by less than this share of the most that is taken for coasting.
 const EXPLAINED: f64 = 0.9;
 
+/// What shows that gradients are off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SeenBy {
+    /// Accelerations beside measured efforts.
+    Efforts,
+    /// Coasts, which gain and lose speed.
+    Coasts,
+}
+
 /// The described gradients look wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Doubt {
-    /// What explains the coasts best.
+    /// What explains the coasts, or the accelerations beside the efforts, best.
     pub better: Version,
-    /// Scatter of coasted stretches with it, standard deviation, N/kg.
+    /// Which of the two.
+    pub seen_by: SeenBy,
+    /// Scatter of coasted stretches, or accelerations, with it, standard deviation, N/kg.
     pub sd_n_per_kg: f64,
     /// Scatter of the same stretches with the gradients as described, N/kg.
     pub described_sd_n_per_kg: f64,
-    /// Log-likelihood of the better version less that of the described one; none where the slopes are by place, whose
-    /// shape is not fitted.
+    /// Log-likelihood of the better version less that of the described one; none by efforts, and where the slopes are
+    /// by place, whose shape is not fitted.
     pub log_likelihood: Option<f64>,
     /// By how many standard errors over the places of the line.
     pub z: f64,
-    /// Stretches of 20 s that are coasted.
+    /// Stretches of 20 s that are coasted, or windows of 10 s with a steady effort.
     pub stretches: usize,
-    /// By how much the described gradients are off, root mean square over these stretches, permille.
+    /// By how much the described gradients are off, root mean square over these stretches, permille;
+    /// by efforts twice that, for errors that follow the slopes do not average out.
     pub off_permille: f64,
 }
 
@@ -39,7 +52,8 @@ impl Doubt {
 
     /// The described slopes have the wrong sign or scale: with another one they leave no more scatter than coasts have,
     /// and as described they leave more. No other version decides: short hops on a right line at times look like a
-    /// level line, which a tenth all but is, or another place.
+    /// level line, which a tenth all but is, or another place. How many times as steep is known from efforts, beside
+    /// any resistance.
     pub fn is_decisive(&self) -> bool {
         let scaled = match self.better {
             Version::SignTurned | Version::PerCent | Version::TwiceOfIt | Version::HalfOfIt => true,
@@ -63,7 +77,7 @@ pub fn explains(sd_n_per_kg: f64) -> bool {
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { better, sd_n_per_kg: sd, described_sd_n_per_kg: described, stretches, z, .. } = self;
-        if let Version::Times(_) = better {
+        if self.seen_by == SeenBy::Efforts {
             return write!(
                 f,
                 "gradients look wrong: {better} they would explain what measured efforts do: the accelerations of \

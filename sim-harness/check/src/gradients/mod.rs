@@ -22,8 +22,8 @@ mod stretch;
 mod units;
 mod version;
 
-pub use answer::{Answer, SeenBy, SmallErrors};
-pub use doubt::Doubt;
+pub use answer::{Answer, SmallErrors};
+pub use doubt::{Doubt, SeenBy};
 pub use units::{CONVERSIONS, OtherUnits, converted};
 pub use version::Version;
 
@@ -87,7 +87,7 @@ const LEAST_SHIFT_M: f64 = 300.0;
 pub struct Coasts {
     runs: usize,
     stretches: Vec<Stretch>,
-    /// What measured efforts did.
+    /// Windows with a steady effort.
     driven: Vec<by_efforts::Driven>,
 }
 
@@ -97,7 +97,7 @@ struct AsDescribed {
     climbs_n_per_kg: Vec<f64>,
     /// Those that coast, as other versions of the gradients and of the resistance are compared with; none from too few.
     fit: Option<MixtureFit>,
-    /// What efforts say of them; none of too few.
+    /// What efforts say of them; none of too few, on a level line, and where they do not explain the accelerations.
     efforts: Option<ByEfforts>,
 }
 
@@ -143,9 +143,9 @@ impl Coasts {
 
     fn doubt_of(&self, described: &AsDescribed, train: &Train, track: &Track, said_permille: f64) -> Option<Doubt> {
         // A level line has one version only.
-        let is_level = described.climbs_n_per_kg.iter().all(|climb| climb.abs() <= 1e-6);
+        let is_level = described.efforts.is_none() && described.climbs_n_per_kg.iter().all(|climb| climb.abs() <= 1e-6);
         let other = (!is_level).then(|| self.other_version(train, track, described)).flatten();
-        let steeper = || described.efforts.filter(|_| !is_level)?.other_steepness(train);
+        let steeper = || described.efforts?.other_steepness(train);
         let by_place = || self.by_place(train, described, is_level);
         // Efforts know better how many times as steep.
         let is_multiple = other.is_some_and(|doubt| matches!(doubt.better, Version::TwiceOfIt | Version::HalfOfIt));
@@ -168,6 +168,10 @@ impl Coasts {
         said_permille: f64,
     ) -> (Option<Doubt>, Option<OtherUnits>) {
         let gradients = self.doubt_of(described, train, track, said_permille);
+        // Known beside any resistance.
+        if gradients.is_some_and(|doubt| doubt.better.times().is_some()) {
+            return (gradients, None);
+        }
         let by_gradients = gradients.and_then(|doubt| doubt.log_likelihood).unwrap_or(0.0);
         match self.other_units(&train.davis(), described).filter(|units| units.log_likelihood > by_gradients) {
             Some(units) => (None, Some(units)),
@@ -176,7 +180,8 @@ impl Coasts {
     }
 
     /// How far the described gradients are off, standard deviation: what efforts, or else coasts, of different runs
-    /// have in common at a place. None where that is nothing, or may be chance; larger errors are a [`Doubt`].
+    /// have in common at a place. None where that is nothing, or may be chance; larger errors in coasts are a
+    /// [`Doubt`].
     fn small_errors(&self, train: &Train, described: &AsDescribed) -> Option<SmallErrors> {
         if self.runs < LEAST_RUNS_SMALL {
             return None;
@@ -214,6 +219,7 @@ impl Coasts {
         let z = places::better_by(&self.stretches, &best, described);
         (agree && clear && sees && z > least_z).then(|| Doubt {
             better,
+            seen_by: SeenBy::Coasts,
             sd_n_per_kg: best.sd_n_per_kg,
             described_sd_n_per_kg: described_sd,
             log_likelihood: Some(one + two),
@@ -248,6 +254,7 @@ impl Coasts {
         let rest = found.all_sd_n_per_kg.powi(2) - found.sd_n_per_kg.powi(2);
         (is_locked && (is_level || is_worse())).then(|| Doubt {
             better: Version::ByPlace,
+            seen_by: SeenBy::Coasts,
             sd_n_per_kg: rest.max(0.0).sqrt(),
             described_sd_n_per_kg: found.all_sd_n_per_kg,
             log_likelihood: None,

@@ -15,7 +15,7 @@ use nalgebra::{Matrix4, Vector4};
 use std::collections::BTreeMap;
 
 /// Extent of a place, m: a stretch at 90 km/h is as long.
-const PLACE_M: f64 = 500.0;
+pub const PLACE_M: f64 = 500.0;
 /// With fewer places nothing is said.
 const FEWEST: usize = 5;
 /// Small errors are asked of coasts that lose speed by so many times their scatter: those that hardly lose any, as down
@@ -112,7 +112,8 @@ impl Locked {
     }
 }
 
-/// What a run leaves unexplained at a place, uphill as the chainage grows, N/kg, and how surely it counts, 0 to 1.
+/// What a run leaves unexplained at a place, along the line as the chainage grows, N/kg, and how surely it counts, 0 to
+/// 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Leaves {
     pub cell: i64,

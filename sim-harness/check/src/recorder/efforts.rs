@@ -80,7 +80,7 @@ impl RecorderCheck {
         let leave_out = |i: usize| effort_cut::leave_out(&mut recordings[i].rows, &cut);
         let count: usize = own.into_iter().map(leave_out).sum();
         let text = format!("{:.3} N/kg in {count} rows, which are left out with those beside them", cut.most_n_per_kg);
-        self.found_by(Kind::EffortCut, Figure { value: cut.times, sd: 0.0 }, "", Done::LeftOut, text);
+        self.found_by(Kind::EffortCut, cut.times, "", Done::LeftOut, text);
     }
 
     /// Leaves out efforts that do not act.

@@ -92,7 +92,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
 /// What different runs have in common at their places.
 fn agreeing(small: &SmallErrors) -> String {
     let seen_by = match small.seen_by {
-        SeenBy::Efforts => "Efforts",
+        SeenBy::Efforts => "The accelerations beside the efforts",
         SeenBy::Coasts => "Coasts",
     };
     format!(

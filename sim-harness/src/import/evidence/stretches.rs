@@ -111,7 +111,7 @@ impl Stretches {
         let second = || units::by_name(Meaning::Time, "s").into_iter().collect();
         let mut times: Vec<Unit> = if is_text { second() } else { units(Meaning::Time, "s") };
         if unknown.contains(&Meaning::Time) && unknown.contains(&Meaning::Speed) {
-            // A tenth of a second, or of the speed?
+            // Tenths of the speed explain as much as tenths of a second, and are more usual.
             times.retain(|unit| !unit.is_of_counter());
         }
         let mut tried = Vec::new();
