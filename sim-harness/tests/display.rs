@@ -88,7 +88,7 @@ fn a_whole_run_that_is_missing_is_said_by_the_numbers_of_the_runs() {
         String::from_utf8(rundown(&["-", "--text"], &on_the_line(&messages)).stderr).unwrap()
     };
     assert_eq!(note(&[4, 5]), "");
-    let said = "note: between the runs that end in it 3 runs are missing by their numbers; lost frames of these are in no count\n";
+    let said = "note: by their numbers 3 runs are missing between those recorded; their lost frames are not counted\n";
     assert_eq!(note(&[4, 8, 9]), said);
     assert_eq!(note(&[4, 1, 2]), "", "another vehicle");
 }

@@ -225,7 +225,7 @@ impl SeenRows {
                 100.0 * LEAST_ALIKE
             ),
             (false, None) => {
-                format!("column {header:?} has a unit of a {key}, but too few rows of a moving train to try it")
+                format!("column {header:?} has the unit of a {key}, but too few rows of a moving train to try it")
             }
         }]
     }

@@ -240,7 +240,7 @@ fn a_speed_that_no_name_tells_is_taken_by_its_unit() {
 fn a_limit_is_no_speed_and_the_note_has_the_line_that_takes_another_column() {
     let folder = Folder::new();
     let (said, _) = imported(&folder, "t [s],x [m],Limit [km/h],Snelheid", |_| 100.0);
-    assert!(said.err.contains("\"Limit [km/h]\" has a unit of a speed, but is none"), "{said:?}");
+    assert!(said.err.contains("\"Limit [km/h]\" has the unit of a speed without being one"), "{said:?}");
     let folder = Folder::new();
     let (said, _) = imported(&folder, "t [s],x [m],Snelheid,Status", |v| 3.6 * v);
     assert_eq!(said.code, Some(0), "{said:?}");
@@ -489,7 +489,8 @@ fn forces_of_traction_and_brake_in_two_columns_are_one_effort() {
     let traction = |t: f64| if t < 60.0 { "40,0" } else { "0,0" };
     for (brake, idle) in [("80,0", "0,0"), ("-80,0", "0,0"), ("80,0", ""), ("80,0", "-0,1")] {
         let text = table("Zeit [s];Weg [km];v [km/h];Zugkraft [kN];Bremskraft [kN]", &rows, |t, x, v| {
-            let braking = if (60.0..120.0).contains(&t) { brake } else { idle };
+            let released = if idle.is_empty() { "" } else { "0,0" };
+            let braking = if (60.0..120.0).contains(&t) { brake } else { released };
             let km = format!("{:.4};{:.1}", x / 1000.0, 3.6 * v).replace('.', ",");
             format!("{t:.0};{km};{};{braking}", if t < 120.0 { traction(t) } else { idle })
         });
