@@ -52,6 +52,9 @@ const FOLLOWS_SLOPES: f64 = 2.0;
 /// Efforts that leave more of the accelerations unexplained than this are not known there, N/kg: of trains that power
 /// on and off between two rows.
 const MOST_SD_N_PER_KG: f64 = 0.025;
+/// And a steepness that is surely off by more than this is an error, too, where readings hide the places. Judgement:
+/// right gradients leave up to 0.02 with momentary efforts every 10 s.
+const LEAST_OFF: f64 = 0.03;
 /// Length of a place, m.
 const PLACE_M: f64 = 1000.0;
 /// Errors of the gradients come again at their places by so many standard errors. Judgement: they only widen intervals.
@@ -122,9 +125,9 @@ impl ByEfforts {
     /// How far the gradients are off, standard deviation, permille; none where that is nothing.
     pub(super) fn off_permille(&self, train: &Train) -> Option<f64> {
         let by_place = self.off.map(|off| off_by_place_permille(off.sd_n_per_kg, self.mean_way_m, train));
-        let is_sure = (self.steep.value - 1.0).abs() > SURELY_NOT * self.steep.sd;
-        let steepness = self.off.filter(|_| is_sure).map(|_| self.steepness_permille(train));
-        by_place.map(|by_place| by_place.max(steepness.unwrap_or(0.0)))
+        let is_off = (self.steep.value - 1.0).abs() - SURELY_NOT * self.steep.sd > LEAST_OFF;
+        let steepness = is_off.then(|| self.steepness_permille(train));
+        by_place.into_iter().chain(steepness).reduce(f64::max)
     }
 
     /// Errors that are independent from place to place and leave as much in r as a steepness that is off.
@@ -310,6 +313,9 @@ mod tests {
         // -0.8, 0 and 0.8 permille in turn.
         let off_permille = said(&track(1.0, 0.8)).off_permille(&train()).unwrap();
         assert!((0.5..0.9).contains(&off_permille), "{off_permille}");
+        // A tenth too flat, which comes out at no single place.
+        let flat = ByEfforts { off: None, ..said(&track(0.9, 0.0)) };
+        assert!((0.5..0.7).contains(&flat.off_permille(&train()).unwrap()) && flat.other_steepness(&train()).is_none());
     }
 
     #[test]
