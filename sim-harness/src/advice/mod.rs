@@ -248,7 +248,7 @@ mod tests {
             "{many}"
         );
         assert!(said(&[1, 3, 5, 7]).contains("one for each direction: a steady wind"), "{}", said(&[1, 3, 5, 7]));
-        // Runs that teach much say in order that it changed, and others that they are two sorts.
+        // One sort after the other: a change, had the runs taught enough to say so.
         assert!(said(&[5, 6, 7, 8]).contains("two sorts"), "{}", said(&[5, 6, 7, 8]));
     }
 
