@@ -8,15 +8,12 @@
 //! change = median of the runs since - median of those before, at the split that leaves the least distances
 //! ```
 
-use super::taught::Taught;
+use super::taught::{self, Taught};
 use super::vehicle::named;
 use rundown::filter::gaussian::Gaussian;
 use rundown_check::agreement::Figure;
 use rundown_files::statistics::{median, sd_of_median, spread};
 
-/// The last runs of a unit are asked: a change before them has long been learned, and each further run is another split
-/// whose medians take all of them.
-const MOST_RUNS: usize = 128;
 /// Runs on each side at least.
 const LEAST_RUNS: usize = 4;
 /// Smaller changes are those of winds and loads, as a share of the resistance. Judgement.
@@ -37,9 +34,7 @@ struct ChangedAt {
 
 /// The note on a unit; `vehicle`: its coefficients after all runs.
 pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option<String> {
-    let of_unit = runs.iter().filter(|run| run.unit == unit && run.teaches_much());
-    let mut of_unit: Vec<(&Taught, Figure)> = of_unit.filter_map(|run| Some((run, run.over(vehicle)?))).collect();
-    of_unit.drain(..of_unit.len().saturating_sub(MOST_RUNS));
+    let of_unit = taught::last_of(unit, runs, vehicle, Taught::teaches_much);
     let shares: Vec<Figure> = of_unit.iter().map(|(_, share)| *share).collect();
     let ChangedAt { since, share } = change(&shares)?;
     let (first, _) = of_unit.get(since)?;

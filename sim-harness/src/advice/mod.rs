@@ -126,6 +126,13 @@ impl Advice {
     }
 }
 
+/// `run01, run02 and 3 more`
+fn first_of(all: impl ExactSizeIterator<Item = String>, most: usize) -> String {
+    let more = all.len().saturating_sub(most);
+    let first = all.take(most).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{first} and {more} more") } else { first }
+}
+
 fn has_effort_beside_both(row: &Measurement) -> bool {
     row.effort_n_per_kg.is_some() && row.speed_mps.is_some() && row.location_m.is_some()
 }
@@ -220,24 +227,33 @@ mod tests {
         }
     }
 
+    /// The notes on nine runs, each with so many times the resistance of the vehicle, and what else it is.
+    fn said_of(times_and_run: impl Fn(u32) -> (f64, taught::Taught)) -> String {
+        let mut advice = Advice::default();
+        advice.add(&replayed().runs);
+        let r_n_per_kg = Resistance::at(&advice.vehicles[""].davis, 25.0).unwrap().mean_n_per_kg;
+        let run = |i: u32| {
+            let (times, run) = times_and_run(i);
+            taught::Taught { r_n_per_kg: Figure { value: times * r_n_per_kg, sd: 1e-5 }, ..run }
+        };
+        advice.taught = (0..9).map(run).collect();
+        advice.notes(&estimator(Config::default()), false).join("\n")
+    }
+
+    fn taught(i: u32, share: f64) -> taught::Taught {
+        taught::Taught {
+            name: format!("run{i}"),
+            unit: String::new(),
+            direction: if i.is_multiple_of(2) { Direction::Up } else { Direction::Down },
+            share,
+            speed_mps: 25.0,
+            r_n_per_kg: Figure { value: 0.0, sd: 0.0 },
+        }
+    }
+
     #[test]
     fn runs_of_two_sorts_are_said_with_their_names() {
-        let replayed = replayed();
-        let said = |more: &[u32]| {
-            let mut advice = Advice::default();
-            advice.add(&replayed.runs);
-            let r_n_per_kg = Resistance::at(&advice.vehicles[""].davis, 25.0).unwrap().mean_n_per_kg;
-            let run = |i: u32| taught::Taught {
-                name: format!("run{i}"),
-                unit: String::new(),
-                direction: if i.is_multiple_of(2) { Direction::Up } else { Direction::Down },
-                share: 0.5,
-                speed_mps: 25.0,
-                r_n_per_kg: Figure { value: r_n_per_kg * if more.contains(&i) { 1.25 } else { 1.0 }, sd: 1e-5 },
-            };
-            advice.taught = (0..9).map(run).collect();
-            advice.notes(&estimator(Config::default()), false).join("\n")
-        };
+        let said = |more: &[u32]| said_of(|i| (if more.contains(&i) { 1.25 } else { 1.0 }, taught(i, 0.5)));
         let few = said(&[1, 2, 5, 8]);
         let expected = "the vehicle: its runs are of two sorts: 4 of 9 that teach enough by themselves have 25 % more \
                         resistance than the others (at about 90 km/h), run1, run2, run5, run8: coaches, a load";
@@ -254,22 +270,7 @@ mod tests {
 
     #[test]
     fn a_train_that_changes_at_once_is_said_with_the_run() {
-        let replayed = replayed();
-        let said = |since: f64| {
-            let mut advice = Advice::default();
-            advice.add(&replayed.runs);
-            let r_n_per_kg = Resistance::at(&advice.vehicles[""].davis, 25.0).unwrap().mean_n_per_kg;
-            let run = |i: u32| taught::Taught {
-                name: format!("run{i}"),
-                unit: String::new(),
-                direction: Direction::Up,
-                share: 1.0,
-                speed_mps: 25.0,
-                r_n_per_kg: Figure { value: r_n_per_kg * if i < 4 { 1.0 } else { since }, sd: 1e-5 },
-            };
-            advice.taught = (0..9).map(run).collect();
-            advice.notes(&estimator(Config::default()), false).join("\n")
-        };
+        let said = |since: f64| said_of(|i| (if i < 4 { 1.0 } else { since }, taught(i, 1.0)));
         let expected =
             "the vehicle: from run4 on it has 30 % more resistance (at about 90 km/h, by 4 runs before and 5 since";
         assert!(said(1.3).contains(expected), "{}", said(1.3));

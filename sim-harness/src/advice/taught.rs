@@ -22,6 +22,10 @@ const MUCH: f64 = 0.7;
 /// Speeds that are asked, km/h: that of which a run taught most counts.
 const ASKED_KMH: [f64; 5] = [40.0, 60.0, 80.0, 100.0, 120.0];
 
+/// The last runs of a unit are asked whether it changed or is two: what was before has long been learned, and each
+/// further run is another split.
+const MOST_RUNS: usize = 128;
+
 /// What a run teaches by itself.
 #[derive(Debug)]
 pub(super) struct Taught {
@@ -79,4 +83,17 @@ impl Taught {
         let r_n_per_kg = Resistance::at(vehicle, self.speed_mps)?.mean_n_per_kg;
         Some(Figure { value: self.r_n_per_kg.value / r_n_per_kg - 1.0, sd: self.r_n_per_kg.sd / r_n_per_kg })
     }
+}
+
+/// The last runs of a unit that are `asked`, in order, each with its resistance over that of the vehicle, less 1.
+pub(super) fn last_of<'a>(
+    unit: &str,
+    runs: &'a [Taught],
+    vehicle: &Gaussian<3>,
+    asked: impl Fn(&Taught) -> bool,
+) -> Vec<(&'a Taught, Figure)> {
+    let of_unit = runs.iter().filter(|run| run.unit == unit && asked(run));
+    let mut of_unit: Vec<(&Taught, Figure)> = of_unit.filter_map(|run| Some((run, run.over(vehicle)?))).collect();
+    of_unit.drain(..of_unit.len().saturating_sub(MOST_RUNS));
+    of_unit
 }

@@ -9,7 +9,8 @@
 //! apart = (mean of the upper - mean of the lower) / scatter within, at the split that leaves the least scatter
 //! ```
 
-use super::taught::Taught;
+use super::first_of;
+use super::taught::{self, Taught};
 use super::vehicle::named;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::direction::Direction;
@@ -23,8 +24,6 @@ const LEAST_APART: f64 = 0.08;
 /// They are so many times as far apart as each scatters: the best split of runs of one sort leaves 2.7 in the middle,
 /// and more than this in one of 500 sets of 8 to 10 runs.
 const SURE: f64 = 7.0;
-/// The last runs of a unit are asked, as for a change.
-const MOST_RUNS: usize = 128;
 /// One sort after the other turns once, and with a stray run three times.
 const CHANGE_TURNS: usize = 3;
 /// So many are named.
@@ -50,9 +49,7 @@ pub(super) struct Note {
 
 /// The note on a unit; `vehicle`: its coefficients after all runs.
 pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option<Note> {
-    let of_unit = runs.iter().filter(|run| run.unit == unit);
-    let mut in_order: Vec<(&Taught, Figure)> = of_unit.filter_map(|run| Some((run, run.over(vehicle)?))).collect();
-    in_order.drain(..in_order.len().saturating_sub(MOST_RUNS));
+    let in_order = taught::last_of(unit, runs, vehicle, |_| true);
     let mut shares: Vec<Figure> = in_order.iter().map(|(_, share)| *share).collect();
     shares.sort_by(|a, b| a.value.total_cmp(&b.value));
     let Split { lower, share } = split(&shares)?;
@@ -74,17 +71,14 @@ pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option
     } else {
         (more, "more", 100.0 * share)
     };
-    let names: Vec<&str> = sort.iter().take(NAMED).map(|(run, _)| run.name.as_str()).collect();
-    let rest = sort.len() - names.len();
-    let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
     let text = format!(
         "{}: its runs are of two sorts: {} of {} that teach enough by themselves have {percent:.0} % {word} resistance than \
-         the others (at about {:.0} km/h), {}{rest}: {cause}",
+         the others (at about {:.0} km/h), {}: {cause}",
         named(unit),
         sort.len(),
         in_order.len(),
         3.6 * speed_mps,
-        names.join(", "),
+        first_of(sort.iter().map(|(run, _)| run.name.clone()), NAMED),
     );
     Some(Note { text, may_be_a_change: turns <= CHANGE_TURNS })
 }

@@ -8,6 +8,7 @@
 //! away = run / vehicle - 1, by its median over the runs, in units of 1.4826 x the median distance from it
 //! ```
 
+use super::first_of;
 use super::taught::Taught;
 use rundown::filter::gaussian::Gaussian;
 use rundown_check::agreement::Figure;
@@ -50,14 +51,11 @@ pub(super) fn note(runs: &[Taught], vehicle: impl Fn(&str) -> Option<Gaussian<3>
         let than = if *share > 0.0 { "more" } else { "less" };
         format!("{} {:.0} % {than} (at {:.0} km/h)", run.name, 100.0 * share.abs(), 3.6 * run.speed_mps)
     };
-    let named: Vec<String> = far.iter().take(NAMED).map(of_run).collect();
-    let more = far.len().saturating_sub(NAMED);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     Some(format!(
-        "unlike the others in their resistance, which scatter by {:.1} %: {}{more}; another train, a load, a brake that drags \
+        "unlike the others in their resistance, which scatter by {:.1} %: {}; another train, a load, a brake that drags \
          or a gale? They taught the vehicle as the others did: leave them out if they are none of it",
         100.0 * scatter,
-        named.join(", ")
+        first_of(far.iter().map(of_run), NAMED)
     ))
 }
 

@@ -102,21 +102,19 @@ impl ByEfforts {
     /// They surely need others: so many times as steep, with the sign turned, or those of another place or line.
     pub(super) fn other_steepness(&self, train: &Train) -> Option<Doubt> {
         let [sd, described] = self.sds_n_per_kg;
-        let z = (self.steep.value - 1.0).abs() / self.steep.sd;
-        let is_sure = (self.steep.value - 1.0).abs() - SURELY_NOT * self.steep.sd > NEAR;
         let better = match self.steep.value {
             k if k > LEAST_STEEP => Version::Times(k),
             k if k < -LEAST_STEEP => Version::SignTurned,
             _ => Version::Level,
         };
         let matters = sd < LEAST_SHARPER * described;
-        (is_sure && matters && self.runs >= LEAST_RUNS).then(|| Doubt {
+        (self.surely_off() > NEAR && matters && self.runs >= LEAST_RUNS).then(|| Doubt {
             better,
             seen_by: SeenBy::Efforts,
             sd_n_per_kg: sd,
             described_sd_n_per_kg: described,
             log_likelihood: None,
-            z,
+            z: self.steep.away_from(1.0),
             stretches: self.windows,
             off_permille: self.steepness_permille(train),
         })
@@ -125,9 +123,13 @@ impl ByEfforts {
     /// How far the gradients are off, standard deviation, permille; none where that is nothing.
     pub(super) fn off_permille(&self, train: &Train) -> Option<f64> {
         let by_place = self.off.map(|off| off_by_place_permille(off.sd_n_per_kg, self.mean_way_m, train));
-        let is_off = (self.steep.value - 1.0).abs() - SURELY_NOT * self.steep.sd > LEAST_OFF;
-        let steepness = is_off.then(|| self.steepness_permille(train));
+        let steepness = (self.surely_off() > LEAST_OFF).then(|| self.steepness_permille(train));
         by_place.into_iter().chain(steepness).reduce(f64::max)
+    }
+
+    /// By how much k is off at least.
+    fn surely_off(&self) -> f64 {
+        (self.steep.value - 1.0).abs() - SURELY_NOT * self.steep.sd
     }
 
     /// Errors that are independent from place to place and leave as much in r as a steepness that is off.
@@ -174,22 +176,22 @@ pub(super) fn read(windows: &[Driven], train: &Train, track: &Track) -> Option<B
     if windows.len() < LEAST_WINDOWS {
         return None;
     }
-    let [means, moments] = [read_as(0, windows, train, track)?, read_as(1, windows, train, track)?];
+    let climb = |window: &Driven| climb_n_per_kg(window.fronts_m, window.way_m, window.direction, (train, track));
+    let climbs: Vec<f64> = windows.iter().map(climb).collect();
+    let [means, moments] = [read_as(0, windows, &climbs)?, read_as(1, windows, &climbs)?];
     let apart = means.steep.value - moments.steep.value;
     let better = if moments.sds_n_per_kg[0] < means.sds_n_per_kg[0] { moments } else { means };
     let steep = Figure { sd: better.steep.sd.hypot(0.5 * apart), ..better.steep };
     (better.sds_n_per_kg[0] < MOST_SD_N_PER_KG).then_some(ByEfforts { steep, ..better })
 }
 
-/// With one of the two efforts.
-fn read_as(which: usize, windows: &[Driven], train: &Train, track: &Track) -> Option<ByEfforts> {
-    let climb = |window: &Driven| climb_n_per_kg(window.fronts_m, window.way_m, window.direction, (train, track));
-    let climbs: Vec<f64> = windows.iter().map(climb).collect();
+/// With one of the two efforts; `climbs_n_per_kg`: of each window.
+fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<ByEfforts> {
     let others = |window: &Driven| {
         let v = window.speed_mps;
         [window.efforts_n_per_kg[which], 1.0, v, v * v]
     };
-    let freely = windows.iter().zip(&climbs).map(|(window, climb)| {
+    let freely = windows.iter().zip(climbs_n_per_kg).map(|(window, climb)| {
         let [u, one, v, squared] = others(window);
         (SVector::from([-climb, u, one, v, squared]), window.acceleration_mps2)
     });
@@ -206,7 +208,7 @@ fn read_as(which: usize, windows: &[Driven], train: &Train, track: &Track) -> Op
     // The scores have no sum: one place less is free.
     let places = scores.len() as f64;
     let sd = (scores.values().map(|score| score * score).sum::<f64>() * places / (places - 1.0)).sqrt();
-    let described = windows.iter().zip(&climbs);
+    let described = windows.iter().zip(climbs_n_per_kg);
     let described = described.map(|(window, climb)| (SVector::from(others(window)), window.acceleration_mps2 + climb));
     let described: Vec<(SVector<f64, 4>, f64)> = described.collect();
     let (gamma, _) = least_squares(&described)?;
@@ -226,7 +228,7 @@ fn read_as(which: usize, windows: &[Driven], train: &Train, track: &Track) -> Op
         // All windows of a run at a place are one.
         mean_way_m: (windows.iter().map(|window| window.way_m).sum::<f64>() / windows.len() as f64)
             .max(places::PLACE_M),
-        climbs_n_per_kg: rms(climbs.iter().copied()),
+        climbs_n_per_kg: rms(climbs_n_per_kg.iter().copied()),
         windows: windows.len(),
         runs: windows.iter().map(|window| window.run).collect::<BTreeSet<usize>>().len(),
     })
