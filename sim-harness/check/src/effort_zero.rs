@@ -8,9 +8,9 @@
 //! traction only, or drops what is small, has zeros where a coast has them: as measurements of a coast they would teach
 //! the deceleration of the brake, or no resistance at all.
 
-use crate::Known;
 use crate::agreement::Figure;
 use crate::effort::stretches;
+use crate::{Known, SURE};
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -42,6 +42,8 @@ const LEAST_STOPS: usize = 5;
 /// So many such stretches, and this share of them with zeros, tell.
 const LEAST_STRETCHES: usize = 20;
 const LEAST_SHARE: f64 = 0.7;
+/// So many fast stretches are enough to see a zero in.
+const LEAST_MOVES: usize = 100;
 /// Where slopes are described, a train keeps its speed that changes it by less than this, m/s; whole km/h hide whether
 /// it holds it. So many stretches with zeros are more than slopes, where the column has a gap above 0.
 const KEEPS_WITHIN_MPS: f64 = 0.3;
@@ -53,7 +55,8 @@ const LEAST_OF_ZEROS: f64 = 0.4;
 const SLOWS_MPS2: f64 = 0.15;
 const BEFORE_S: f64 = 10.0;
 
-/// The effort that the column has where trains stand, N/kg, and in how many rows; nothing where that is 0, or differs.
+/// The effort that the column has where trains stand, N/kg, and in how many rows; nothing where it differs, or a brake
+/// holds them.
 pub(crate) fn at_standstill<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<(Figure, usize)> {
     let standing = recordings.flat_map(|recording| {
         // The rows beside it may hold the mean of an interval in which the train still moved.
@@ -63,9 +66,14 @@ pub(crate) fn at_standstill<'a>(recordings: impl Iterator<Item = &'a Recording>)
     let zero = median(efforts.iter().copied())?;
     let same: Vec<f64> = efforts.iter().copied().filter(|effort| (effort - zero).abs() < SAME_N_PER_KG).collect();
     let is_one = same.len() as f64 >= MOST_STANDING * efforts.len() as f64;
-    let is_off = (SAME_N_PER_KG..LARGEST_ZERO_N_PER_KG).contains(&zero.abs());
     let value = same.iter().sum::<f64>() / same.len() as f64;
-    (same.len() >= LEAST_STANDING && is_one && is_off).then_some((Figure { value, sd: 0.0 }, same.len()))
+    (same.len() >= LEAST_STANDING && is_one && zero.abs() < LARGEST_ZERO_N_PER_KG)
+        .then_some((Figure { value, sd: 0.0 }, same.len()))
+}
+
+/// More than noise around 0.
+pub(crate) fn is_off(zero: Figure) -> bool {
+    zero.value.abs() >= SAME_N_PER_KG && zero.away_from(0.0) > SURE
 }
 
 /// Stretches of moving trains, and how many of them have efforts of 0 throughout.
@@ -118,6 +126,11 @@ impl Zeros {
     /// The column has traction only: no zero is surely that of a coast.
     pub fn never_show_a_brake(&self) -> bool {
         !self.shows_brakes && self.stops.are(LEAST_STOPS)
+    }
+
+    /// Enough trains move to see what they do.
+    pub fn are_of_many(&self) -> bool {
+        self.moves.all >= LEAST_MOVES
     }
 
     /// The column drops what is small: no zero is one.

@@ -87,7 +87,9 @@ kinds! {
     EffortHeld "efforts stand still, as the last one that arrived does, for a mean of"
         => "look at the column: does a signal freeze, or come late?";
     EffortLate "measured efforts are older than the speed (below zero: the speed is)";
-    EffortOffset "the effort of a train that stands is not 0 but";
+    EffortOffset "the zero of the effort is off: trains that coast, or stand without a brake, have";
+    EffortZeroUnseen "nothing shows the zero of the effort, as no trains coast for 20 s or stand without a brake: taken on trust, in"
+        => "compare r with what --mode gated learns";
     EffortZeros "the effort is 0 while the train brakes or holds its speed"
         => "leave the field empty where no effort is recorded";
     DeadZone "the speed reads zero below a threshold: readings of zero beside movement";
@@ -178,6 +180,7 @@ impl Finding {
                     | Kind::EffortApart
                     | Kind::EffortLate
                     | Kind::EffortSteps
+                    | Kind::EffortZeroUnseen
                     | Kind::MissingReadings
                     | Kind::OtherChainage
                     | Kind::Reset

@@ -34,6 +34,7 @@
 //! | is the effort older than the speed? | `effort_age` |
 //! | is it what acts, or what the lever asks for? | `effort_demanded` |
 //! | is the effort of a run unlike that of the others? | `effort_unlike` |
+//! | what does it have for trains that coast? | `effort_coasting` |
 //! | is its zero one? | `effort_zero` |
 //! | do trains exceed what is described of them? | [`limits`] |
 //! | is a log another one again, whole or in part? | [`same`] |
@@ -84,6 +85,7 @@ mod diagnosis;
 mod drifting;
 pub mod effort;
 mod effort_age;
+mod effort_coasting;
 mod effort_cut;
 mod effort_demanded;
 mod effort_gap;

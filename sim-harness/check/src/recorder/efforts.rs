@@ -8,8 +8,8 @@ use crate::effort_zero::Stretches;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
-    Known, SURE, effort, effort_age, effort_cut, effort_demanded, effort_gap, effort_held, effort_unlike, effort_zero,
-    limits, read_of, smoothed, steps, trailing,
+    Known, SURE, effort, effort_age, effort_coasting, effort_cut, effort_demanded, effort_gap, effort_held,
+    effort_unlike, effort_zero, limits, read_of, smoothed, steps, trailing,
 };
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
@@ -190,22 +190,28 @@ impl RecorderCheck {
         }
     }
 
-    /// Takes the zero of the effort from trains that stand, and leaves out zeros that are no effort of 0.
+    /// Takes the zero of the effort from trains that coast or stand, and leaves out zeros that are no effort of 0.
     fn effort_zero(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let own =
             || recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run)).map(|(recording, _)| recording);
         if self.has(Kind::EffortApart) {
             return;
         }
-        let offset = effort_zero::at_standstill(own());
+        // A train that stands may hold a light brake.
+        let seen = effort_coasting::effort_of_coasts(own())
+            .map(|(zero, count)| (zero, format!("in {count} stretches of 20 s of trains that coast")))
+            .or_else(|| {
+                let (zero, count) = effort_zero::at_standstill(own())?;
+                Some((zero, format!("in {count} rows of trains that stand")))
+            });
         let zeros = effort_zero::zeros(own(), known);
         let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
         let rows: Vec<&mut [Sample]> = rows.map(|(recording, _)| recording.rows.as_mut_slice()).collect();
-        if let Some((figure, count)) = offset {
-            let text = format!("in {count} rows, and so taken from all");
-            self.found_by(Kind::EffortOffset, figure, "N/kg", Done::PutRight, text);
+        let is_seen = seen.is_some();
+        if let Some((zero, seen)) = seen.filter(|(zero, _)| effort_zero::is_off(*zero)) {
+            self.found_by(Kind::EffortOffset, zero, "N/kg", Done::PutRight, format!("{seen}, and so taken from all"));
             let efforts = rows.into_iter().flatten().filter_map(|row| row.effort_n_per_kg.as_mut());
-            efforts.for_each(|effort| *effort -= figure.value);
+            efforts.for_each(|effort| *effort -= zero.value);
             return;
         }
         let of = |stretches: Stretches, what: &str| {
@@ -229,6 +235,10 @@ impl RecorderCheck {
         } else if zeros.lack_the_brake() {
             (of(zeros.brakes, "brakes: its efforts while it brakes"), effort_zero::leave_out_brakes)
         } else {
+            if !is_seen && zeros.are_of_many() {
+                let runs = Figure { value: self.usable(runs).len() as f64, sd: 0.0 };
+                self.found(Kind::EffortZeroUnseen, runs, "runs", Done::Said);
+            }
             return;
         };
         let count: usize = rows.into_iter().map(leave_out).sum();

@@ -60,7 +60,8 @@ fn found(recordings: &mut [Recording]) -> Vec<Finding> {
 }
 
 fn found_by(check: Check) -> Vec<Finding> {
-    let of_effort = |finding: &&Finding| matches!(finding.kind, Kind::EffortOffset | Kind::EffortZeros);
+    let of_effort =
+        |finding: &&Finding| matches!(finding.kind, Kind::EffortOffset | Kind::EffortZeros | Kind::EffortZeroUnseen);
     check.recorders[0].findings.iter().filter(of_effort).cloned().collect()
 }
 
@@ -100,6 +101,42 @@ fn a_constant_on_the_effort_is_taken_from_it() {
         let rows = recordings.iter().zip(&truth).flat_map(|(a, b)| a.rows.iter().zip(&b.rows));
         let worst = rows.filter_map(|(a, b)| Some((a.effort_n_per_kg? - b.effort_n_per_kg?).abs())).fold(0.0, f64::max);
         assert!(worst < 1e-9, "{off}: {worst}");
+    }
+}
+
+#[test]
+fn a_constant_is_seen_in_coasts_where_a_brake_holds_trains_that_stand() {
+    for (seed, off, noise) in [(0, -0.002, 0.0), (1, 8e-4, 0.0), (2, 4e-3, 2e-3), (3, -6e-4, 1e-3)] {
+        let count = Cell::new(0.0);
+        let noisy = |effort: f64, stands| {
+            count.set(count.get() + 1.0);
+            Some(if stands { -0.4 } else { effort + off + noise * f64::sin(1.7 * count.get()) })
+        };
+        let findings = found(&mut runs(71_500 + seed, noisy));
+        let [finding] = findings.as_slice() else { panic!("{off}: {findings:?}") };
+        assert_eq!((finding.kind, finding.done), (Kind::EffortOffset, Done::PutRight));
+        assert!((finding.figure.value - off).abs() < 1e-4, "{off}: {:?}", finding.figure);
+    }
+}
+
+#[test]
+fn a_light_brake_of_trains_that_stand_is_no_zero_where_coasts_have_one() {
+    for seed in 0..4 {
+        let holds = |effort, stands| Some(if stands { -0.01 } else { effort });
+        assert_eq!(found(&mut runs(71_600 + seed, holds)), []);
+    }
+}
+
+#[test]
+fn a_zero_that_nothing_shows_is_reported() {
+    for seed in 0..4 {
+        let hides =
+            |effort, stands: bool| if effort == 0.0 && !stands { None } else { Some(effort - 0.4 * f64::from(stands)) };
+        let findings = found(&mut runs(71_700 + seed, hides));
+        assert!(
+            matches!(findings.as_slice(), [Finding { kind: Kind::EffortZeroUnseen, done: Done::Said, .. }]),
+            "{findings:?}"
+        );
     }
 }
 
