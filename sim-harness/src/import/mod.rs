@@ -35,6 +35,7 @@ mod skeleton;
 mod source;
 mod speeds;
 mod staged;
+mod still;
 mod stretch;
 mod units;
 mod write;

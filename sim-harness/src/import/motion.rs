@@ -2,7 +2,7 @@
 
 use super::account::Account;
 use super::stretch::{Stretch, fix};
-use super::{cubic, geo};
+use super::{cubic, geo, still};
 use rundown_check::row_step;
 use rundown_files::sample::Sample;
 
@@ -68,8 +68,19 @@ impl Stretch {
         let found = speeds.iter().flatten().count();
         account.count("speeds computed from the locations", found as u64);
         account.count("rows beside a leap of the fixes, without a speed", (speeds.len() - found) as u64);
-        for (i, mps) in located.into_iter().zip(speeds) {
-            (self.rows[i].speed_mps, self.rows[i].speed_is_computed) = (mps, mps.is_some());
+        for (i, mps) in located.iter().zip(speeds) {
+            (self.rows[*i].speed_mps, self.rows[*i].speed_is_computed) = (mps, mps.is_some());
+        }
+        if self.from_fixes && step_s <= SLOPE_STEP_S {
+            let rows: Vec<Sample> = located.iter().map(|i| self.rows[*i]).collect();
+            let stands = still::stands(&rows, step_s);
+            account.count(
+                "speeds of 0 where the fixes stay in one place for 20 s",
+                stands.iter().filter(|one| **one).count() as u64,
+            );
+            for (i, _) in located.into_iter().zip(stands).filter(|(_, stands)| *stands) {
+                (self.rows[i].speed_mps, self.rows[i].speed_is_computed) = (Some(0.0), true);
+            }
         }
     }
 

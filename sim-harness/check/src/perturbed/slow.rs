@@ -15,6 +15,8 @@ const LEAST_LOST_S: f64 = 15.0;
 const SLOW_SHARE: f32 = 0.75;
 /// And so many of the others' interquartile ranges below it.
 const SLOW_RANGES: f32 = 1.5;
+/// Where the others are slower, m/s, all stop there, and the noise of a speed decides who is slow.
+const OTHERS_PASS_MPS: f32 = 2.0;
 /// A stop within this way shapes the speed, m.
 const AROUND_M: f64 = 3_000.0;
 /// No train is counted as slower than this while time is added up, m/s: standing is a stop's matter.
@@ -52,7 +54,7 @@ pub fn held_back(
         others.sort_unstable_by(f32::total_cmp);
         let [lower_mps, upper_mps] = [0.25, 0.75].map(|share| others[(share * (others.len() - 1) as f64) as usize]);
         let limit_mps = (SLOW_SHARE * lower_mps).min(lower_mps - SLOW_RANGES * (upper_mps - lower_mps));
-        (mps < limit_mps).then_some(Slow { cell, mps, lower_mps, others: others.len() })
+        (mps < limit_mps && lower_mps > OTHERS_PASS_MPS).then_some(Slow { cell, mps, lower_mps, others: others.len() })
     };
     let slow: Vec<Slow> = cells.filter_map(slow).collect();
     slow.chunk_by(|a, b| b.cell - a.cell <= BRIDGED + 1).filter_map(stretch).collect()

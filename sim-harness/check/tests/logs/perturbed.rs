@@ -120,6 +120,15 @@ fn a_station_where_others_call_and_one_that_is_described_are_none() {
     assert_eq!(checked(&mut runs, &[12_250.0]).perturbed_note(), None);
 }
 
+/// A phone's speeds are noise there.
+#[test]
+fn a_slower_departure_than_that_of_others_is_none() {
+    let departs = |mps: f64| move |at_m: f64| (if at_m < 100.0 { mps } else { CRUISE_MPS }, 0.0);
+    let mut runs = set(Direction::Up, &departs(1.0), &departs(1.8));
+    runs.iter_mut().for_each(|run| run.rows.retain(|row| row.location_m > Some(5.0)));
+    assert_eq!(checked(&mut runs, &[]).perturbed_note(), None);
+}
+
 #[test]
 fn a_leisurely_run_is_none() {
     assert_eq!(checked(&mut set(Direction::Up, &leisurely, &calm), &[]).perturbed_note(), None);
