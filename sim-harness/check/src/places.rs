@@ -104,6 +104,12 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
     }
 }
 
+/// The turn of an odometer, m, nearest to a jump of the location.
+pub fn turn_m(jump_m: f64) -> f64 {
+    let off = |turn: &f64| (jump_m.abs() - turn).abs();
+    TURNS_M.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_default()
+}
+
 /// The odometer begins again at zero at each stop: short hops, too, bring it there again and again.
 fn begins_often(rows: &[Sample]) -> bool {
     let mut last_m: f64 = 0.0;

@@ -106,6 +106,7 @@ fn by(method: Method, why: String, runs: &[Staged], given: Given) -> Placed {
 
 fn as_they_are(runs: &[Staged]) -> Vec<Placing> {
     let mut places = vec![AS_IT_IS; runs.len()];
+    odometer::unturned(runs, &mut places);
     within_range(runs, &mut places);
     if runs.len() > 1 {
         for (run, place) in runs.iter().zip(&mut places) {

@@ -149,6 +149,7 @@ impl Stretch {
             run: self.run.clone(),
             is_dated: self.is_dated,
             from_fixes: self.from_fixes,
+            turn_m: self.turn_m,
             reason,
         };
         for (range, why) in cuts {

@@ -36,6 +36,8 @@ pub struct Staged {
     pub from_fixes: bool,
     /// It begins with its file, or with a run of a column.
     pub is_head: bool,
+    /// The turn of its odometer, m, where it began again at zero on the way.
+    pub turn_m: Option<f64>,
     pub rows: usize,
     pub lines: (u64, u64),
     /// Own locations of standing, and how long, s.
@@ -83,6 +85,7 @@ impl Staged {
             duration_s: end_s - begin_s,
             from_fixes: piece.from_fixes,
             is_head: piece.is_head,
+            turn_m: piece.turn_m,
             rows: piece.rows.len(),
             lines,
             stops: piece.stops(),

@@ -29,6 +29,8 @@ pub struct Stretch {
     pub from_fixes: bool,
     /// It begins with its file, or with a run of a column.
     pub is_head: bool,
+    /// The turn of the odometer, m, where it began again at zero on the way.
+    pub turn_m: Option<f64>,
 }
 
 /// By how much the odometer of a file had wrapped when a stretch ended, and where that was.
@@ -55,6 +57,8 @@ impl Odometer {
         }
         let stuck = stuck_speeds::found(&stretch.rows);
         places::join(&mut stretch.rows, &stuck, findings);
+        let wrapped = findings.iter().find(|one| one.kind == Kind::Wrap && one.done == Done::PutRight);
+        stretch.turn_m = wrapped.map(|one| places::turn_m(one.figure.value));
         if let Some((last_m, end_m)) = last_m.zip(read_m(stretch)) {
             *self = Self { shift_m: end_m - last_m, end_m };
         }

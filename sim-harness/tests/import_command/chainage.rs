@@ -18,6 +18,26 @@ fn an_odometer_that_wraps_is_joined() {
 }
 
 #[test]
+fn ways_there_and_back_over_a_wrap_are_of_one_chainage() {
+    let there = drive(&STOPS_M, 30.0);
+    let text = |place: fn(f64) -> f64| {
+        table("time_s,location_m,speed_kmh", &there, |t, x, v| {
+            format!("{t},{:.0},{:.1}", (60_000.0 + place(x)) % 65_536.0, 3.6 * v)
+        })
+    };
+    let [up, down] = [text(|x| x), text(|x| 11_900.0 - x)];
+    let folder = Folder::new().with("a.csv", &up).with("b.csv", &down).with("c.csv", &up);
+    folder.done(&["import", "a.csv", "b.csv", "c.csv"]);
+    let ends = |name: &str| {
+        let found = csv(&folder, name);
+        (found[0][1], last(&found)[1])
+    };
+    assert_eq!([ends("runs/a_01.csv"), ends("runs/b_01.csv")], [(60_000.0, 71_900.0), (71_900.0, 60_000.0)]);
+    let how = &folder.json("runs/import.json")["runs"][1]["placed"]["how"];
+    assert!(how.as_str().unwrap_or_default().contains("by +1 turns, onto "), "{how}");
+}
+
+#[test]
 fn an_odometer_that_wrapped_goes_on_behind_a_gap() {
     let there = drive(&STOPS_M, 30.0);
     let back = there.iter().map(|(t, x, v)| (5000.0 + t, 11_900.0 - x, *v));
