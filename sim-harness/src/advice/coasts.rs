@@ -14,7 +14,7 @@ use rundown::estimator::config::{Config, Mode};
 use rundown::filter::gaussian::Gaussian;
 use rundown_check::agreement::HALF_95;
 use rundown_files::recording::Recording;
-use rundown_files::replay::{Tick, replay_units_by};
+use rundown_files::replay::{ReplayedRun, Tick, replay_units_by};
 use rundown_wire::Learned;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -50,25 +50,48 @@ pub fn taught(estimator: &Estimator, recordings: &[Recording], tick: Tick) -> BT
     units
 }
 
+/// Does not publish what runs end with that coasts contradict.
+pub(super) fn withhold(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, After>, runs: &mut [ReplayedRun]) {
+    for run in runs.iter_mut().filter(|run| run.learned == Learned::Learned) {
+        let Some([efforts, coasts]) = both(&run.unit, vehicles, coasts) else { continue };
+        if both_mps(efforts, coasts).and_then(|mps| apart(&run.vehicle_after, &coasts.davis, mps)).is_some() {
+            run.learned = Learned::NotYet;
+        }
+    }
+}
+
+/// What efforts and coasts of a unit taught, where both did.
+fn both<'a>(
+    unit: &str,
+    vehicles: &'a BTreeMap<String, After>,
+    coasts: &'a BTreeMap<String, After>,
+) -> Option<[&'a After; 2]> {
+    let both = [vehicles.get(unit)?, coasts.get(unit)?];
+    both.iter().all(|after| after.learned == Learned::Learned).then_some(both)
+}
+
+/// The speeds that taught both, m/s: beyond what taught it a resistance is the description's.
+fn both_mps(efforts: &After, coasts: &After) -> Option<Range<f64>> {
+    let by_both = efforts.all_taught_mps.as_ref().zip(coasts.all_taught_mps.as_ref());
+    by_both.map(|(a, b)| a.start.max(b.start)..a.end.min(b.end))
+}
+
 /// The units whose efforts teach another resistance.
 pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, After>) -> Vec<String> {
-    let of_unit = |(unit, coasts): (&String, &After)| {
-        let efforts = vehicles.get(unit).filter(|after| after.learned == Learned::Learned)?;
-        // Beyond what taught it a resistance is the description's.
-        let [by_efforts, by_coasts] = [&efforts.all_taught_mps, &coasts.all_taught_mps].map(Option::as_ref);
-        let both_mps = by_efforts.zip(by_coasts).map(|(a, b)| a.start.max(b.start)..a.end.min(b.end))?;
-        let Apart { kmh, efforts, coasts } = apart(&efforts.davis, &coasts.davis, both_mps)?;
+    let of_unit = |unit: &String| {
+        let [efforts, coasts] = both(unit, vehicles, coasts)?;
+        let Apart { kmh, efforts, coasts } = apart(&efforts.davis, &coasts.davis, both_mps(efforts, coasts)?)?;
         let said = |r: Resistance| format!("{:.4} ± {:.4} N/kg", r.mean_n_per_kg, HALF_95 * r.sd_n_per_kg);
         Some(format!(
-            "{}: its efforts teach r({kmh:.0} km/h) = {}, the coasts of its first runs {}: one of both is wrong. Efforts that \
-             are cut off or frozen, or read between the strokes of a lever, and brakes that drag look so; --mode gated learns \
-             from coasts alone",
+            "{}: its efforts teach r({kmh:.0} km/h) = {}, the coasts of its first runs {}: one of both is wrong, and r is \
+             not published. Efforts that are cut off or frozen, or read between the strokes of a lever, and brakes that drag \
+             look so; --mode gated learns from coasts alone",
             named(unit),
             said(efforts),
             said(coasts)
         ))
     };
-    coasts.iter().filter(|(_, coasts)| coasts.learned == Learned::Learned).filter_map(of_unit).collect()
+    coasts.keys().filter_map(of_unit).collect()
 }
 
 /// Resistances at a speed.

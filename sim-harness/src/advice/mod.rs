@@ -62,6 +62,11 @@ impl Advice {
         }
     }
 
+    /// What efforts taught of a resistance that coasts contradict is not published. Call it once the runs are added.
+    pub fn withhold(&self, runs: &mut [ReplayedRun]) {
+        coasts::withhold(&self.vehicles, &self.coasts, runs);
+    }
+
     pub fn notes(&self, estimator: &Estimator, gradients_are_said: bool) -> Vec<String> {
         let config = estimator.config();
         if self.runs == 0 {
@@ -196,6 +201,7 @@ mod tests {
     use rundown::model::direction::Direction;
     use rundown_check::agreement::Figure;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
+    use rundown_wire::Learned;
     use std::path::{Path, PathBuf};
 
     fn reference(name: &str) -> PathBuf {
@@ -225,6 +231,27 @@ mod tests {
             let is_said = advice.notes(&estimator, false).iter().any(|note| note.starts_with("nothing was learned"));
             assert_eq!(is_said, !is_used);
         }
+    }
+
+    #[test]
+    fn what_efforts_teach_is_not_published_where_coasts_contradict_it() {
+        let published = |times: f64| {
+            let mut runs = replayed().runs;
+            runs[0].learned = Learned::Learned;
+            let mut advice = Advice::default();
+            advice.add(&runs);
+            let taught = runs[0].vehicle_after;
+            runs[0].vehicle_after.mean *= times;
+            vehicle::After::add(&mut advice.coasts, &runs[0]);
+            runs[0].vehicle_after = taught;
+            advice.withhold(&mut runs);
+            (
+                runs[0].learned,
+                advice.notes(&estimator(Config::default()), false).join("\n").contains("is not published"),
+            )
+        };
+        assert_eq!(published(1.0), (Learned::Learned, false));
+        assert_eq!(published(1.5), (Learned::NotYet, true));
     }
 
     /// The notes on nine runs, each with so many times the resistance of the vehicle, and what else it is.

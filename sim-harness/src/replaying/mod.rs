@@ -268,6 +268,7 @@ impl Opened {
         let mut advice = Advice::default();
         advice.coasts = self.taught_by_coasts(&recordings, &own);
         advice.add(&runs);
+        advice.withhold(&mut runs);
         summary.notes.extend(advice.notes(&self.estimator, summary.says_gradients()));
         summary.notes.extend(before_brakes.notes());
         let Summary { failed, notes, gradient_doubt, small_errors, .. } = summary;

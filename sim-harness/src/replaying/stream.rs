@@ -86,6 +86,7 @@ impl Opened {
                 drop(recordings);
                 before_brakes.judge(&self.estimator, self.request.carried, |name| own.contains_key(name), &mut runs);
                 advice.add(&runs);
+                advice.withhold(&mut runs);
                 summary.count(&runs, self.config.mode);
                 outputs.add(&runs)?;
                 seen(&runs);
