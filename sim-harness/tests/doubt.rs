@@ -294,3 +294,37 @@ fn the_step_of_an_effort_column_is_its_noise_or_it_is_left_out() {
     }
     assert!(sd_r0[1] > 1.1 * sd_r0[0] && sd_r0[2] > sd_r0[1], "{sd_r0:?}");
 }
+
+/// The zero of the efforts is off, and not put right.
+#[test]
+fn coasts_contradict_efforts_that_are_wrong_and_what_these_teach_is_not_published() {
+    let folder = Folder::simulated("name = \"set\"\nruns = 12\nseed = 8\n[effort]\ncolumn = true\n");
+    let last = || {
+        let of = ["replay", "--mode", "measured", "--train", "set/train.toml", "--track", "set/track.toml"];
+        let said = folder.rundown(&[&of[..], &["--as-recorded", "--out", "out", "set/runs"]].concat());
+        let foresight = folder.json("out/replay.json")["runs"][11]["foresight"].clone();
+        assert!(foresight["coasts"].as_u64().unwrap() > 0, "{foresight}");
+        (said.out + &said.err, foresight)
+    };
+    let (said, right) = last();
+    assert!(!said.contains("one of both is wrong") && right["published"] == "learned", "{said}");
+    for run in 1..=12 {
+        let name = format!("set/runs/run{run:03}.csv");
+        let log = folder.read(&name);
+        let header = log.lines().next().unwrap();
+        let at = header.split(',').position(|column| column == "effort_n_per_kg").unwrap();
+        let moved = |line: &str| {
+            let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if let Ok(effort) = fields[at].parse::<f64>() {
+                fields[at] = (effort + 0.008).to_string();
+            }
+            fields.join(",") + "\n"
+        };
+        folder.write(&name, &log.lines().map(moved).collect::<String>());
+    }
+    let (said, wrong) = last();
+    assert!(said.contains("one of both is wrong, and r is not published"), "{said}");
+    assert!(wrong["published"] != "learned", "{wrong}");
+    let error = |foresight: &serde_json::Value| foresight["coast_error_kmh"].as_f64().unwrap();
+    assert!(error(&wrong) > 3.0 * error(&right), "{wrong} {right}");
+}

@@ -15,7 +15,7 @@
 use crate::{recording::Recording, sample::Sample};
 use rayon::prelude::*;
 use rundown::estimator::{Estimator, RunSummary, StepError};
-use rundown::tick::foresight::Trust;
+use rundown::tick::foresight::{Foresight, Trust};
 use rundown::{
     coast_ahead::CoastAhead, filter::gaussian::Gaussian, model::direction::Direction, tick::estimate::Estimate,
     tick::measurement::Measurement, tick::memory::Vehicle, tick::regime::Regime,
@@ -67,6 +67,8 @@ pub struct ReplayedRun {
     pub dropped: Vec<Dropped>,
     /// Features, counters and the train of this run.
     pub summary: RunSummary,
+    /// The vehicle as the run began with it.
+    pub began_with: Vehicle,
     /// The vehicle's Davis coefficients before the run.
     pub vehicle_before: Gaussian<3>,
     /// The vehicle's Davis coefficients after the run.
@@ -141,6 +143,7 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         estimates,
         dropped,
         summary,
+        began_with: before,
         vehicle_before,
         vehicle_after: vehicle.davis(),
         learned: estimator.published(vehicle).1,
@@ -216,6 +219,12 @@ pub fn replay_units_by<'a, R: Borrow<Recording> + Sync>(
     }
     runs.sort_by_key(|(index, _)| *index);
     runs.into_iter().map(|(_, run)| run).collect()
+}
+
+/// How the coasts of a run are foreseen by what its vehicle was taught before it, whatever did: by efforts, say.
+/// `gated`: the same model, in the mode that predicts coasts.
+pub fn foresee(gated: &Estimator, began_with: &Vehicle, recording: &Recording, tick: Tick) -> Foresight {
+    replay(gated, &mut began_with.clone(), recording, tick).summary.foresight
 }
 
 /// Replays runs side by side, each by its own model with the vehicle as its manufacturer describes it. `done` is called

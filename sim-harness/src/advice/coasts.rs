@@ -1,7 +1,8 @@
 //! Do the efforts of the measured mode teach what the coasts of the same runs do?
 //!
 //! In: the first runs of each unit, replayed once more in the gated mode; the vehicles after all runs. Out: a note for
-//! each unit whose efforts say something else.
+//! each unit whose efforts say something else; and how well the coasts of each run are foreseen by what efforts taught
+//! before it.
 //!
 //! Nothing else looks at an effort column as a whole: a lever that goes on and off between momentary readings, efforts
 //! that are cut off or frozen, and a brake that is not in the column each explain the speeds with another resistance,
@@ -9,12 +10,16 @@
 
 use super::vehicle::{After, named};
 use crate::report::resistance::Resistance;
+use rayon::prelude::*;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
 use rundown::filter::gaussian::Gaussian;
+use rundown::model::resistance::Davis;
+use rundown::tick::foresight::Trust;
+use rundown::tick::published::WORSE_BY;
 use rundown_check::agreement::HALF_95;
 use rundown_files::recording::Recording;
-use rundown_files::replay::{ReplayedRun, Tick, replay_units_by};
+use rundown_files::replay::{self, ReplayedRun, Tick, replay_units_by};
 use rundown_wire::Learned;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -23,18 +28,22 @@ use std::ops::Range;
 const RUNS: usize = 20;
 /// Speeds at which both are compared, km/h, and at the ends of those that taught both.
 const COMPARED_KMH: [f64; 4] = [40.0, 60.0, 90.0, 120.0];
+/// Where coasts are predicted, m/s.
+const COASTS_MPS: Range<f64> = 16.0..34.0;
 /// So many standard deviations of both apart is no chance ...
 const SURE: f64 = 3.0;
 /// ... and so large a share of the resistance is worth a word.
 const LEAST_SHARE: f64 = 0.04;
 
-/// What the coasts of each unit teach.
-pub fn taught(estimator: &Estimator, recordings: &[Recording], tick: Tick) -> BTreeMap<String, After> {
+/// The same model in the mode that learns from coasts.
+pub fn gated(estimator: &Estimator) -> Option<Estimator> {
     let config = Config { mode: Mode::Gated, ..*estimator.config() };
-    let Ok(gated) = Estimator::try_new(config, *estimator.train(), estimator.track().clone()) else {
-        return BTreeMap::new();
-    };
-    let gated = gated.with_effects(estimator.effects().clone());
+    let gated = Estimator::try_new(config, *estimator.train(), estimator.track().clone()).ok()?;
+    Some(gated.with_effects(estimator.effects().clone()))
+}
+
+/// What the coasts of each unit teach.
+pub fn taught(gated: &Estimator, recordings: &[Recording], tick: Tick) -> BTreeMap<String, After> {
     let mut of_unit: HashMap<&str, usize> = HashMap::new();
     let mut first: Vec<&Recording> = Vec::new();
     for recording in recordings {
@@ -44,10 +53,34 @@ pub fn taught(estimator: &Estimator, recordings: &[Recording], tick: Tick) -> BT
             first.push(recording);
         }
     }
-    let runs = replay_units_by(&|_| &gated, &first, tick, &mut HashMap::new(), || ());
+    let runs = replay_units_by(&|_| gated, &first, tick, &mut HashMap::new(), || ());
     let mut units = BTreeMap::new();
     runs.iter().for_each(|run| After::add(&mut units, run));
     units
+}
+
+/// Says how coasts are foreseen by what efforts taught before them. What foresees them worse than the description, and
+/// excludes it, is not published. `trusts`: by unit, by the runs before.
+pub(super) fn foresee(
+    gated: &Estimator,
+    recordings: &[Recording],
+    tick: Tick,
+    runs: &mut [ReplayedRun],
+    trusts: &mut HashMap<String, Trust>,
+) {
+    runs.par_iter_mut().zip(recordings).for_each(|(run, recording)| {
+        run.summary.foresight = replay::foresee(gated, &run.began_with, recording, tick);
+    });
+    let Davis { r0, r1, r2 } = gated.train().davis();
+    let described = Gaussian::independent([r0, r1, r2], [f64::EPSILON; 3]);
+    for run in runs {
+        let trust = trusts.entry(run.unit.clone()).or_insert(Trust::NONE);
+        trust.add(&run.summary.foresight.trust);
+        let is_excluded = || apart(&run.vehicle_after, &described, COASTS_MPS).is_some();
+        if run.learned == Learned::Learned && trust.worse_by() > WORSE_BY && is_excluded() {
+            run.learned = Learned::PredictsWorse;
+        }
+    }
 }
 
 /// Does not publish what runs end with that coasts contradict.
@@ -66,8 +99,8 @@ fn both<'a>(
     vehicles: &'a BTreeMap<String, After>,
     coasts: &'a BTreeMap<String, After>,
 ) -> Option<[&'a After; 2]> {
-    let both = [vehicles.get(unit)?, coasts.get(unit)?];
-    both.iter().all(|after| after.learned == Learned::Learned).then_some(both)
+    let [efforts, coasts] = [vehicles.get(unit)?, coasts.get(unit)?];
+    (efforts.learned != Learned::NotYet && coasts.learned == Learned::Learned).then_some([efforts, coasts])
 }
 
 /// The speeds that taught both, m/s: beyond what taught it a resistance is the description's.

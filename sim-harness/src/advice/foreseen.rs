@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 const LEAST_COASTS: f64 = 8.0;
 /// What was learned is worse than the description from so many times its error on.
 const WORSE: f64 = 1.5;
+/// A smaller difference is none that is worth a word, km/h: less than most recorders show.
+const LEAST_KMH: f64 = 0.25;
 
 /// By unit: coasts, squares of the errors by what had been learned and by the description.
 #[derive(Debug, Default)]
@@ -42,7 +44,7 @@ impl Foreseen {
     pub(super) fn notes(&self) -> impl Iterator<Item = String> {
         self.0.iter().filter_map(|(unit, sums)| {
             let [learned, described] = rms_kmh(sums)?;
-            (sums[0] >= LEAST_COASTS && learned > WORSE * described).then(|| {
+            (sums[0] >= LEAST_COASTS && learned > WORSE * described && learned - described > LEAST_KMH).then(|| {
                 format!(
                     "{}: coasts were predicted within {learned:.1} km/h (rms) by what had been learned, but within {described:.1} by \
                      the description: what is learned here is worse than it, whatever its interval; a tunnel, a slope or a \
@@ -71,5 +73,7 @@ mod tests {
             "unit 7: coasts were predicted within 7.2 km/h (rms) by what had been learned, but within 3.6"
         ));
         assert!(notes([9.0, 9.0 * 2.0, 9.0]).is_empty() && notes([3.0, 30.0, 3.0]).is_empty());
+        // 0.3 in place of 0.1 km/h.
+        assert!(notes([9.0, 9.0 * 0.0069, 9.0 * 0.00077]).is_empty());
     }
 }

@@ -14,9 +14,11 @@ pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
 use rundown::estimator::config::Mode;
+use rundown::tick::foresight::Trust;
 use rundown::tick::measurement::Measurement;
-use rundown_files::replay::ReplayedRun;
-use std::collections::BTreeMap;
+use rundown_files::recording::Recording;
+use rundown_files::replay::{ReplayedRun, Tick};
+use std::collections::{BTreeMap, HashMap};
 
 const NAMED: usize = 3;
 /// A tick of the measured mode ends with a row that has an effort, and there it compares speed and location.
@@ -42,7 +44,9 @@ pub struct Advice {
     /// What each run taught by itself.
     taught: Vec<taught::Taught>,
     /// What coasts teach of each beside its efforts.
-    pub coasts: BTreeMap<String, vehicle::After>,
+    coasts: BTreeMap<String, vehicle::After>,
+    /// How coasts were foreseen by what efforts taught, by unit.
+    trusts: HashMap<String, Trust>,
 }
 
 impl Advice {
@@ -60,6 +64,15 @@ impl Advice {
             self.taught.extend(taught::Taught::of(run).filter(|_| run.is_used));
             vehicle::After::add(&mut self.vehicles, run);
         }
+    }
+
+    /// Asks coasts what efforts taught: what the first of them teach themselves, and how well they are foreseen. Call it
+    /// before the runs are added.
+    pub fn foresee(&mut self, gated: &Estimator, recordings: &[Recording], tick: Tick, runs: &mut [ReplayedRun]) {
+        if self.runs == 0 {
+            self.coasts = coasts::taught(gated, recordings, tick);
+        }
+        coasts::foresee(gated, recordings, tick, runs, &mut self.trusts);
     }
 
     /// What efforts taught of a resistance that coasts contradict is not published. Call it once the runs are added.

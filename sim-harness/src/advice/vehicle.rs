@@ -8,6 +8,7 @@ use crate::report::taught_mps;
 use core::ops::Range;
 use nalgebra::Vector3;
 use rundown::estimator::Estimator;
+use rundown::estimator::config::Mode;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::tick::foresight::Trust;
@@ -101,9 +102,11 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
     let trust = &after.trust;
     match after.learned {
         Learned::PredictsWorse => {
-            say("the description predicts coasts better than what was learned, which is not published; \
-             are the gradients those of this line?"
-                .to_owned())
+            let efforts = if estimator.config().mode == Mode::Measured { "the efforts this train's, and " } else { "" };
+            say(format!(
+                "the description predicts coasts better than what was learned, which is not published; \
+                 are {efforts}the gradients those of this line?"
+            ))
         }
         Learned::OutOfBounds => say(format!(
             "the learned resistance is none of a train (less than half or more than twice the described one, or rising by less than {:.0} % \

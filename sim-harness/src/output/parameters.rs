@@ -58,12 +58,14 @@ pub(super) fn learned_kmh(run: &ReplayedRun) -> Option<[f64; 2]> {
 /// at some speeds.
 pub(super) fn foresight() -> Vec<Column<ReplayedRun>> {
     let published = "whether the board would publish the vehicle's resistance between runs: `learned`, or why not; `not_yet`, \
-                     too, where falls before brakes, which it does not compare, say that r is larger";
+                     too, where what it does not compare says otherwise: falls before brakes, or coasts beside efforts";
     let scatter =
         "errors of predicted coasts over what is expected of them, rms over the last tens of runs, at least 1";
     let mut columns = vec![
         Column::text("published", published, |run: &ReplayedRun| run.learned.as_str()),
-        Column::count("coasts", "coasts that taught", |run: &ReplayedRun| run.summary.foresight.trust.coasts as usize),
+        Column::count("coasts", "coasts that were predicted", |run: &ReplayedRun| {
+            run.summary.foresight.trust.coasts as usize
+        }),
         coast_error("coast_error_kmh", "by what had been learned", |foresight| foresight.learned_mps),
         coast_error("coast_error_described_kmh", "by the description", |foresight| foresight.described_mps),
         Column::number("coast_scatter", "1", scatter, |run: &ReplayedRun| run.trust.inflation().sqrt()),
@@ -79,7 +81,7 @@ fn coast_error(name: &str, whose: &str, squares_mps: fn(&Foresight) -> f64) -> C
         let coasts = foresight.trust.coasts;
         (coasts > 0.0).then(|| 3.6 * (squares_mps(foresight) / coasts).sqrt())
     })
-    .empty_when("no coast taught")
+    .empty_when("no coast was predicted")
 }
 
 fn taught(speed_kmh: f64) -> Column<ReplayedRun> {

@@ -12,7 +12,7 @@ mod stream;
 pub use source::Runs;
 pub use stream::{CHUNK, StreamError};
 
-use crate::advice::{Advice, before_brakes::BeforeBrakes, coasts, vehicle::After};
+use crate::advice::{Advice, before_brakes::BeforeBrakes, coasts};
 use crate::learned_train::Results;
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
@@ -42,7 +42,7 @@ use rundown_files::{WriteError, config_file, effect_file};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, train_file::TrainFile};
 use serde_json::Value;
 use source::Source;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -266,7 +266,9 @@ impl Opened {
         let mut before_brakes = BeforeBrakes::default();
         before_brakes.judge(&self.estimator, carried, |name| own.contains_key(name), &mut runs);
         let mut advice = Advice::default();
-        advice.coasts = self.taught_by_coasts(&recordings, &own);
+        if let Some(gated) = self.beside_efforts(&own) {
+            advice.foresee(&gated, &recordings, tick, &mut runs);
+        }
         advice.add(&runs);
         advice.withhold(&mut runs);
         summary.notes.extend(advice.notes(&self.estimator, summary.says_gradients()));
@@ -292,10 +294,10 @@ impl Opened {
         })
     }
 
-    /// What the coasts of each unit teach, where its efforts do; of runs in which the same effects act as in all.
-    fn taught_by_coasts(&self, recordings: &[Recording], own: &HashMap<String, Estimator>) -> BTreeMap<String, After> {
+    /// What coasts are asked beside efforts that teach: where the same effects act in all runs.
+    fn beside_efforts(&self, own: &HashMap<String, Estimator>) -> Option<Estimator> {
         let is_measured = self.config.mode == Mode::Measured && self.request.carried && own.is_empty();
-        if is_measured { coasts::taught(&self.estimator, recordings, self.request.tick) } else { BTreeMap::new() }
+        is_measured.then(|| coasts::gated(&self.estimator)).flatten()
     }
 
     /// What is to be said before any log is read.

@@ -74,15 +74,15 @@ impl Opened {
                     self.doubt_descriptions(&recordings, &mut summary)?;
                 }
                 let own = self.own_estimators(&recordings).map_err(ReplayError::from)?;
-                if summary.runs == 0 {
-                    advice.coasts = self.taught_by_coasts(&recordings, &own);
-                }
                 let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
                 let mut runs = if self.request.carried {
                     replay_units_by(&model, &recordings, self.request.tick, &mut vehicles, &done)
                 } else {
                     replay_apart_by(&model, &recordings, self.request.tick, &done)
                 };
+                if let Some(gated) = self.beside_efforts(&own) {
+                    advice.foresee(&gated, &recordings, self.request.tick, &mut runs);
+                }
                 drop(recordings);
                 before_brakes.judge(&self.estimator, self.request.carried, |name| own.contains_key(name), &mut runs);
                 advice.add(&runs);
