@@ -4,6 +4,7 @@
 //! likely.
 
 use nalgebra::{Matrix3, Vector3};
+use std::ops::RangeInclusive;
 
 /// A row with everything that is compared: time, s, location in the direction of travel, m, speed reading, m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +60,8 @@ pub(crate) const BRAKES_MPS2: f64 = -0.2;
 const LEAST_STRAIGHT: f64 = 6.0;
 /// Fits until the noise beside doubtful bends is known.
 const PASSES: usize = 6;
+/// A change of its variance that changes nothing any more.
+const SETTLED: f64 = 1e-3;
 /// Variance of a bend where bends count less, over the usual one.
 const LESS_OF_BENDS: f64 = 4.0;
 /// Innovations beyond so many standard deviations are drawn in to it.
@@ -333,14 +336,39 @@ fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
     Some(Fit { beta, ratio, whitening, information, variance, log_likelihood, columns, residuals })
 }
 
-/// The fit with the most likely ratio of the two noises. None: too few differences.
-pub(crate) fn best_fit(differences: &Differences) -> Option<Fit> {
+/// Ratios of the two noises that are tried: powers of two. All of them are too many for each run of thousands, and the
+/// likelihood has one top: first each [`STRIDE`]th, then those beside the best.
+const EXPONENTS: RangeInclusive<i32> = -16..=8;
+const STRIDE: i32 = 4;
+
+/// The fit with the most likely ratio of the two noises, and its exponent. None: too few differences.
+fn best_fit(differences: &Differences) -> Option<(Fit, i32)> {
     if !differences.are_enough() {
         return None;
     }
-    let ratios = (-16..=8).map(|exponent| f64::from(exponent).exp2());
-    let fits = ratios.filter_map(|ratio| fit(differences, ratio));
-    fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
+    let tried = EXPONENTS.step_by(STRIDE as usize).filter_map(|exponent| fit_at(differences, exponent));
+    climbed(differences, tried.reduce(likelier)?, STRIDE / 2)
+}
+
+/// The likeliest from a fit on, in strides that are halved where both neighbours are less likely.
+fn climbed(differences: &Differences, mut best: (Fit, i32), mut stride: i32) -> Option<(Fit, i32)> {
+    while stride > 0 {
+        let at = best.1;
+        let beside = [at - stride, at + stride].into_iter().filter(|exponent| EXPONENTS.contains(exponent));
+        best = beside.filter_map(|exponent| fit_at(differences, exponent)).fold(best, likelier);
+        if best.1 == at {
+            stride /= 2;
+        }
+    }
+    Some(best)
+}
+
+fn fit_at(differences: &Differences, exponent: i32) -> Option<(Fit, i32)> {
+    Some((fit(differences, f64::from(exponent).exp2())?, exponent))
+}
+
+fn likelier(a: (Fit, i32), b: (Fit, i32)) -> (Fit, i32) {
+    if b.0.log_likelihood > a.0.log_likelihood { b } else { a }
 }
 
 /// Standard deviation from the mean of the sizes: the median is zero where an odometer counts whole metres at one
@@ -360,14 +388,18 @@ pub(crate) struct Compared {
 impl Compared {
     /// None: too little of the run moves with both readings.
     pub(crate) fn fitted(mut differences: Differences) -> Option<Self> {
-        let mut fit = best_fit(&differences)?;
+        let (mut fit, mut exponent) = best_fit(&differences)?;
         // A bend between rows far apart is known within its own size. The noise beside it is what is left where there
         // is none.
         for _ in 0..PASSES {
             if !differences.doubt_bends(fit.variance) {
                 break;
             }
-            fit = best_fit(&differences)?;
+            let before = fit.variance;
+            (fit, exponent) = climbed(&differences, fit_at(&differences, exponent)?, 1)?;
+            if (fit.variance / before - 1.0).abs() < SETTLED {
+                break;
+            }
         }
         let straight: f64 = differences.straight(fit.ratio, LESS_OF_BENDS).iter().sum();
         if straight < LEAST_STRAIGHT { None } else { Self::of(differences, fit) }

@@ -200,6 +200,9 @@ pub(crate) fn wild(read: &[usize], far: impl Fn([usize; 4]) -> Option<f64>) -> V
     found
 }
 
+/// A location nearer to its neighbours is none of a spike, m.
+const LEAST_SPIKE_M: f64 = 80.0;
+
 /// Locations far from both neighbours, which agree with each other: left out. Beside speeds that stand still, `stuck`,
 /// they seem to be.
 pub(crate) fn spikes(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding>) {
@@ -207,22 +210,29 @@ pub(crate) fn spikes(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Ve
     let located: Vec<usize> = (0..rows.len()).filter(|i| rows[*i].location_m.is_some()).collect();
     let fastest_mps = fastest_mps(rows);
     let off_m = |a: usize, b: usize| {
-        let [a, b] = [a, b].map(|i| rows[i]);
+        let [a, b] = [a, b].map(|i| &rows[i]);
         let step_m = b.location_m.unwrap_or_default() - a.location_m.unwrap_or_default();
         // Between rows far apart a train starts or stops, and runs another way than the mean of both speeds says.
-        let reach = reaches(&a, &b, fastest_mps).filter(|_| b.time_s - a.time_s > row_step::MOST_MEAN_S);
-        reach.map_or((step_m - sign * between(&a, &b)).abs(), |reach| {
-            let way_m = sign * step_m;
-            (reach.start() - way_m).max(way_m - reach.end()).max(0.0)
-        })
+        let reach = reaches(a, b, fastest_mps).filter(|_| b.time_s - a.time_s > row_step::MOST_MEAN_S);
+        reach.map_or_else(
+            || (step_m - sign * between(a, b)).abs(),
+            |reach| {
+                let way_m = sign * step_m;
+                (reach.start() - way_m).max(way_m - reach.end()).max(0.0)
+            },
+        )
     };
     let found = wild(&located, |[before, first, last, after]| {
         if is_beside(stuck, [before, after]) {
             return None;
         }
-        let calm_m = off_m(before, after);
-        let least_m = off_m(before, first).min(off_m(last, after));
-        (least_m > 80.0 && least_m > 5.0 * calm_m).then(|| off_m(before, first))
+        // Hardly any is, and most are asked no more than this.
+        let first_m = off_m(before, first);
+        if first_m <= LEAST_SPIKE_M {
+            return None;
+        }
+        let least_m = first_m.min(off_m(last, after));
+        (least_m > LEAST_SPIKE_M && least_m > 5.0 * off_m(before, after)).then_some(first_m)
     });
     if let Some((first, _)) = found.first() {
         let largest_m = found.iter().map(|(_, off)| *off).fold(0.0, f64::max);
