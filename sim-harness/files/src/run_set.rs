@@ -86,7 +86,7 @@ impl RunSet {
         for argument in &arguments {
             if argument.is_dir() {
                 paths.extend(logs_of(argument)?);
-                skipped.extend(skipped_in(argument));
+                skipped.extend(skipped_in(argument, is_packed));
             } else if !is_table(argument) {
                 paths.push(argument.clone());
             }
@@ -218,14 +218,19 @@ pub fn first_of(names: &[String], most: usize) -> String {
     format!("{}{more}", names[..names.len().min(most)].join(", "))
 }
 
+/// By its name a compressed file.
+pub fn is_packed(path: &Path) -> bool {
+    let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    PACKED.contains(&&*end)
+}
+
 /// What looks like a log in a folder and cannot be read as one: compressed files, and links to nothing.
-pub fn skipped_in(folder: &Path) -> Option<String> {
+pub fn skipped_in(folder: &Path, is_packed: impl Fn(&Path) -> bool) -> Option<String> {
     let (mut packed, mut dangling) = (Vec::new(), Vec::new());
     for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
-        let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         if path.is_symlink() && !path.exists() {
             dangling.push(file_name(&path));
-        } else if PACKED.contains(&&*end) && path.is_file() {
+        } else if is_packed(&path) && path.is_file() {
             packed.push(file_name(&path));
         }
     }
@@ -256,7 +261,7 @@ fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     }
     logs.sort();
     if logs.is_empty() {
-        let skipped = skipped_in(folder).map(|skipped| format!("; {skipped}")).unwrap_or_default();
+        let skipped = skipped_in(folder, is_packed).map(|skipped| format!("; {skipped}")).unwrap_or_default();
         let message = format!("expected run logs (*.csv) in this folder, found none{skipped}");
         return Err(ReadError::of_file(folder, message));
     }

@@ -7,12 +7,12 @@ use super::letters;
 use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::results;
-use super::source::SourceFile;
 use super::source::row::{Header, refused};
+use super::source::{SourceFile, unpacked_name};
 use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
-use rundown_files::run_set::{PACKED, first_of, is_index, skipped_in, without_results};
+use rundown_files::run_set::{first_of, is_index, is_packed, skipped_in, without_results};
 use rundown_pages::numbers::counted;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -209,7 +209,8 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
         "jsonl", "ndjson", "parquet", "pq",
     ];
     let is_log = |path: &Path| {
-        let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let inner = unpacked_name(path);
+        let end = inner.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
         path.is_file() && ENDS.contains(&&*end) && !["index.csv", "import.json", MANIFEST].contains(&&*name)
     };
@@ -219,7 +220,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
             files.push(argument.clone());
             continue;
         }
-        let packed = skipped_in(argument);
+        let packed = skipped_in(argument, |path| is_packed(path) && !is_log(path));
         let entries = std::fs::read_dir(argument)
             .and_then(|entries| entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>());
         let mut inside = entries.map_err(|source| ReadError::Io { path: argument.clone(), source })?;
@@ -252,7 +253,7 @@ fn other_kinds(folder: &Path, inside: &[PathBuf], ends: &[&str]) -> Option<Strin
     let is_other = |path: &&PathBuf| {
         let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let is_own = end == "toml" || end == "html" || name(path).starts_with('.');
-        path.is_file() && !is_own && !ends.contains(&&*end) && !PACKED.contains(&&*end)
+        path.is_file() && !is_own && !ends.contains(&&*end) && !is_packed(path)
     };
     let names: Vec<String> = inside.iter().filter(is_other).map(|path| name(path)).collect();
     (!names.is_empty()).then(|| {

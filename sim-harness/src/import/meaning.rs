@@ -62,10 +62,11 @@ impl Meaning {
             Self::Time => {
                 "time|timestamp|datetime|date time|date and time|date heure|fecha hora|data ora|zeit|uhrzeit|\
                  zeitstempel|datum uhrzeit|datum zeit|heure|temps|horodatage|hora|tiempo|ora|tempo|t|utc|gps time|utc time|\
-                 local time|epoch|seconds|sekunden|ts|created at|elapsed|elapsed time|\
-                 fecha y hora|data e ora"
+                 local time|epoch|event time|log time|sample time|recording time|seconds|sekunden|ts|created at|elapsed|elapsed time|\
+                 fecha y hora|data e ora|tijd|datum en tijd|cas|datum a cas|godzina|czas|data i godzina|tid|\
+                 datum och tid"
             }
-            Self::Date => "date|datum|tag|jour|fecha|data|giorno|day",
+            Self::Date => "date|datum|tag|jour|fecha|data|giorno|day|dato",
             Self::Location => {
                 "location|chainage|odometer|distance|mileage|position|milepost|odo|track position|line km|\
                  track km|weg|wegstrecke|strecke|streckenkilometer|kilometrierung|fahrweg|wegmesser|\
@@ -73,12 +74,12 @@ impl Meaning {
                  punto kilometrico|odometro|posicion|ubicacion|distanza|progressiva|posizione|chilometrica|\
                  progressiva chilometrica|s|x|km|dist|distance travelled|distance traveled|travelled distance|\
                  strecken|strecken km|strecken kilometer|bahn km|bahnkilometer|km stand|kilometer|kilometre|\
-                 kilometros|chilometri|line kilometre|line kilometer"
+                 kilometros|chilometri|line kilometre|line kilometer|kilometrering|afstand|draha|droga|vag|stracka"
             }
             Self::Speed => {
                 "speed|velocity|v|geschwindigkeit|v ist|ist geschwindigkeit|fahrgeschwindigkeit|tempo kmh|\
                  vitesse|velocidad|velocita|speed over ground|ground speed|gps speed|spd|v act|actual speed|\
-                 train speed|speedometer"
+                 train speed|speedometer|snelheid|rychlost|predkosc|hastighet|hastighed"
             }
             Self::Latitude => {
                 "latitude|lat|breite|breitengrad|geografische breite|latitud|latitudine|gps lat|gps latitude|\
@@ -149,13 +150,18 @@ impl Meaning {
 /// Small letters without accents; what is neither letter nor digit is one blank.
 pub fn plain(name: &str) -> String {
     let letter = |c: char| match c {
-        'à' | 'á' | 'â' | 'ä' => 'a',
-        'è' | 'é' | 'ê' | 'ë' => 'e',
+        'à' | 'á' | 'â' | 'ä' | 'ã' | 'å' | 'ą' => 'a',
+        'è' | 'é' | 'ê' | 'ë' | 'ę' | 'ě' => 'e',
         'ì' | 'í' | 'î' | 'ï' => 'i',
-        'ò' | 'ó' | 'ô' | 'ö' => 'o',
-        'ù' | 'ú' | 'û' | 'ü' => 'u',
-        'ç' => 'c',
-        'ñ' => 'n',
+        'ò' | 'ó' | 'ô' | 'ö' | 'õ' | 'ø' => 'o',
+        'ù' | 'ú' | 'û' | 'ü' | 'ů' => 'u',
+        'ç' | 'č' | 'ć' => 'c',
+        'ñ' | 'ń' => 'n',
+        'ř' => 'r',
+        'š' | 'ś' => 's',
+        'ž' | 'ź' | 'ż' => 'z',
+        'ý' => 'y',
+        'ł' => 'l',
         c if c.is_alphanumeric() => c,
         _ => ' ',
     };
@@ -172,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn headers_of_five_languages_are_recognised() {
+    fn headers_of_nine_languages_are_recognised() {
         use Meaning::{Location, Speed, Time};
         for names in [
             ["Timestamp", "Odometer", "SPEED"],
@@ -183,6 +189,11 @@ mod tests {
             ["Zeit", "Strecken-km", "v-Ist"],
             ["Zeit", "km-Stand", "Geschwindigkeit"],
             ["Uhrzeit", "Kilometer", "v"],
+            ["Event Time", "Milepost", "Speed"],
+            ["Tijd", "Kilometrering", "Snelheid"],
+            ["Čas", "Dráha", "Rychlost"],
+            ["Godzina", "Droga", "Prędkość"],
+            ["Tid", "Väg", "Hastighet"],
         ] {
             assert_eq!(of(&names), [(Time, 0), (Location, 1), (Speed, 2)], "{names:?}");
         }

@@ -455,7 +455,8 @@ fn pretty(json: &Value) -> String {
 
 /// File and number, and the run of a column; letters, digits, `-` and `_`.
 fn name_of(path: &Path, run: &str, names: &mut HashSet<String>) -> String {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let inner = source::unpacked_name(path);
+    let stem = inner.file_stem().unwrap_or_default().to_string_lossy();
     let stem = if run.is_empty() { stem.into_owned() } else { format!("{stem}_{run}") };
     let stem: String = stem.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).take(80).collect();
     let free =

@@ -44,7 +44,7 @@ impl Unit {
     }
 }
 
-const LENGTHS: [Unit; 7] = [
+const LENGTHS: [Unit; 8] = [
     Unit::new("m", &["metre", "metres", "meter", "meters", "mètres", "metros", "metri", "mtr"], 1.0),
     Unit::new(
         "km",
@@ -52,6 +52,7 @@ const LENGTHS: [Unit; 7] = [
         1000.0,
     ),
     Unit::new("miles", &["mi", "mile"], 1609.344),
+    Unit::new("nautical miles", &["nmi", "nm", "nautical mile"], 1852.0),
     Unit::new("feet", &["ft", "foot"], 0.3048),
     Unit::new("cm", &[], 0.01),
     Unit::new("mm", &[], 0.001),

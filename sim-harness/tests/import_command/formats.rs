@@ -315,14 +315,11 @@ fn a_log_says_that_its_speed_was_computed_also_after_another_import() {
 #[test]
 fn a_code_page_that_is_not_found_is_asked_for() {
     let rows = drive(&STOPS_M[..3], 30.0);
-    let text = table("time_s,location_m,pr\u{119}dko\u{15b}\u{107} (km/h)", &rows, |t, x, v| {
-        format!("{t},{x:.0},{:.1}", 3.6 * v)
-    });
+    let text = table("time_s,location_m,szybko\u{15b}\u{107} (km/h)", &rows, |t, x, v| format!("{t},{x:.0},{:.1}", 3.6 * v));
     // Windows-1250.
     let bytes: Vec<u8> = text
         .chars()
         .map(|c| match c {
-            '\u{119}' => 0xea,
             '\u{15b}' => 0x9c,
             '\u{107}' => 0xe6,
             ascii => u8::try_from(ascii).unwrap(),
@@ -335,7 +332,7 @@ fn a_code_page_that_is_not_found_is_asked_for() {
     let line = said.err.split("say the code page: ").nth(1).unwrap().split(" (or").next().unwrap();
     folder.write("m.toml", line);
     let said = folder.done(&["import", "a.csv", "--mapping", "m.toml"]);
-    assert!(!said.err.contains("layout.encoding") && said.err.contains("pr\u{119}dko\u{15b}\u{107}"), "{}", said.err);
+    assert!(!said.err.contains("layout.encoding") && said.err.contains("szybko\u{15b}\u{107}"), "{}", said.err);
 }
 
 /// Two trains that follow each other, their rows in the order of their times.
@@ -496,4 +493,21 @@ fn fields_that_hold_no_number_are_counted() {
     // Tables write NaN into empty fields: nothing is warned of.
     let folder = Folder::new().with("a.csv", &text.replace("-Infinity", "NaN").replace("inf", "NaN"));
     folder.done(&["import", "--strict", "a.csv"]);
+}
+
+#[test]
+fn text_that_is_packed_is_read_as_it_is() {
+    let rows = drive(&STOPS_M[..3], 30.0);
+    let text = table("time_s,location_m,speed_kmh", &rows, |t, x, v| format!("{t},{x:.1},{:.1}", 3.6 * v));
+    let folder = Folder::new().with("a.csv", &text).with("logs/note.txt.xz", "").with("b.csv.zst", &text);
+    let packed = std::fs::File::create(folder.path("logs/a.csv.gz")).unwrap();
+    let mut packed = flate2::write::GzEncoder::new(packed, flate2::Compression::default());
+    std::io::Write::write_all(&mut packed, text.as_bytes()).unwrap();
+    packed.finish().unwrap();
+    folder.done(&["import", "a.csv", "--chainage", "as-is"]);
+    let said = folder.done(&["import", "logs", "--chainage", "as-is", "--out", "of_packed"]);
+    assert_eq!(csv(&folder, "of_packed/a_01.csv"), csv(&folder, "runs/a_01.csv"));
+    assert!((said.out + &said.err).contains("skipped 1 file: 1 compressed, to be unpacked first (note.txt.xz)"));
+    let said = folder.rundown(&["import", "b.csv.zst"]);
+    assert!(said.err.contains("expected text, or text packed by gzip, found .zst: unpack it first"), "{}", said.err);
 }

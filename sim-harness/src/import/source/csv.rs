@@ -1,10 +1,10 @@
 //! Tables as text: the encoding, the delimiter and the header are found in the first lines, the rows are streamed.
 
 use super::row::{self, Each, Event, Header, Layout, RowField};
+use super::unpacked;
 use crate::import::letters;
 use encoding_rs_io::DecodeReaderBytesBuilder;
 use rundown_files::refusal::ReadError;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -19,8 +19,7 @@ const LONGEST_LINE: u64 = 1 << 20;
 /// Encoding by the first bytes: a mark, zeros in every other byte, valid UTF-8, else Windows-1252, which holds Latin-1.
 fn encoding_of(path: &Path) -> Result<&'static str, ReadError> {
     let mut head = Vec::new();
-    let file = File::open(path).map_err(|error| row::io(path, error))?;
-    file.take(SNIFFED as u64).read_to_end(&mut head).map_err(|error| row::io(path, error))?;
+    unpacked::bytes(path)?.take(SNIFFED as u64).read_to_end(&mut head).map_err(|error| row::io(path, error))?;
     Ok(match head.as_slice() {
         [0xff, 0xfe, ..] => "utf-16le",
         [0xfe, 0xff, ..] => "utf-16be",
@@ -83,8 +82,7 @@ fn decoded(path: &Path, encoding: &str) -> Result<impl Read + use<>, ReadError> 
             format!("encoding: expected a name such as utf-8, utf-16le or windows-1252, found {encoding:?}"),
         )
     })?;
-    let file = File::open(path).map_err(|error| row::io(path, error))?;
-    Ok(DecodeReaderBytesBuilder::new().encoding(Some(label)).strip_bom(true).build(file))
+    Ok(DecodeReaderBytesBuilder::new().encoding(Some(label)).strip_bom(true).build(unpacked::bytes(path)?))
 }
 
 /// Quotes are around fields where each line of the head has pairs of them; a single one is an inch.

@@ -1,10 +1,10 @@
 //! Track points of GPX: time, position, height, and the speed where the recorder wrote one.
 
-use super::row::{self, Each, Event, Header, RowField};
+use super::row::{Each, Event, Header, RowField};
+use super::unpacked;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event as Xml};
 use rundown_files::refusal::ReadError;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -20,8 +20,7 @@ fn attribute(tag: &BytesStart, name: &str) -> RowField {
 }
 
 pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
-    let file = File::open(path).map_err(|error| row::io(path, error))?;
-    let mut reader = Reader::from_reader(BufReader::new(file));
+    let mut reader = Reader::from_reader(BufReader::new(unpacked::bytes(path)?));
     let (mut buffer, mut text) = (Vec::new(), String::new());
     let mut open: Vec<Vec<u8>> = Vec::new();
     let (mut point, mut number, mut tracks): (Option<Vec<RowField>>, u64, u64) = (None, 0, 0);

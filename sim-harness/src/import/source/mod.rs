@@ -8,15 +8,17 @@ mod parquet;
 mod parts;
 pub mod row;
 mod sheet;
+mod unpacked;
 
 use super::number;
 use parts::Parts;
 use row::{Each, Event, Header, Layout, RowField, SourceFormat};
 use rundown_files::refusal::ReadError;
+use rundown_files::run_set::PACKED;
 use sheet::Sheets;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+pub use unpacked::name as unpacked_name;
 
 /// Rows that decide the decimal sign.
 const DECIDING: usize = 400;
@@ -35,7 +37,8 @@ pub struct SourceFile {
 
 /// The kind of a file: by its name, else by its first bytes.
 fn format_of(path: &Path) -> Result<SourceFormat, ReadError> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let inner = unpacked_name(path);
+    let extension = inner.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let by_name = match extension.as_str() {
         "xlsx" | "xls" | "xlsm" | "xlsb" | "ods" => Some(SourceFormat::Sheet),
         "gpx" => Some(SourceFormat::Gpx),
@@ -45,11 +48,21 @@ fn format_of(path: &Path) -> Result<SourceFormat, ReadError> {
         _ => None,
     };
     if let Some(format) = by_name {
-        return Ok(format);
+        let is_text = !matches!(format, SourceFormat::Sheet | SourceFormat::Parquet);
+        return if is_text || inner == path {
+            Ok(format)
+        } else {
+            Err(row::refused(path, "expected text in a compressed file, found a workbook or Parquet: unpack it first"))
+        };
+    }
+    if PACKED.contains(&extension.as_str()) {
+        return Err(row::refused(
+            path,
+            format!("expected text, or text packed by gzip, found .{extension}: unpack it first"),
+        ));
     }
     let mut head = Vec::new();
-    let file = File::open(path).map_err(|error| row::io(path, error))?;
-    file.take(512).read_to_end(&mut head).map_err(|error| row::io(path, error))?;
+    unpacked::bytes(path)?.take(512).read_to_end(&mut head).map_err(|error| row::io(path, error))?;
     let text = String::from_utf8_lossy(&head).into_owned();
     let text = text.trim_start_matches('\u{feff}').trim_start();
     Ok(match text {

@@ -1,0 +1,28 @@
+//! Text that gzip made small, as the text that it is.
+
+use super::row;
+use flate2::read::MultiGzDecoder;
+use rundown_files::refusal::ReadError;
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read};
+use std::path::{Path, PathBuf};
+
+/// What a file of gzip begins with.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
+/// The bytes of a file, unpacked.
+pub fn bytes(path: &Path) -> Result<Box<dyn Read>, ReadError> {
+    let io = |error| row::io(path, error);
+    let mut file = File::open(path).map_err(io)?;
+    let mut head = Vec::new();
+    file.by_ref().take(GZIP.len() as u64).read_to_end(&mut head).map_err(io)?;
+    let is_packed = head == GZIP;
+    let whole = Cursor::new(head).chain(file);
+    Ok(if is_packed { Box::new(MultiGzDecoder::new(BufReader::new(whole))) } else { Box::new(whole) })
+}
+
+/// The name of a file without the `.gz` that packing added.
+pub fn name(path: &Path) -> PathBuf {
+    let is_packed = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("gz"));
+    if is_packed { path.with_extension("") } else { path.to_owned() }
+}
