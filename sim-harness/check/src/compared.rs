@@ -310,21 +310,25 @@ fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
     let normal = Matrix3::from_fn(|i, j| dot(&columns[i], &columns[j]));
     // A run at one speed has no skew; what it cannot say stays at zero instead of failing.
     let normal = normal + Matrix3::from_diagonal(&(normal.diagonal() * 1e-9).add_scalar(1e-12));
+    let factored = normal.cholesky()?;
     let solve = |y: &[f64]| {
         let score = Vector3::from_fn(|i, _| dot(&columns[i], y));
-        let beta = normal.cholesky()?.solve(&score);
+        let beta = factored.solve(&score);
         let residuals: Vec<f64> = (0..y.len())
             .map(|i| y[i] - columns[0][i] * beta[0] - columns[1][i] * beta[1] - columns[2][i] * beta[2])
             .collect();
-        Some((beta, residuals))
+        (beta, residuals)
     };
-    let (mut beta, mut residuals) = solve(&y)?;
+    let (mut beta, mut residuals) = solve(&y);
     for _ in 0..3 {
         let most = OUTLIER * mean_spread(&residuals);
+        if residuals.iter().all(|left| left.abs() <= most) {
+            break;
+        }
         for (value, left) in y.iter_mut().zip(&residuals) {
             *value -= left - left.max(-most).min(most);
         }
-        (beta, residuals) = solve(&y)?;
+        (beta, residuals) = solve(&y);
     }
     let n = y.len() as f64;
     // The noise is that of ways that are not bent: a bend is mostly known better than within its own size.

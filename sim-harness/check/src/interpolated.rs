@@ -79,15 +79,23 @@ fn readings(bends: &[Bend]) -> Option<(i64, i64)> {
     let written_m = metres().filter(|metres| *metres > LEAST_BEND_M).min_by(f64::total_cmp).unwrap_or(LEAST_BEND_M);
     let usual_m = median(metres())?;
     let digits_m = BEND * usual_m.max(written_m);
-    let beyond = |bend: &Bend| (bend.metres - digits_m).max(0.0);
-    let all: f64 = bends.iter().map(beyond).sum();
-    let largest = bends.iter().max_by(|a, b| a.metres.total_cmp(&b.metres))?;
+    let bent: Vec<Bend> = bends
+        .iter()
+        .filter(|bend| bend.metres > digits_m)
+        .map(|bend| Bend { metres: bend.metres - digits_m, ..*bend })
+        .collect();
+    let all: f64 = bent.iter().map(|bend| bend.metres).sum();
     // The largest bend is at a reading.
+    let largest = bent.iter().max_by(|a, b| a.metres.total_cmp(&b.metres))?;
     let is_each = |each: &i64| {
-        let there = bends.iter().filter(|bend| (bend.at - largest.at) % each == 0);
-        let (places, bent) = (there.clone().count(), there.clone().filter(|bend| bend.metres > digits_m).count());
-        let share = there.map(beyond).sum::<f64>() / all;
-        share >= AT_READINGS && bent >= LEAST_BENDS && bent as f64 >= LEAST_SHARE * places as f64
+        let is_there = |bend: &&Bend| (bend.at - largest.at) % each == 0;
+        let (mut count, mut there) = (0, 0.0);
+        for bend in bent.iter().filter(is_there) {
+            (count, there) = (count + 1, there + bend.metres);
+        }
+        count >= LEAST_BENDS
+            && there / all >= AT_READINGS
+            && count as f64 >= LEAST_SHARE * bends.iter().filter(is_there).count() as f64
     };
     let each = (2..=MOST_ROWS).rev().find(is_each)?;
     Some((each, largest.at.rem_euclid(each)))

@@ -315,7 +315,8 @@ fn a_log_says_that_its_speed_was_computed_also_after_another_import() {
 #[test]
 fn a_code_page_that_is_not_found_is_asked_for() {
     let rows = drive(&STOPS_M[..3], 30.0);
-    let text = table("time_s,location_m,szybko\u{15b}\u{107} (km/h)", &rows, |t, x, v| format!("{t},{x:.0},{:.1}", 3.6 * v));
+    let text =
+        table("time_s,location_m,szybko\u{15b}\u{107} (km/h)", &rows, |t, x, v| format!("{t},{x:.0},{:.1}", 3.6 * v));
     // Windows-1250.
     let bytes: Vec<u8> = text
         .chars()

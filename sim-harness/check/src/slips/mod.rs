@@ -11,7 +11,7 @@ mod bumps;
 pub(crate) mod each_brake;
 mod unknown;
 
-use crate::agreement::Figure;
+use crate::agreement::{Figure, HALF_95};
 use crate::compared::Row;
 use crate::diagnosis::RecorderCheck;
 use crate::finding::{Done, Finding, Kind};
@@ -89,13 +89,18 @@ pub(crate) fn leave_out(recordings: &mut [Recording], compared: &[(usize, f64)])
     for (kind, sign) in [(Kind::Slips, 1.0), (Kind::Slides, -1.0)] {
         let slips = sought(&of_runs, sign);
         let Some(first) = slips.iter().position(|slips| !slips.is_empty()) else { continue };
+        let percent = percent(&slips.concat());
+        // None that may be no slips at all.
+        if percent.away_from(0.0) < HALF_95 {
+            continue;
+        }
         let leave =
             |((i, moved_s), slips): (&(usize, f64), &Vec<Slip>)| without(&mut recordings[*i].rows, slips, *moved_s);
         let lines: Vec<u64> = compared.iter().zip(&slips).map(leave).collect();
         let all = || slips.iter().flatten();
         found.push(Slips {
             kind,
-            percent: percent(&slips.concat()),
+            percent,
             count: all().count(),
             runs: slips.iter().filter(|slips| !slips.is_empty()).count(),
             long_s: median(all().map(|slip| slip.long_s)).unwrap_or_default(),
