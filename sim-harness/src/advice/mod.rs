@@ -18,13 +18,28 @@ use rundown::tick::foresight::Trust;
 use rundown::tick::measurement::Measurement;
 use rundown_files::recording::Recording;
 use rundown_files::replay::{ReplayedRun, Tick};
-use std::collections::{BTreeMap, HashMap};
+use rundown_wire::Learned;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 const NAMED: usize = 3;
 /// A tick of the measured mode ends with a row that has an effort, and there it compares speed and location.
 const EFFORT_BESIDE_BOTH: &str = "effort, speed and location in one row, and no row has all three";
 /// A described resistance that is not seen at this speed is seen at none, km/h.
 const MOST_KMH: u16 = 400;
+
+/// Why the runs of a unit are not those of one train.
+enum NotOne {
+    Sorts(two_sorts::Note),
+    Changed(String),
+}
+
+impl NotOne {
+    fn text(self) -> String {
+        match self {
+            Self::Sorts(two_sorts::Note { text, .. }) | Self::Changed(text) => text,
+        }
+    }
+}
 
 /// What is collected of the runs as they come.
 #[derive(Debug, Default)]
@@ -66,8 +81,8 @@ impl Advice {
         }
     }
 
-    /// Asks coasts what efforts taught: what the first of them teach themselves, and how well they are foreseen. Call it
-    /// before the runs are added.
+    /// Asks coasts what efforts taught: what the first of them teach themselves, and how well they are foreseen. Call
+    /// it before the runs are added.
     pub fn foresee(&mut self, gated: &Estimator, recordings: &[Recording], tick: Tick, runs: &mut [ReplayedRun]) {
         if self.runs == 0 {
             self.coasts = coasts::taught(gated, recordings, tick);
@@ -75,9 +90,25 @@ impl Advice {
         coasts::foresee(gated, recordings, tick, runs, &mut self.trusts);
     }
 
-    /// What efforts taught of a resistance that coasts contradict is not published. Call it once the runs are added.
+    /// What efforts taught of a resistance that coasts contradict is not published, nor what runs of two trains did. Call
+    /// it once the runs are added.
     pub fn withhold(&self, runs: &mut [ReplayedRun]) {
         coasts::withhold(&self.vehicles, &self.coasts, runs);
+        let is_of_neither = |(unit, after): &(&String, &vehicle::After)| matches!(self.not_one(unit, after), Some(NotOne::Sorts(note)) if note.is_of_neither);
+        let of_neither: BTreeSet<&str> =
+            self.vehicles.iter().filter(is_of_neither).map(|(unit, _)| unit.as_str()).collect();
+        let learned = runs.iter_mut().filter(|run| run.learned == Learned::Learned);
+        learned.filter(|run| of_neither.contains(&*run.unit)).for_each(|run| run.learned = Learned::NotYet);
+    }
+
+    /// What is said of a unit that is not one train throughout.
+    fn not_one(&self, unit: &str, after: &vehicle::After) -> Option<NotOne> {
+        let changed = || changed::note(unit, &self.taught, &after.davis);
+        match two_sorts::note(unit, &self.taught, &after.davis) {
+            Some(sorts) if sorts.may_be_a_change => Some(changed().map_or(NotOne::Sorts(sorts), NotOne::Changed)),
+            Some(sorts) => Some(NotOne::Sorts(sorts)),
+            None => changed().map(NotOne::Changed),
+        }
     }
 
     pub fn notes(&self, estimator: &Estimator, gradients_are_said: bool) -> Vec<String> {
@@ -118,15 +149,7 @@ impl Advice {
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
         notes.extend(self.foreseen.notes());
         notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
-        let not_one = |(unit, after): (&String, &vehicle::After)| {
-            let changed = || changed::note(unit, &self.taught, &after.davis);
-            match two_sorts::note(unit, &self.taught, &after.davis) {
-                Some(sorts) if sorts.may_be_a_change => changed().or(Some(sorts.text)),
-                Some(sorts) => Some(sorts.text),
-                None => changed(),
-            }
-        };
-        notes.extend(self.vehicles.iter().filter_map(not_one));
+        notes.extend(self.vehicles.iter().filter_map(|(unit, after)| self.not_one(unit, after)).map(NotOne::text));
         notes.extend(vehicle::notes(estimator, &self.vehicles, gradients_are_said));
         notes
     }
@@ -214,7 +237,6 @@ mod tests {
     use rundown::model::direction::Direction;
     use rundown_check::agreement::Figure;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
-    use rundown_wire::Learned;
     use std::path::{Path, PathBuf};
 
     fn reference(name: &str) -> PathBuf {
@@ -297,7 +319,7 @@ mod tests {
         let few = said(&[1, 2, 5, 8]);
         let expected = "the vehicle: its runs are of two sorts: 4 of 9 that teach enough by themselves have 25 % more \
                         resistance than the others (at about 90 km/h), run1, run2, run5, run8: coaches, a load";
-        assert!(few.contains(expected), "{few}");
+        assert!(few.contains(expected) && few.contains("is not published; replay each sort by itself"), "{few}");
         let many = said(&[0, 1, 2, 5, 8]);
         assert!(
             many.contains("4 of 9") && many.contains("20 % less") && many.contains("run3, run4, run6, run7"),
@@ -306,6 +328,27 @@ mod tests {
         assert!(said(&[1, 3, 5, 7]).contains("one for each direction: a steady wind"), "{}", said(&[1, 3, 5, 7]));
         // One sort after the other: a change, had the runs taught enough to say so.
         assert!(said(&[5, 6, 7, 8]).contains("two sorts"), "{}", said(&[5, 6, 7, 8]));
+    }
+
+    #[test]
+    fn what_runs_of_two_trains_teach_is_not_published() {
+        let published = |more: &[u32]| {
+            let mut runs = replayed().runs;
+            runs[0].learned = Learned::Learned;
+            let mut advice = Advice::default();
+            advice.add(&runs);
+            let r_n_per_kg = Resistance::at(&advice.vehicles[""].davis, 25.0).unwrap().mean_n_per_kg;
+            let run = |i: u32| {
+                let times = if more.contains(&i) { 1.25 } else { 1.0 };
+                taught::Taught { r_n_per_kg: Figure { value: times * r_n_per_kg, sd: 1e-5 }, ..taught(i, 0.5) }
+            };
+            advice.taught = (0..9).map(run).collect();
+            advice.withhold(&mut runs);
+            runs[0].learned
+        };
+        assert_eq!(published(&[1, 2, 5, 8]), Learned::NotYet);
+        // One sort for each direction: what both teach has neither wind nor slope in it.
+        assert_eq!([published(&[]), published(&[1, 3, 5, 7])], [Learned::Learned; 2]);
     }
 
     #[test]

@@ -45,6 +45,8 @@ pub(super) struct Note {
     pub(super) text: String,
     /// One sort comes after the other, but for a run: the train may have changed.
     pub(super) may_be_a_change: bool,
+    /// What was learned is the resistance of neither sort.
+    pub(super) is_of_neither: bool,
 }
 
 /// The note on a unit; `vehicle`: its coefficients after all runs.
@@ -63,8 +65,8 @@ pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option
     let cause = if by_direction {
         "one for each direction: a steady wind, or gradients that are off? One direction alone teaches them, too"
     } else {
-        "coaches, a load, another train? What was learned lies between both, whatever its interval; replay each sort by \
-         itself"
+        "coaches, a load, another train, another chainage? What was learned lies between both, whatever its interval, and \
+         is not published; replay each sort by itself"
     };
     let (sort, word, percent) = if more.len() > less.len() {
         (less, "less", 100.0 * share / (1.0 + share))
@@ -80,7 +82,7 @@ pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option
         3.6 * speed_mps,
         first_of(sort.iter().map(|(run, _)| run.name.clone()), NAMED),
     );
-    Some(Note { text, may_be_a_change: turns <= CHANGE_TURNS })
+    Some(Note { text, may_be_a_change: turns <= CHANGE_TURNS, is_of_neither: !by_direction })
 }
 
 /// Where shares in rising order fall apart.
