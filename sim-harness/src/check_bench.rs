@@ -129,7 +129,8 @@ impl Defect {
 
 /// How a speed is rounded is no accusation.
 fn harmless(kind: Kind) -> bool {
-    matches!(kind, Kind::RoundedSpeed | Kind::SteppedSpeed)
+    // Trains that neither coast for long nor stand show no zero of the efforts, in truth.
+    matches!(kind, Kind::RoundedSpeed | Kind::SteppedSpeed | Kind::EffortZeroUnseen)
 }
 
 impl Clean {

@@ -25,6 +25,9 @@ pub struct RecorderCheck {
     pub location_step_m: Option<f64>,
     /// Step of the efforts, N/kg.
     pub effort_step_n_per_kg: Option<f64>,
+    /// By how much the zero of the efforts may be wrong where it was put right, N/kg.
+    #[serde(skip)]
+    pub effort_doubt_n_per_kg: f64,
     /// Measured over true speed; with the offset known where that is decided.
     pub scale: Option<Figure>,
     /// Read over described locations, where they were put right: what is open of it is open of the speed, too.

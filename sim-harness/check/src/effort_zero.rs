@@ -10,6 +10,7 @@
 
 use crate::agreement::Figure;
 use crate::effort::stretches;
+use crate::effort_coasting::CoastingEffort;
 use crate::{Known, SURE};
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
@@ -69,6 +70,51 @@ pub(crate) fn at_standstill<'a>(recordings: impl Iterator<Item = &'a Recording>)
     let value = same.iter().sum::<f64>() / same.len() as f64;
     (same.len() >= LEAST_STANDING && is_one && zero.abs() < LARGEST_ZERO_N_PER_KG)
         .then_some((Figure { value, sd: 0.0 }, same.len()))
+}
+
+/// The zero of an effort column.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Zero {
+    pub(crate) figure: Figure,
+    /// By how much it may be wrong: all of it, where something that acts may look so, else what rounding hides, N/kg.
+    pub(crate) doubt_n_per_kg: f64,
+    /// Something that acts may look so.
+    pub(crate) may_act: bool,
+    /// In what.
+    pub(crate) seen: String,
+}
+
+/// What trains that stand and trains that coast say together.
+pub(crate) fn decided(standing: Option<(Figure, usize)>, coasts: Option<CoastingEffort>) -> Option<Zero> {
+    let of_coasts = |one: &CoastingEffort| format!("in {} stretches of 20 s of trains that coast", one.count);
+    let of_standing = |count: usize| format!("in {count} rows of trains that stand");
+    match (standing, coasts) {
+        (Some((stands, count)), Some(coasting)) => {
+            let apart = (stands.value - coasting.effort.value).abs();
+            if apart < SAME_N_PER_KG.max(SURE * coasting.effort.sd) {
+                let (coasted, stood) = (of_coasts(&coasting), of_standing(count));
+                let seen = format!("{coasted}, and {stood}");
+                let doubt_n_per_kg = coasting.rounded_n_per_kg;
+                return Some(Zero { figure: coasting.effort, doubt_n_per_kg, may_act: false, seen });
+            }
+            if !is_off(stands) && !coasting.is_sure {
+                // The column is right, and the motors drag.
+                return Some(Zero { figure: stands, doubt_n_per_kg: 0.0, may_act: false, seen: of_standing(count) });
+            }
+            // A train that stands may hold a light brake.
+            decided(None, Some(coasting))
+        }
+        (None, Some(coasting)) => {
+            let doubt_n_per_kg = if coasting.is_sure { coasting.rounded_n_per_kg } else { coasting.effort.value.abs() };
+            let may_act = !coasting.is_sure;
+            Some(Zero { figure: coasting.effort, doubt_n_per_kg, may_act, seen: of_coasts(&coasting) })
+        }
+        (Some((stands, count)), None) => {
+            let doubt_n_per_kg = stands.value.abs();
+            Some(Zero { figure: stands, doubt_n_per_kg, may_act: true, seen: of_standing(count) })
+        }
+        (None, None) => None,
+    }
 }
 
 /// More than noise around 0.
@@ -229,4 +275,29 @@ pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, known: 
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trains_that_stand_and_trains_that_coast_decide_together() {
+        let stands = |value| Some((Figure { value, sd: 0.0 }, 60));
+        let coasts = |value, is_sure| {
+            let effort = Figure { value, sd: 1e-5 };
+            Some(CoastingEffort { effort, count: 80, is_sure, rounded_n_per_kg: 5e-4 })
+        };
+        let said = |standing, coasting| {
+            let zero: Zero = decided(standing, coasting).unwrap();
+            (zero.figure.value, zero.doubt_n_per_kg, zero.may_act)
+        };
+        assert_eq!(said(stands(0.004), coasts(0.004, false)), (0.004, 5e-4, false), "both say so");
+        assert_eq!(said(stands(0.0), coasts(-0.004, false)), (0.0, 0.0, false), "motors that drag");
+        assert_eq!(said(stands(-0.01), coasts(0.0, false)), (0.0, 0.0, true), "a light brake");
+        assert_eq!(said(None, coasts(-0.004, false)), (-0.004, 0.004, true), "one or the other");
+        assert_eq!(said(None, coasts(-0.012, true)), (-0.012, 5e-4, false), "more than motors drag");
+        assert_eq!(said(stands(0.002), None), (0.002, 0.002, true));
+        assert_eq!(decided(None, None), None);
+    }
 }

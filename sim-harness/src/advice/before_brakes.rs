@@ -151,7 +151,7 @@ fn widen(davis: &mut Gaussian<3>, share: f64) {
 }
 
 /// As a vehicle is published that was published before.
-fn is_published(estimator: &Estimator, davis: &Gaussian<3>) -> bool {
+pub(super) fn is_published(estimator: &Estimator, davis: &Gaussian<3>) -> bool {
     let described = sds(&estimator.new_vehicle().davis());
     sds(davis).into_iter().zip(described).any(|(sd, described)| sd < FORGOTTEN_SHARE * described)
 }

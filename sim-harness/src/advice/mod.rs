@@ -6,6 +6,7 @@
 pub(crate) mod before_brakes;
 mod changed;
 pub(crate) mod coasts;
+pub(crate) mod effort_zero;
 pub(crate) mod foreseen;
 mod taught;
 mod two_sorts;
@@ -90,8 +91,8 @@ impl Advice {
         coasts::foresee(gated, recordings, tick, runs, &mut self.trusts);
     }
 
-    /// What efforts taught of a resistance that coasts contradict is not published, nor what runs of two trains did. Call
-    /// it once the runs are added.
+    /// What efforts taught of a resistance that coasts contradict is not published, nor what runs of two trains did.
+    /// Call it once the runs are added.
     pub fn withhold(&self, runs: &mut [ReplayedRun]) {
         coasts::withhold(&self.vehicles, &self.coasts, runs);
         let is_of_neither = |(unit, after): &(&String, &vehicle::After)| matches!(self.not_one(unit, after), Some(NotOne::Sorts(note)) if note.is_of_neither);

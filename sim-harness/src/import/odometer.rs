@@ -1,6 +1,5 @@
 //! Locations that count the way of a wheel: they rise whichever way the train goes, and may be beyond any line.
 
-use super::chainage::Placing;
 use super::staged::Staged;
 use rundown_files::sample::MOST_LOCATION_M;
 use std::collections::BTreeMap;
@@ -32,28 +31,6 @@ pub fn counts_on(runs: &[Staged]) -> Option<String> {
     let of = if units.len() > 1 { "of a unit " } else { "" };
     (tell.clone().next().is_some() && tell.all(apart))
         .then(|| format!("all locations rise and no two runs {of}overlap: an odometer"))
-}
-
-/// Moves runs by whole turns of an odometer that began again at zero in some of them: where it was joined on the way
-/// back, the same places are a turn lower. Only onto a run that passes most of the same places then.
-pub fn unturned(runs: &[Staged], places: &mut [Placing]) {
-    // The highest: no location is below zero there.
-    let wrapped = runs.iter().filter_map(|run| Some((run, run.turn_m?)));
-    let Some((onto, turn_m)) = wrapped.max_by(|a, b| a.0.ends_m.0.total_cmp(&b.0.ends_m.0)) else { return };
-    for (run, place) in runs.iter().zip(places) {
-        let [middle_m, onto_m] = [run, onto].map(|run| 0.5 * (run.ends_m.0 + run.ends_m.1));
-        let turns = ((onto_m - middle_m) / turn_m).round();
-        let offset_m = turns * turn_m;
-        let (low_m, high_m) = (run.ends_m.0 + offset_m, run.ends_m.1 + offset_m);
-        let both_m = high_m.min(onto.ends_m.1) - low_m.max(onto.ends_m.0);
-        if turns != 0.0 && run.unit == onto.unit && both_m > 0.5 * (high_m - low_m) {
-            let how = format!(
-                "an odometer that begins again at zero after {turn_m:.0} m: by {turns:+} turns, onto {}",
-                onto.name
-            );
-            *place = Placing::Shift { factor: 1.0, offset_m, how };
-        }
-    }
 }
 
 /// Beyond any line.

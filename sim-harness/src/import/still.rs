@@ -9,10 +9,14 @@ use super::geo;
 use super::stretch::fix;
 use rundown_files::sample::Sample;
 
-/// Fixes within so many metres from south to north and from west to east, over so long, are of one place: a train that
-/// goes on at 3 km/h leaves it.
+/// Fixes within so many metres in every direction, over so long, are of one place: a train that goes on at 3 km/h
+/// leaves it. The clock of rows jitters, s.
 const PLACE_M: f64 = 16.0;
 const STANDS_S: f64 = 20.0;
+const JITTER_S: f64 = 0.5;
+/// Nor does a train stand for longer than this, s, that goes on by so much all the time, m/s: fixes wander by less.
+const CRAWLS_MPS: f64 = 0.25;
+const CRAWLS_S: f64 = 60.0;
 /// A train that comes to a stop, or leaves, is within it for a few seconds as well: at the ends of a standstill rows
 /// faster than this, m/s, within so long, s, are none of it.
 const MOVES_MPS: f64 = 0.8;
@@ -24,11 +28,14 @@ const GAP_STEPS: f64 = 2.5;
 pub(super) fn stands(rows: &[Sample], step_s: f64) -> Vec<bool> {
     let mut stands = vec![false; rows.len()];
     for begin in 0..rows.len() {
-        let end = begin + rows[begin..].iter().take_while(|row| row.time_s <= rows[begin].time_s + STANDS_S).count();
+        let within =
+            rows[begin..].iter().take_while(|row| row.time_s < rows[begin].time_s + STANDS_S - JITTER_S).count();
+        // With the row behind it no window is shorter, whatever the step.
+        let end = (begin + within + 1).min(rows.len());
         let window = &rows[begin..end];
         let long_s = window[window.len() - 1].time_s - window[0].time_s;
         let has_gap = window.windows(2).any(|pair| pair[1].time_s - pair[0].time_s > GAP_STEPS * step_s);
-        if long_s > STANDS_S - 1.5 * step_s && window.len() > 2 && !has_gap && is_one_place(window) {
+        if long_s > STANDS_S - JITTER_S && window.len() > 2 && !has_gap && is_one_place(window) {
             stands[begin..end].fill(true);
         }
     }
@@ -53,19 +60,50 @@ pub(super) fn stands(rows: &[Sample], step_s: f64) -> Vec<bool> {
         }
         begin = end.max(begin + 1);
     }
+    without_crawls(rows, &mut stands);
     stands
 }
 
+/// Fixes that all lie in a square of this size, whichever way it is turned.
 fn is_one_place(rows: &[Sample]) -> bool {
     let Some(from) = rows.first().and_then(fix) else { return false };
-    let [mut low, mut high] = [(0.0_f64, 0.0_f64); 2];
+    let [mut low, mut high] = [[0.0_f64; 4]; 2];
     for row in rows {
         let Some(to) = fix(row) else { return false };
         let (north, east) = geo::offset_m(from, to);
-        low = (low.0.min(north), low.1.min(east));
-        high = (high.0.max(north), high.1.max(east));
+        let diagonal = std::f64::consts::FRAC_1_SQRT_2;
+        let along = [north, east, diagonal * (north + east), diagonal * (north - east)];
+        low = [0, 1, 2, 3].map(|i| low[i].min(along[i]));
+        high = [0, 1, 2, 3].map(|i| high[i].max(along[i]));
     }
-    high.0 - low.0 <= PLACE_M && high.1 - low.1 <= PLACE_M
+    (0..4).all(|i| high[i] - low[i] <= PLACE_M)
+}
+
+/// Takes back what goes on, slowly: the mean fix of its last seconds is elsewhere than that of its first.
+fn without_crawls(rows: &[Sample], stands: &mut [bool]) {
+    let mut begin = 0;
+    while begin < rows.len() {
+        let end = begin + stands[begin..].iter().take_while(|stands| **stands).count();
+        if begin < end {
+            let still = &rows[begin..end];
+            let [first_s, last_s] = [still[0].time_s, still[still.len() - 1].time_s];
+            let third_s = (last_s - first_s) / 3.0;
+            let first = mean_fix(still.iter().take_while(|row| row.time_s <= first_s + third_s));
+            let last = mean_fix(still.iter().rev().take_while(|row| row.time_s >= last_s - third_s));
+            let gone_m = first.zip(last).map_or(0.0, |(first, last)| geo::distance_m(first, last));
+            // Between the middles of the thirds.
+            if 3.0 * third_s > CRAWLS_S && gone_m > CRAWLS_MPS * 2.0 * third_s {
+                stands[begin..end].fill(false);
+            }
+        }
+        begin = end.max(begin + 1);
+    }
+}
+
+fn mean_fix<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<geo::Fix> {
+    let fixes: Vec<geo::Fix> = rows.filter_map(fix).collect();
+    let mean = |of: fn(&geo::Fix) -> f64| fixes.iter().map(of).sum::<f64>() / fixes.len() as f64;
+    (!fixes.is_empty()).then(|| (mean(|fix| fix.0), mean(|fix| fix.1)))
 }
 
 #[cfg(test)]
@@ -113,12 +151,19 @@ mod tests {
         for seed in 0..10 {
             let (mut rows, _): (Vec<_>, Vec<_>) = fixes(0.0, f64::from(seed)).into_iter().unzip();
             assert_eq!(stands(&rows, 1.0).iter().filter(|stands| **stands).count(), 0, "{seed}");
-            // At 4 km/h.
-            for (second, row) in rows.iter_mut().enumerate() {
-                let (north, _) = geo::moved((51.0, 5.0), (1.1 * second as f64, 0.0));
-                (row.latitude_deg, row.speed_mps) = (Some(north), Some(1.1));
+            // At 4 km/h to the north and to the north-east, and at 1.5 km/h for minutes.
+            for (north, east) in [(1.1, 0.0), (0.78, 0.78), (0.3, 0.3)] {
+                for (second, row) in rows.iter_mut().enumerate() {
+                    let gone_s = second as f64;
+                    let (latitude, longitude) = geo::moved((51.0, 5.0), (north * gone_s, east * gone_s));
+                    (row.latitude_deg, row.longitude_deg) = (Some(latitude), Some(longitude));
+                    row.speed_mps = Some(f64::hypot(north, east));
+                }
+                assert!(stands(&rows, 1.0).iter().all(|stands| !stands), "{seed} {north} {east}");
+                // Rows further apart.
+                let rows: Vec<Sample> = rows.iter().copied().step_by(7).collect();
+                assert!(stands(&rows, 7.0).iter().all(|stands| !stands), "{seed} {north} {east}");
             }
-            assert!(stands(&rows, 1.0).iter().all(|stands| !stands), "{seed}");
         }
     }
 }

@@ -12,7 +12,7 @@ mod stream;
 pub use source::Runs;
 pub use stream::{CHUNK, StreamError};
 
-use crate::advice::{Advice, before_brakes::BeforeBrakes, coasts};
+use crate::advice::{Advice, before_brakes::BeforeBrakes, coasts, effort_zero};
 use crate::learned_train::Results;
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
@@ -42,7 +42,7 @@ use rundown_files::{WriteError, config_file, effect_file};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, train_file::TrainFile};
 use serde_json::Value;
 use source::Source;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -118,6 +118,8 @@ pub struct Opened {
     seen: Seen,
     /// Names of the runs that were read, also of those that cannot be used.
     named: HashSet<String>,
+    /// By how much the zero of the efforts of a unit may be wrong, N/kg.
+    effort_doubts: BTreeMap<String, f64>,
     provenance: Provenance,
 }
 
@@ -222,7 +224,21 @@ impl Request {
         let provenance = Provenance::begin(&inputs.collect::<Vec<PathBuf>>());
         let seen = Seen::default();
         let named = HashSet::new();
-        Ok(Opened { request: self, config, train, core_train, track, estimator, source, line, seen, named, provenance })
+        let effort_doubts = BTreeMap::new();
+        Ok(Opened {
+            request: self,
+            config,
+            train,
+            core_train,
+            track,
+            estimator,
+            source,
+            line,
+            seen,
+            named,
+            effort_doubts,
+            provenance,
+        })
     }
 }
 
@@ -265,6 +281,7 @@ impl Opened {
         };
         let mut before_brakes = BeforeBrakes::default();
         before_brakes.judge(&self.estimator, carried, |name| own.contains_key(name), &mut runs);
+        effort_zero::doubt(&self.estimator, &self.effort_doubts, &mut runs);
         let mut advice = Advice::default();
         if let Some(gated) = self.beside_efforts(&own) {
             advice.foresee(&gated, &recordings, tick, &mut runs);
@@ -354,6 +371,10 @@ impl Opened {
         let (used, refused, found) = logs::diagnosed(recordings, &known, &mut self.seen);
         summary.failed.extend(refused);
         summary.notes.extend(found.notes());
+        if self.config.mode == Mode::Measured {
+            let doubted = found.recorders.iter().filter(|recorder| recorder.effort_doubt_n_per_kg > 0.0);
+            self.effort_doubts.extend(doubted.map(|recorder| (recorder.unit.clone(), recorder.effort_doubt_n_per_kg)));
+        }
         summary
             .notes
             .extend(found.perturbed_note().map(|note| format!("{note}; they were learned from as the others")));

@@ -5,7 +5,7 @@
 //! [`CHUNK`] at a time.
 
 use super::{Opened, ReplayError, Summary, learned};
-use crate::advice::{Advice, before_brakes::BeforeBrakes};
+use crate::advice::{Advice, before_brakes::BeforeBrakes, effort_zero};
 use crate::output::tables::Table;
 use crate::output::{features, files, json, parameters};
 use rundown::estimator::config::Mode;
@@ -85,6 +85,7 @@ impl Opened {
                 }
                 drop(recordings);
                 before_brakes.judge(&self.estimator, self.request.carried, |name| own.contains_key(name), &mut runs);
+                effort_zero::doubt(&self.estimator, &self.effort_doubts, &mut runs);
                 advice.add(&runs);
                 advice.withhold(&mut runs);
                 summary.count(&runs, self.config.mode);

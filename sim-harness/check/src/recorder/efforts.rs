@@ -4,7 +4,7 @@ use crate::agreement::Figure;
 use crate::diagnosis::RecorderCheck;
 use crate::effort_age::Asked;
 use crate::effort_gap::Gap;
-use crate::effort_zero::Stretches;
+use crate::effort_zero::{Stretches, Zero};
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
@@ -197,19 +197,25 @@ impl RecorderCheck {
         if self.has(Kind::EffortApart) {
             return;
         }
-        // A train that stands may hold a light brake.
-        let seen = effort_coasting::effort_of_coasts(own())
-            .map(|(zero, count)| (zero, format!("in {count} stretches of 20 s of trains that coast")))
-            .or_else(|| {
-                let (zero, count) = effort_zero::at_standstill(own())?;
-                Some((zero, format!("in {count} rows of trains that stand")))
-            });
+        let standing = effort_zero::at_standstill(own());
+        let coasts = effort_coasting::effort_of_coasts(own(), known, self.effort_step_n_per_kg);
+        let seen = effort_zero::decided(standing, coasts);
         let zeros = effort_zero::zeros(own(), known);
         let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
         let rows: Vec<&mut [Sample]> = rows.map(|(recording, _)| recording.rows.as_mut_slice()).collect();
         let is_seen = seen.is_some();
-        if let Some((zero, seen)) = seen.filter(|(zero, _)| effort_zero::is_off(*zero)) {
-            self.found_by(Kind::EffortOffset, zero, "N/kg", Done::PutRight, format!("{seen}, and so taken from all"));
+        if let Some(Zero { figure: zero, doubt_n_per_kg, may_act, seen }) =
+            seen.filter(|one| effort_zero::is_off(one.figure))
+        {
+            self.effort_doubt_n_per_kg = doubt_n_per_kg;
+            let doubt = match may_act {
+                true => {
+                    "; motors that drag while coasting, or a brake that holds standing trains, look so: r is doubted by as much"
+                }
+                false => "",
+            };
+            let text = format!("{seen}, and so taken from all{doubt}");
+            self.found_by(Kind::EffortOffset, zero, "N/kg", Done::PutRight, text);
             let efforts = rows.into_iter().flatten().filter_map(|row| row.effort_n_per_kg.as_mut());
             efforts.for_each(|effort| *effort -= zero.value);
             return;
