@@ -53,7 +53,8 @@ impl Figure {
         let sum: f64 = runs.iter().map(weight).sum();
         let value = runs.iter().map(|one| weight(one) * one.value).sum::<f64>() / sum;
         let scatter: f64 = runs.iter().map(|one| weight(one) * (one.value - value).powi(2)).sum();
-        let grown = (scatter / (runs.len() as f64 - 1.0)).max(1.0);
+        // Of one run the scatter is what rounding leaves.
+        let grown = (scatter / (runs.len() as f64 - 1.0).max(1.0)).max(1.0);
         (!runs.is_empty()).then(|| Self { value, sd: (grown / sum).sqrt() })
     }
 
@@ -335,4 +336,21 @@ fn larger(a: Matrix2<f64>, b: Matrix2<f64>) -> Matrix2<f64> {
     let relative = SymmetricEigen::new(inverse * b * inverse.transpose());
     let grown = relative.eigenvalues.map(|value| value.max(1.0));
     l * relative.eigenvectors * Matrix2::from_diagonal(&grown) * relative.eigenvectors.transpose() * l.transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_one_is_that_one_whatever_rounding_does() {
+        for i in 0..1000 {
+            let one = Figure { value: 0.9 + 1e-4 * f64::from(i) / 3.0, sd: 1e-5 * f64::from(i + 1) / 7.0 };
+            let mean = Figure::mean_of(&[one]).unwrap();
+            assert!(
+                (mean.sd / one.sd - 1.0).abs() < 1e-9 && (mean.value - one.value).abs() < 1e-12,
+                "{one:?} {mean:?}"
+            );
+        }
+    }
 }

@@ -118,7 +118,7 @@ pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String
         Some(format!(
             "{}: its efforts teach r({kmh:.0} km/h) = {}, the coasts of its first runs {}: one of both is wrong, and r is \
              not published. Efforts that are cut off or frozen, or read between the strokes of a lever, and brakes that drag \
-             look so; --mode gated learns from coasts alone",
+             look so, and coasts with a little power or brake in them; --mode gated learns from coasts alone",
             named(unit),
             said(efforts),
             said(coasts)
