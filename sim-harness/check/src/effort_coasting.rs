@@ -153,7 +153,7 @@ fn recurring(all: &[MovingStretch], half_width: f64, step: f64) -> Option<Option
 mod tests {
     use super::*;
 
-    /// Stretches with this effort and acceleration beside a described resistance of 0.02 N/kg, among others of powering.
+    /// Stretches with this effort and acceleration beside a described resistance of 0.02 N/kg, among some that power.
     fn found(effort_n_per_kg: f64, mps2: f64) -> Option<CoastingEffort> {
         let one = |i: usize| {
             let powers = if i.is_multiple_of(2) { Some(0.05 + 0.001 * i as f64) } else { None };

@@ -95,9 +95,12 @@ impl Advice {
     /// Call it once the runs are added.
     pub fn withhold(&self, runs: &mut [ReplayedRun]) {
         coasts::withhold(&self.vehicles, &self.coasts, runs);
-        let is_of_neither = |(unit, after): &(&String, &vehicle::After)| matches!(self.not_one(unit, after), Some(NotOne::Sorts(note)) if note.is_of_neither);
+        let is_of_neither = |unit: &str| {
+            let sorts = self.vehicles.get(unit).and_then(|after| self.not_one(unit, after));
+            matches!(sorts, Some(NotOne::Sorts(note)) if note.is_of_neither)
+        };
         let of_neither: BTreeSet<&str> =
-            self.vehicles.iter().filter(is_of_neither).map(|(unit, _)| unit.as_str()).collect();
+            self.vehicles.keys().map(String::as_str).filter(|unit| is_of_neither(unit)).collect();
         let learned = runs.iter_mut().filter(|run| run.learned == Learned::Learned);
         learned.filter(|run| of_neither.contains(&*run.unit)).for_each(|run| run.learned = Learned::NotYet);
     }

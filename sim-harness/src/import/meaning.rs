@@ -62,8 +62,8 @@ impl Meaning {
             Self::Time => {
                 "time|timestamp|datetime|date time|date and time|date heure|fecha hora|data ora|zeit|uhrzeit|\
                  zeitstempel|datum uhrzeit|datum zeit|heure|temps|horodatage|hora|tiempo|ora|tempo|t|utc|gps time|utc time|\
-                 local time|epoch|event time|log time|sample time|recording time|seconds|sekunden|ts|created at|elapsed|elapsed time|\
-                 fecha y hora|data e ora|tijd|datum en tijd|cas|datum a cas|godzina|czas|data i godzina|tid|\
+                 local time|epoch|event time|log time|sample time|recording time|seconds|sekunden|ts|created at|elapsed|\
+                 elapsed time|fecha y hora|data e ora|tijd|datum en tijd|cas|datum a cas|godzina|czas|data i godzina|tid|\
                  datum och tid"
             }
             Self::Date => "date|datum|tag|jour|fecha|data|giorno|day|dato",

@@ -23,6 +23,9 @@ const MOVED_STEP_S: f64 = 2.0;
 /// stays while the speed is held. Simulated fleets learn with steps of 0.01 as with none, and with 0.02 and more worse
 /// than from coasts alone.
 const LARGEST_EFFORT_STEP_N_PER_KG: f64 = 0.0125;
+/// What else a zero may be that only trains that coast, or only trains that stand, show.
+const MAY_ACT: &str =
+    "; motors that drag while coasting, or a brake that holds standing trains, look so: r is doubted by as much";
 /// Runs that the age of the effort is asked of.
 const AGED: usize = 12;
 
@@ -208,12 +211,7 @@ impl RecorderCheck {
             seen.filter(|one| effort_zero::is_off(one.figure))
         {
             self.effort_doubt_n_per_kg = doubt_n_per_kg;
-            let doubt = match may_act {
-                true => {
-                    "; motors that drag while coasting, or a brake that holds standing trains, look so: r is doubted by as much"
-                }
-                false => "",
-            };
+            let doubt = if may_act { MAY_ACT } else { "" };
             let text = format!("{seen}, and so taken from all{doubt}");
             self.found_by(Kind::EffortOffset, zero, "N/kg", Done::PutRight, text);
             let efforts = rows.into_iter().flatten().filter_map(|row| row.effort_n_per_kg.as_mut());
