@@ -113,9 +113,7 @@ impl BeforeBrakes {
             if let Some(missing) = found {
                 widen(&mut run.vehicle_after, missing.share);
                 widen(&mut run.summary.run_davis, missing.share);
-                if run.learned == Learned::Learned && !is_published(estimator, &run.vehicle_after) {
-                    run.learned = Learned::NotYet;
-                }
+                withhold_if_unknown(estimator, run);
             }
         }
     }
@@ -150,8 +148,15 @@ fn widen(davis: &mut Gaussian<3>, share: f64) {
     davis.covariance += davis.mean * davis.mean.transpose() * (share * share);
 }
 
+/// What is hardly known once it is doubted is not published.
+pub(super) fn withhold_if_unknown(estimator: &Estimator, run: &mut ReplayedRun) {
+    if run.learned == Learned::Learned && !is_published(estimator, &run.vehicle_after) {
+        run.learned = Learned::NotYet;
+    }
+}
+
 /// As a vehicle is published that was published before.
-pub(super) fn is_published(estimator: &Estimator, davis: &Gaussian<3>) -> bool {
+fn is_published(estimator: &Estimator, davis: &Gaussian<3>) -> bool {
     let described = sds(&estimator.new_vehicle().davis());
     sds(davis).into_iter().zip(described).any(|(sd, described)| sd < FORGOTTEN_SHARE * described)
 }

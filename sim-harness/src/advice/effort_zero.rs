@@ -4,12 +4,11 @@
 //! look the same, and where only trains that stand do, a light brake; then the efforts are as recorded, and r differs
 //! by all of the constant. Both are inside the interval of what is published.
 
-use super::before_brakes::is_published;
+use super::before_brakes::withhold_if_unknown;
 use rundown::estimator::Estimator;
 use rundown::filter::gaussian::Gaussian;
 use rundown_check::agreement::HALF_95;
 use rundown_files::replay::ReplayedRun;
-use rundown_wire::Learned;
 use std::collections::BTreeMap;
 
 /// Widens what efforts taught by what their zero is doubted by. `doubts`: by unit, N/kg.
@@ -18,29 +17,20 @@ pub fn doubt(estimator: &Estimator, doubts: &BTreeMap<String, f64>, runs: &mut [
         let Some(doubt) = doubts.get(&run.unit) else { continue };
         let widen = |davis: &mut Gaussian<3>| davis.covariance[(0, 0)] += (doubt / HALF_95).powi(2);
         [&mut run.vehicle_before, &mut run.vehicle_after, &mut run.summary.run_davis].into_iter().for_each(widen);
-        if run.learned == Learned::Learned && !is_published(estimator, &run.vehicle_after) {
-            run.learned = Learned::NotYet;
-        }
+        withhold_if_unknown(estimator, run);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::replaying::Request;
+    use crate::advice::tests::{estimator, replayed};
     use rundown::estimator::config::Config;
-    use rundown_files::{track_file::TrackFile, train_file::TrainFile};
-    use std::path::{Path, PathBuf};
+    use rundown_wire::Learned;
 
     #[test]
     fn the_interval_holds_both_and_what_is_hardly_known_is_not_published() {
-        let file =
-            |name: &str| -> PathBuf { Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name) };
-        let request = Request::new(vec![file("run01.csv")], file("train.toml"), file("track.toml"));
-        let (_, train) = TrainFile::read(&file("train.toml")).unwrap();
-        let (_, track) = TrackFile::read(&file("track.toml")).unwrap();
-        let estimator = Estimator::try_new(Config::default(), train, track).unwrap();
-        let runs = request.open().unwrap().replay(|| ()).unwrap().runs;
+        let (estimator, runs) = (estimator(Config::default()), replayed().runs);
         let doubted = |doubt_n_per_kg: f64| {
             let mut runs = runs.clone();
             runs[0].learned = Learned::Learned;

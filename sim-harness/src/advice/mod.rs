@@ -28,20 +28,6 @@ const EFFORT_BESIDE_BOTH: &str = "effort, speed and location in one row, and no 
 /// A described resistance that is not seen at this speed is seen at none, km/h.
 const MOST_KMH: u16 = 400;
 
-/// Why the runs of a unit are not those of one train.
-enum NotOne {
-    Sorts(two_sorts::Note),
-    Changed(String),
-}
-
-impl NotOne {
-    fn text(self) -> String {
-        match self {
-            Self::Sorts(two_sorts::Note { text, .. }) | Self::Changed(text) => text,
-        }
-    }
-}
-
 /// What is collected of the runs as they come.
 #[derive(Debug, Default)]
 pub struct Advice {
@@ -95,24 +81,24 @@ impl Advice {
     /// Call it once the runs are added.
     pub fn withhold(&self, runs: &mut [ReplayedRun]) {
         coasts::withhold(&self.vehicles, &self.coasts, runs);
-        let is_of_neither = |unit: &str| {
-            let sorts = self.vehicles.get(unit).and_then(|after| self.not_one(unit, after));
-            matches!(sorts, Some(NotOne::Sorts(note)) if note.is_of_neither)
+        let is_of_neither = |(unit, after): &(&String, &vehicle::After)| {
+            self.two_sorts(unit, after).is_some_and(|sorts| sorts.is_of_neither)
         };
-        let of_neither: BTreeSet<&str> =
-            self.vehicles.keys().map(String::as_str).filter(|unit| is_of_neither(unit)).collect();
+        let units = self.vehicles.iter().filter(is_of_neither);
+        let of_neither: BTreeSet<&str> = units.map(|(unit, _)| unit.as_str()).collect();
         let learned = runs.iter_mut().filter(|run| run.learned == Learned::Learned);
         learned.filter(|run| of_neither.contains(&*run.unit)).for_each(|run| run.learned = Learned::NotYet);
     }
 
-    /// What is said of a unit that is not one train throughout.
-    fn not_one(&self, unit: &str, after: &vehicle::After) -> Option<NotOne> {
-        let changed = || changed::note(unit, &self.taught, &after.davis);
-        match two_sorts::note(unit, &self.taught, &after.davis) {
-            Some(sorts) if sorts.may_be_a_change => Some(changed().map_or(NotOne::Sorts(sorts), NotOne::Changed)),
-            Some(sorts) => Some(NotOne::Sorts(sorts)),
-            None => changed().map(NotOne::Changed),
-        }
+    /// Of a unit whose runs are of two sorts; not where it has changed at once, if one sort comes after the other.
+    fn two_sorts(&self, unit: &str, after: &vehicle::After) -> Option<two_sorts::Note> {
+        let sorts = two_sorts::note(unit, &self.taught, &after.davis)?;
+        let is_a_change = sorts.may_be_a_change && self.changed(unit, after).is_some();
+        (!is_a_change).then_some(sorts)
+    }
+
+    fn changed(&self, unit: &str, after: &vehicle::After) -> Option<String> {
+        changed::note(unit, &self.taught, &after.davis)
     }
 
     pub fn notes(&self, estimator: &Estimator, gradients_are_said: bool) -> Vec<String> {
@@ -153,7 +139,10 @@ impl Advice {
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
         notes.extend(self.foreseen.notes());
         notes.extend(unlike::note(&self.taught, |unit| self.vehicles.get(unit).map(|after| after.davis)));
-        notes.extend(self.vehicles.iter().filter_map(|(unit, after)| self.not_one(unit, after)).map(NotOne::text));
+        let not_one = |(unit, after): (&String, &vehicle::After)| {
+            self.two_sorts(unit, after).map(|sorts| sorts.text).or_else(|| self.changed(unit, after))
+        };
+        notes.extend(self.vehicles.iter().filter_map(not_one));
         notes.extend(vehicle::notes(estimator, &self.vehicles, gradients_are_said));
         notes
     }
@@ -247,12 +236,12 @@ mod tests {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name)
     }
 
-    fn replayed() -> Replayed {
+    pub(super) fn replayed() -> Replayed {
         let request = Request::new(vec![reference("run01.csv")], reference("train.toml"), reference("track.toml"));
         request.open().unwrap().replay(|| ()).unwrap()
     }
 
-    fn estimator(config: Config) -> Estimator {
+    pub(super) fn estimator(config: Config) -> Estimator {
         let (_, train) = TrainFile::read(&reference("train.toml")).unwrap();
         let (_, track) = TrackFile::read(&reference("track.toml")).unwrap();
         Estimator::try_new(config, train, track).unwrap()

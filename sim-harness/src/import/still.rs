@@ -8,6 +8,7 @@
 use super::geo;
 use super::stretch::fix;
 use rundown_files::sample::Sample;
+use std::ops::Range;
 
 /// Fixes within so many metres in every direction, over so long, are of one place: a train that goes on at 3 km/h
 /// leaves it. The clock of rows jitters, s.
@@ -39,26 +40,21 @@ pub(super) fn stands(rows: &[Sample], step_s: f64) -> Vec<bool> {
             stands[begin..end].fill(true);
         }
     }
-    let mut begin = 0;
-    while begin < rows.len() {
-        let end = begin + stands[begin..].iter().take_while(|stands| **stands).count();
-        let moving = |rows: &mut dyn Iterator<Item = &Sample>, from_s: f64| {
-            let near = rows.take_while(|row| (row.time_s - from_s).abs() <= MOVES_S);
-            near.take_while(|row| row.speed_mps.is_none_or(|mps| mps > MOVES_MPS)).count()
-        };
-        if begin < end {
-            let still = &rows[begin..end];
-            let first = moving(&mut still.iter(), still[0].time_s);
-            let last = moving(&mut still.iter().rev(), still[still.len() - 1].time_s);
-            // Before the first row and after the last one nothing comes or leaves.
-            if begin > 0 {
-                stands[begin..begin + first].fill(false);
-            }
-            if end < rows.len() {
-                stands[end - last..end].fill(false);
-            }
+    let moving = |rows: &mut dyn Iterator<Item = &Sample>, from_s: f64| {
+        let near = rows.take_while(|row| (row.time_s - from_s).abs() <= MOVES_S);
+        near.take_while(|row| row.speed_mps.is_none_or(|mps| mps > MOVES_MPS)).count()
+    };
+    for Range { start, end } in standstills(&stands) {
+        let still = &rows[start..end];
+        let first = moving(&mut still.iter(), still[0].time_s);
+        let last = moving(&mut still.iter().rev(), still[still.len() - 1].time_s);
+        // Before the first row and after the last one nothing comes or leaves.
+        if start > 0 {
+            stands[start..start + first].fill(false);
         }
-        begin = end.max(begin + 1);
+        if end < rows.len() {
+            stands[end - last..end].fill(false);
+        }
     }
     without_crawls(rows, &mut stands);
     stands
@@ -81,23 +77,28 @@ fn is_one_place(rows: &[Sample]) -> bool {
 
 /// Takes back what goes on, slowly: the mean fix of its last seconds is elsewhere than that of its first.
 fn without_crawls(rows: &[Sample], stands: &mut [bool]) {
-    let mut begin = 0;
-    while begin < rows.len() {
-        let end = begin + stands[begin..].iter().take_while(|stands| **stands).count();
-        if begin < end {
-            let still = &rows[begin..end];
-            let [first_s, last_s] = [still[0].time_s, still[still.len() - 1].time_s];
-            let third_s = (last_s - first_s) / 3.0;
-            let first = mean_fix(still.iter().take_while(|row| row.time_s <= first_s + third_s));
-            let last = mean_fix(still.iter().rev().take_while(|row| row.time_s >= last_s - third_s));
-            let gone_m = first.zip(last).map_or(0.0, |(first, last)| geo::distance_m(first, last));
-            // Between the middles of the thirds.
-            if 3.0 * third_s > CRAWLS_S && gone_m > CRAWLS_MPS * 2.0 * third_s {
-                stands[begin..end].fill(false);
-            }
+    for range in standstills(stands) {
+        let still = &rows[range.clone()];
+        let [first_s, last_s] = [still[0].time_s, still[still.len() - 1].time_s];
+        let third_s = (last_s - first_s) / 3.0;
+        let first = mean_fix(still.iter().take_while(|row| row.time_s <= first_s + third_s));
+        let last = mean_fix(still.iter().rev().take_while(|row| row.time_s >= last_s - third_s));
+        let gone_m = first.zip(last).map_or(0.0, |(first, last)| geo::distance_m(first, last));
+        // Between the middles of the thirds.
+        if 3.0 * third_s > CRAWLS_S && gone_m > CRAWLS_MPS * 2.0 * third_s {
+            stands[range].fill(false);
         }
-        begin = end.max(begin + 1);
     }
+}
+
+/// The rows of each standstill.
+fn standstills(stands: &[bool]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let alike = stands.chunk_by(|a, b| a == b).map(|rows| {
+        end += rows.len();
+        (rows[0], end - rows.len()..end)
+    });
+    alike.filter(|(stands, _)| *stands).map(|(_, range)| range).collect()
 }
 
 fn mean_fix<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<geo::Fix> {
