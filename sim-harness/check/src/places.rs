@@ -17,6 +17,13 @@ const SHIFT_OVER_NOISE: f64 = 20.0;
 const LEAST_SHIFT_M: (f64, f64) = (100.0, 400.0);
 /// How far a turn may be off, m, beyond a share of the distance since the last row.
 const NEAR_M: f64 = 60.0;
+/// A train whose speed is not read runs no faster, m/s; only a turn well above the way at that pace shows then.
+const MOST_MPS: f64 = 100.0;
+const WELL_BELOW: f64 = 0.2;
+/// What a train does in a longer gap is not asked, s.
+const LONGEST_S: f64 = 3600.0;
+/// So many rows before and behind tell which way the locations go.
+const NEAR_ROWS: usize = 6;
 /// An odometer that has gone so far, m, and reads less than that, has begun again at zero.
 const BEGINS_AGAIN_M: (f64, f64) = (1000.0, 100.0);
 /// One that has gone less has where it does so often, as at each stop: so many times, and it reads less than this, m.
@@ -54,9 +61,10 @@ fn finding(kind: Kind, value: f64, count: usize, line: u64, done: Done) -> Findi
 /// Joins what wraps and resets have torn apart. `stuck`: speeds that stand still, beside which locations seem to begin
 /// elsewhere.
 pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding>) {
-    let sign = heading(rows);
-    let least_m = (SHIFT_OVER_NOISE * noise_m(rows, sign)).clamp(LEAST_SHIFT_M.0, LEAST_SHIFT_M.1);
+    let overall = heading(rows);
+    let least_m = (SHIFT_OVER_NOISE * noise_m(rows, overall)).clamp(LEAST_SHIFT_M.0, LEAST_SHIFT_M.1);
     let (mut shift_m, mut last_read_m) = (0.0, 0.0);
+    let mut pace_mps = 0.0;
     let mut last: Option<(usize, Sample)> = None;
     // Distance by speed since the location last changed: one that stood still and catches up begins nowhere again.
     let mut waited_m = 0.0;
@@ -69,20 +77,23 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
             continue;
         };
         if let Some((at, before)) = last {
-            let expected_m = sign * between(&before, &rows[i]);
+            // A train may turn on the way.
+            let sign = heading_near(rows, i).unwrap_or(overall);
+            let expected = Way::expected([&before, &rows[i]], sign, pace_mps, fastest_mps);
             let step_m = read_m + shift_m - before.location_m.unwrap_or(read_m);
-            let jump_m = step_m - expected_m;
-            let beyond = |jump_m: f64| jump_m.abs() > least_m + 0.5 * expected_m.abs();
-            let may_be = reaches(&before, &rows[i], fastest_mps).is_some_and(|reach| reach.contains(&(sign * step_m)));
+            let jump_m = step_m - expected.way_m;
+            let beyond = |jump_m: f64| jump_m.abs() > least_m + 0.5 * expected.way_m.abs();
+            let may_be = expected.may_be.is_some_and(|reach| reach.contains(&step_m));
             let is_off = beyond(jump_m) && beyond(jump_m - waited_m) && !may_be;
-            waited_m = if read_m == last_read_m { waited_m + expected_m } else { 0.0 };
+            waited_m = if read_m == last_read_m { waited_m + expected.way_m } else { 0.0 };
             let goes_on_off = std::mem::replace(&mut was_off, is_off);
             if is_off && !goes_on_off && stays(rows, i, sign) {
-                let allowed_m = NEAR_M + 0.3 * expected_m.abs();
                 // An odometer that goes on where it was has not turned over: a clock was set, or the location stood
                 // still.
                 let turned = |turn_m: f64| (read_m - last_read_m).abs() > 0.5 * turn_m;
-                let turn = TURNS_M.iter().find(|turn| (jump_m.abs() - **turn).abs() < allowed_m && turned(**turn));
+                let may_turn = |turn_m: f64| turn_m > expected.least_turn_m && turned(turn_m);
+                let is_near = |turn_m: f64| (jump_m.abs() - turn_m).abs() < expected.allowed_m;
+                let turn = TURNS_M.iter().find(|turn| is_near(**turn) && may_turn(**turn));
                 let gone_m = before.location_m.map_or(0.0, |m| (m - shift_m).abs());
                 let zero = (read_m.abs() < BEGINS_AGAIN_M.1 && gone_m > BEGINS_AGAIN_M.0)
                     || (is_often && read_m.abs() < ZERO_M);
@@ -100,8 +111,50 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
             }
         }
         rows[i].location_m = Some(read_m + shift_m);
+        if let Some((_, before)) = last.filter(|(_, before)| rows[i].time_s > before.time_s) {
+            let step_m = read_m + shift_m - before.location_m.unwrap_or(read_m);
+            pace_mps = (step_m / (rows[i].time_s - before.time_s)).clamp(-MOST_MPS, MOST_MPS);
+        }
         (last, last_read_m) = (Some((i, rows[i])), read_m);
     }
+}
+
+/// The way from one row to the next that is expected, m.
+struct Way {
+    way_m: f64,
+    /// What it may be, whatever the train does.
+    may_be: Option<RangeInclusive<f64>>,
+    /// How far the turn of an odometer may be from a jump.
+    allowed_m: f64,
+    /// No smaller turn shows.
+    least_turn_m: f64,
+}
+
+impl Way {
+    /// By the speeds of both rows, or, without any, by the pace of the locations before.
+    fn expected([a, b]: [&Sample; 2], sign: f64, pace_mps: f64, fastest_mps: f64) -> Self {
+        if let Some(most_m) = most_m(a, b) {
+            let allowed_m = NEAR_M + most_m;
+            let way_m = pace_mps / MOST_MPS * most_m;
+            return Self { way_m, may_be: Some(-most_m..=most_m), allowed_m, least_turn_m: allowed_m / WELL_BELOW };
+        }
+        let way_m = sign * between(a, b);
+        let ahead = reaches(a, b, fastest_mps);
+        let may_be = ahead.map(|way| if sign < 0.0 { -way.end()..=-way.start() } else { way });
+        Self { way_m, may_be, allowed_m: NEAR_M + 0.3 * way_m.abs(), least_turn_m: 0.0 }
+    }
+}
+
+/// The longest way from one row to the next, m, where the speed is read in neither.
+fn most_m(a: &Sample, b: &Sample) -> Option<f64> {
+    a.speed_mps.or(b.speed_mps).is_none().then(|| MOST_MPS * (b.time_s - a.time_s).clamp(0.0, LONGEST_S))
+}
+
+/// +1 or -1 where locations grow or fall around row `i`, but for the step to it.
+fn heading_near(rows: &[Sample], i: usize) -> Option<f64> {
+    let end = (i + NEAR_ROWS).min(rows.len());
+    let ahead_m = ahead_m(&rows[i.saturating_sub(NEAR_ROWS)..i]) + ahead_m(&rows[i..end]);
+    (ahead_m != 0.0).then(|| ahead_m.signum())
 }
 
 /// The turn of an odometer, m, nearest to a jump of the location.
@@ -141,16 +194,20 @@ pub(crate) fn noise_m(rows: &[Sample], sign: f64) -> f64 {
 
 /// +1 where locations grow more often than they fall.
 pub fn heading(rows: &[Sample]) -> f64 {
+    if ahead_m(rows) < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// How far locations grow in all, m; a leap is no way.
+fn ahead_m(rows: &[Sample]) -> f64 {
     let located: Vec<f64> = rows.iter().filter_map(|row| row.location_m).collect();
-    let ahead: f64 = located.windows(2).map(|pair| (pair[1] - pair[0]).clamp(-100.0, 100.0)).sum();
-    if ahead < 0.0 { -1.0 } else { 1.0 }
+    located.windows(2).map(|pair| (pair[1] - pair[0]).clamp(-100.0, 100.0)).sum()
 }
 
 /// Distance by speed between two rows, m.
 fn between(a: &Sample, b: &Sample) -> f64 {
     let speeds = [a.speed_mps, b.speed_mps].into_iter().flatten();
     let count = speeds.clone().count().max(1) as f64;
-    speeds.sum::<f64>() / count * (b.time_s - a.time_s).clamp(0.0, 3600.0)
+    speeds.sum::<f64>() / count * (b.time_s - a.time_s).clamp(0.0, LONGEST_S)
 }
 
 /// The locations go on from row `i` as the speed says, from row to row and over all of them: it is no spike, and no
@@ -159,7 +216,8 @@ fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
     let located: Vec<&Sample> = rows[i..].iter().filter(|row| row.location_m.is_some()).take(4).collect();
     let steps = located.windows(2).map(|pair| {
         let step_m = pair[1].location_m.unwrap_or_default() - pair[0].location_m.unwrap_or_default();
-        (step_m, sign * between(pair[0], pair[1]))
+        let most_m = most_m(pair[0], pair[1]);
+        (step_m, most_m.map_or_else(|| sign * between(pair[0], pair[1]), |most_m| step_m.clamp(-most_m, most_m)))
     });
     let steps: Vec<(f64, f64)> = steps.collect();
     let agree = |(by_location, by_speed): (f64, f64)| (by_location - by_speed).abs() < 100.0 + 0.5 * by_location.abs();
@@ -498,6 +556,24 @@ pub(crate) mod tests {
         let (rows, findings) = joined(rows(|i| (7_000.0 + 100.0 * i as f64) % 10_000.0, time_s));
         assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::Wrap]);
         assert!(rows.windows(2).all(|pair| pair[1].location_m > pair[0].location_m));
+    }
+
+    #[test]
+    fn an_odometer_beside_no_speed_wraps_where_its_turn_is_far_above_the_way_from_row_to_row() {
+        let kinds = |step_s: f64, turn_m: f64, sign: f64| {
+            let mut all =
+                rows(|i| (sign * (0.7 * turn_m + 20.0 * step_s * i as f64)).rem_euclid(turn_m), |i| step_s * i as f64);
+            all.iter_mut().for_each(|row| row.speed_mps = None);
+            let (rows, findings) = joined(all);
+            let goes_on = |pair: &[Sample]| (pair[1].location_m.unwrap() - pair[0].location_m.unwrap()) * sign > 0.0;
+            (findings.iter().map(|one| one.kind).collect::<Vec<_>>(), rows.windows(2).all(goes_on))
+        };
+        for (step_s, turn_m, sign) in
+            [(5.0, 10_000.0, 1.0), (5.0, 10_000.0, -1.0), (20.0, 32_768.0, -1.0), (30.0, 65_536.0, 1.0)]
+        {
+            assert_eq!(kinds(step_s, turn_m, sign), (vec![Kind::Wrap], true), "{step_s} {turn_m} {sign}");
+        }
+        assert!(!kinds(30.0, 10_000.0, 1.0).1);
     }
 
     /// Hops of 600 m at 10 m/s, and stands of 30 s between them: each was cut off as a run of its own, too short for

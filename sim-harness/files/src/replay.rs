@@ -15,7 +15,7 @@
 use crate::{recording::Recording, sample::Sample};
 use rayon::prelude::*;
 use rundown::estimator::{Estimator, RunSummary, StepError};
-use rundown::tick::foresight::{Foresight, Trust};
+use rundown::tick::foresight::Trust;
 use rundown::{
     coast_ahead::CoastAhead, filter::gaussian::Gaussian, model::direction::Direction, tick::estimate::Estimate,
     tick::measurement::Measurement, tick::memory::Vehicle, tick::regime::Regime,
@@ -219,12 +219,6 @@ pub fn replay_units_by<'a, R: Borrow<Recording> + Sync>(
     }
     runs.sort_by_key(|(index, _)| *index);
     runs.into_iter().map(|(_, run)| run).collect()
-}
-
-/// How the coasts of a run are foreseen by what its vehicle was taught before it, whatever did: by efforts, say.
-/// `gated`: the same model, in the mode that predicts coasts.
-pub fn foresee(gated: &Estimator, began_with: &Vehicle, recording: &Recording, tick: Tick) -> Foresight {
-    replay(gated, &mut began_with.clone(), recording, tick).summary.foresight
 }
 
 /// Replays runs side by side, each by its own model with the vehicle as its manufacturer describes it. `done` is called

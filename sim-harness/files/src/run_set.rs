@@ -220,8 +220,12 @@ pub fn first_of(names: &[String], most: usize) -> String {
 
 /// By its name a compressed file.
 pub fn is_packed(path: &Path) -> bool {
-    let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    PACKED.contains(&&*end)
+    PACKED.contains(&&*ending(path))
+}
+
+/// How the name of a file ends, in small letters.
+pub fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
 /// What looks like a log in a folder and cannot be read as one: compressed files, and links to nothing.

@@ -9,6 +9,7 @@
 //! and consistently so. A coast needs no column.
 
 use super::vehicle::{After, named};
+use super::with_efforts::CoastsOf;
 use crate::report::resistance::Resistance;
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
@@ -21,11 +22,15 @@ use rundown_check::agreement::HALF_95;
 use rundown_files::recording::Recording;
 use rundown_files::replay::{self, ReplayedRun, Tick, replay_units_by};
 use rundown_wire::Learned;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 /// So many runs of a unit are replayed twice: what they teach is sure to a few per cent.
 const RUNS: usize = 20;
+/// A mean effort beyond this share of the described resistance, at this speed, km/h, is one that a coast has not.
+const EFFORT_SHARE: f64 = 0.05;
+const EFFORT_KMH: f64 = 40.0;
 /// Speeds at which both are compared, km/h, and at the ends of those that taught both.
 const COMPARED_KMH: [f64; 4] = [40.0, 60.0, 90.0, 120.0];
 /// Where coasts are predicted, m/s.
@@ -42,21 +47,70 @@ pub fn gated(estimator: &Estimator) -> Option<Estimator> {
     Some(gated.with_effects(estimator.effects().clone()))
 }
 
-/// What the coasts of each unit teach.
-pub fn taught(gated: &Estimator, recordings: &[Recording], tick: Tick) -> BTreeMap<String, After> {
+/// What coasts of a unit teach, and how many of them have efforts beside them.
+#[derive(Debug)]
+pub(super) struct OfCoasts {
+    pub(super) after: After,
+    pub(super) all: usize,
+    pub(super) with_efforts: usize,
+    /// Those with efforts taught, too, for the others teach too little.
+    pub(super) by_all: bool,
+}
+
+impl OfCoasts {
+    fn advice(&self) -> String {
+        if self.by_all && 2 * self.with_efforts > self.all {
+            let Self { all, with_efforts, .. } = self;
+            format!("the column has efforts beside {with_efforts} of these {all}: if it is right, they are no coasts")
+        } else {
+            "--mode gated learns from coasts alone".to_owned()
+        }
+    }
+}
+
+/// What the coasts of each unit teach: those beside which the column has no effort, where these teach enough.
+pub(super) fn taught(gated: &Estimator, recordings: &[Recording], tick: Tick) -> BTreeMap<String, OfCoasts> {
     let mut of_unit: HashMap<&str, usize> = HashMap::new();
-    let mut first: Vec<&Recording> = Vec::new();
+    let mut first: Vec<Cow<Recording>> = Vec::new();
     for recording in recordings {
         let count = of_unit.entry(&recording.unit).or_default();
         *count += 1;
         if *count <= RUNS {
-            first.push(recording);
+            first.push(Cow::Borrowed(recording));
         }
     }
-    let runs = replay_units_by(&|_| gated, &first, tick, &mut HashMap::new(), || ());
-    let mut units = BTreeMap::new();
-    runs.iter().for_each(|run| After::add(&mut units, run));
-    units
+    let replayed = |recordings: &[Cow<Recording>]| {
+        let runs = replay_units_by(&|_| gated, recordings, tick, &mut HashMap::new(), || ());
+        let mut units = BTreeMap::new();
+        runs.iter().for_each(|run| After::add(&mut units, run));
+        (runs, units)
+    };
+    let (runs, by_all) = replayed(&first);
+    let most = most_effort(gated);
+    let coasts: Vec<CoastsOf> = runs.iter().zip(&first).map(|(run, of)| CoastsOf::found(run, &of.rows, most)).collect();
+    let mut free = BTreeMap::new();
+    if coasts.iter().any(|of_run| of_run.with_efforts() > 0) {
+        for (recording, of_run) in first.iter_mut().zip(&coasts) {
+            if let Some(left) = of_run.left_of(recording) {
+                *recording = Cow::Owned(left);
+            }
+        }
+        free = replayed(&first).1;
+    }
+    let found = by_all.into_iter().map(|(unit, after)| {
+        let of_unit = || runs.iter().zip(&coasts).filter(|(run, _)| run.unit == unit).map(|(_, of_run)| of_run);
+        let free = free.remove(&unit).filter(|free| free.speaks_for(&after));
+        let with_efforts = of_unit().map(CoastsOf::with_efforts).sum();
+        let all = of_unit().map(|of_run| of_run.all).sum();
+        let found = OfCoasts { all, with_efforts, by_all: free.is_none(), after: free.unwrap_or(after) };
+        (unit, found)
+    });
+    found.collect()
+}
+
+/// The largest mean effort of a coast, N/kg.
+fn most_effort(gated: &Estimator) -> f64 {
+    EFFORT_SHARE * gated.train().davis().resistance_n_per_kg(EFFORT_KMH / 3.6)
 }
 
 /// Says how coasts are foreseen by what efforts taught before them. What foresees them worse than the description, and
@@ -68,8 +122,12 @@ pub(super) fn foresee(
     runs: &mut [ReplayedRun],
     trusts: &mut HashMap<String, Trust>,
 ) {
+    let most = most_effort(gated);
     runs.par_iter_mut().zip(recordings).for_each(|(run, recording)| {
-        run.summary.foresight = replay::foresee(gated, &run.began_with, recording, tick);
+        let foreseen = |recording: &Recording| replay::replay(gated, &mut run.began_with.clone(), recording, tick);
+        let all = foreseen(recording);
+        let left = CoastsOf::found(&all, &recording.rows, most).left_of(recording);
+        run.summary.foresight = left.map_or(all, |left| foreseen(&left)).summary.foresight;
     });
     let Davis { r0, r1, r2 } = gated.train().davis();
     let described = Gaussian::independent([r0, r1, r2], [f64::EPSILON; 3]);
@@ -84,7 +142,11 @@ pub(super) fn foresee(
 }
 
 /// Does not publish what runs end with that coasts contradict.
-pub(super) fn withhold(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, After>, runs: &mut [ReplayedRun]) {
+pub(super) fn withhold(
+    vehicles: &BTreeMap<String, After>,
+    coasts: &BTreeMap<String, OfCoasts>,
+    runs: &mut [ReplayedRun],
+) {
     for run in runs.iter_mut().filter(|run| run.learned == Learned::Learned) {
         let Some([efforts, coasts]) = both(&run.unit, vehicles, coasts) else { continue };
         if both_mps(efforts, coasts).and_then(|mps| apart(&run.vehicle_after, &coasts.davis, mps)).is_some() {
@@ -97,9 +159,9 @@ pub(super) fn withhold(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<Str
 fn both<'a>(
     unit: &str,
     vehicles: &'a BTreeMap<String, After>,
-    coasts: &'a BTreeMap<String, After>,
+    coasts: &'a BTreeMap<String, OfCoasts>,
 ) -> Option<[&'a After; 2]> {
-    let [efforts, coasts] = [vehicles.get(unit)?, coasts.get(unit)?];
+    let [efforts, coasts] = [vehicles.get(unit)?, &coasts.get(unit)?.after];
     (efforts.learned != Learned::NotYet && coasts.learned == Learned::Learned).then_some([efforts, coasts])
 }
 
@@ -110,21 +172,22 @@ fn both_mps(efforts: &After, coasts: &After) -> Option<Range<f64>> {
 }
 
 /// The units whose efforts teach another resistance.
-pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, After>) -> Vec<String> {
-    let of_unit = |unit: &String| {
+pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, OfCoasts>) -> Vec<String> {
+    let of_unit = |(unit, of_coasts): (&String, &OfCoasts)| {
         let [efforts, coasts] = both(unit, vehicles, coasts)?;
         let Apart { kmh, efforts, coasts } = apart(&efforts.davis, &coasts.davis, both_mps(efforts, coasts)?)?;
         let said = |r: Resistance| format!("{:.4} ± {:.4} N/kg", r.mean_n_per_kg, HALF_95 * r.sd_n_per_kg);
         Some(format!(
             "{}: its efforts teach r({kmh:.0} km/h) = {}, the coasts of its first runs {}: one of both is wrong, and r is \
              not published. Efforts that are cut off or frozen, or read between the strokes of a lever, and brakes that drag \
-             look so, and coasts with a little power or brake in them; --mode gated learns from coasts alone",
+             look so, and coasts with a little power or brake in them; {}",
             named(unit),
             said(efforts),
-            said(coasts)
+            said(coasts),
+            of_coasts.advice()
         ))
     };
-    coasts.keys().filter_map(of_unit).collect()
+    coasts.iter().filter_map(of_unit).collect()
 }
 
 /// Resistances at a speed.

@@ -12,6 +12,7 @@ mod taught;
 mod two_sorts;
 mod unlike;
 pub(crate) mod vehicle;
+mod with_efforts;
 
 use rundown::estimator::Estimator;
 use rundown::estimator::config::Mode;
@@ -46,7 +47,7 @@ pub struct Advice {
     /// What each run taught by itself.
     taught: Vec<taught::Taught>,
     /// What coasts teach of each beside its efforts.
-    coasts: BTreeMap<String, vehicle::After>,
+    coasts: BTreeMap<String, coasts::OfCoasts>,
     /// How coasts were foreseen by what efforts taught, by unit.
     trusts: HashMap<String, Trust>,
 }
@@ -270,7 +271,8 @@ mod tests {
             advice.add(&runs);
             let taught = runs[0].vehicle_after;
             runs[0].vehicle_after.mean *= times;
-            vehicle::After::add(&mut advice.coasts, &runs[0]);
+            let after = vehicle::After::of(&runs[0], None);
+            advice.coasts.insert(String::new(), coasts::OfCoasts { after, all: 1, with_efforts: 0, by_all: true });
             runs[0].vehicle_after = taught;
             advice.withhold(&mut runs);
             (

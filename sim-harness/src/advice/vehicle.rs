@@ -39,6 +39,9 @@ const SCATTER: f64 = 1.5;
 /// ... if there are this many.
 const FEW_COASTS: f64 = 8.0;
 
+/// Speeds this near to those of another are the same, m/s.
+const SAME_SPEEDS_MPS: f64 = 4.0;
+
 /// From this share on, what short hops taught is worth a word.
 pub(super) const MANY_HOPS: f64 = 0.5;
 
@@ -64,6 +67,15 @@ impl After {
         let all_taught_mps = all_mps.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
         let ReplayedRun { vehicle_after: davis, learned, trust, hops_share, hops_sd, .. } = *run;
         Self { davis, learned, trust, hops_share, hops_sd, taught_mps: own_mps.unwrap_or(USUAL_MPS), all_taught_mps }
+    }
+
+    /// It was taught at the speeds that another was.
+    pub(super) fn speaks_for(&self, other: &Self) -> bool {
+        let both = self.all_taught_mps.as_ref().zip(other.all_taught_mps.as_ref());
+        let is_same = |(own, all): (&Range<f64>, &Range<f64>)| {
+            own.start <= all.start + SAME_SPEEDS_MPS && own.end >= all.end - SAME_SPEEDS_MPS
+        };
+        self.learned == Learned::Learned && both.is_some_and(is_same)
     }
 
     /// What is known of the units after their last runs.

@@ -8,11 +8,11 @@ use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::results;
 use super::source::row::{Header, refused};
-use super::source::{SourceFile, unpacked_name};
+use super::source::{SourceFile, are_equal, unpacked_name};
 use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
-use rundown_files::run_set::{first_of, is_index, is_packed, skipped_in, without_results};
+use rundown_files::run_set::{ending, first_of, is_index, is_packed, skipped_in, without_results};
 use rundown_pages::numbers::counted;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -209,8 +209,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
         "jsonl", "ndjson", "parquet", "pq",
     ];
     let is_log = |path: &Path| {
-        let inner = unpacked_name(path);
-        let end = inner.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let end = ending(&unpacked_name(path));
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
         path.is_file() && ENDS.contains(&&*end) && !["index.csv", "import.json", MANIFEST].contains(&&*name)
     };
@@ -233,6 +232,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
     let mut notes = without_results(&mut files);
     notes.extend(skipped);
     notes.extend(results::left_out(&mut files));
+    notes.extend(packed_again(&mut files));
     let (before, mut seen) = (files.len(), HashSet::new());
     files.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
     let again = before - files.len();
@@ -243,6 +243,19 @@ pub fn files(arguments: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), ReadE
     Ok((files, notes))
 }
 
+/// Leaves out what gzip made of other files that are read. Out: that it is so.
+fn packed_again(files: &mut Vec<PathBuf>) -> Option<String> {
+    let all: HashSet<PathBuf> = files.iter().cloned().collect();
+    let is_again = |path: &Path| {
+        let inner = unpacked_name(path);
+        inner != path && all.contains(&inner) && are_equal(path, &inner).unwrap_or(false)
+    };
+    let before = files.len();
+    files.retain(|path| !is_again(path));
+    let again = counted(before - files.len(), "compressed file holds", "compressed files hold");
+    (files.len() < before).then(|| format!("{again} what a file beside it holds: read once"))
+}
+
 /// Names of skipped files that are shown.
 const NAMED: usize = 5;
 
@@ -251,7 +264,7 @@ const NAMED: usize = 5;
 fn other_kinds(folder: &Path, inside: &[PathBuf], ends: &[&str]) -> Option<String> {
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let is_other = |path: &&PathBuf| {
-        let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let end = ending(path);
         let is_own = end == "toml" || end == "html" || name(path).starts_with('.');
         path.is_file() && !is_own && !ends.contains(&&*end) && !is_packed(path)
     };

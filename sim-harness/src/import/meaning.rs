@@ -64,7 +64,9 @@ impl Meaning {
                  zeitstempel|datum uhrzeit|datum zeit|heure|temps|horodatage|hora|tiempo|ora|tempo|t|utc|gps time|utc time|\
                  local time|epoch|event time|log time|sample time|recording time|seconds|sekunden|ts|created at|elapsed|\
                  elapsed time|fecha y hora|data e ora|tijd|datum en tijd|cas|datum a cas|godzina|czas|data i godzina|tid|\
-                 datum och tid"
+                 datum och tid|datum tijd|tijdstip|data i czas|znacznik czasu|tidpunkt|tidsstampel|klockslag|tidsstempel|\
+                 klokkeslett|klokkeslaet|casova znacka|aika|kellonaika|\
+                 ido|idopont"
             }
             Self::Date => "date|datum|tag|jour|fecha|data|giorno|day|dato",
             Self::Location => {
@@ -74,12 +76,16 @@ impl Meaning {
                  punto kilometrico|odometro|posicion|ubicacion|distanza|progressiva|posizione|chilometrica|\
                  progressiva chilometrica|s|x|km|dist|distance travelled|distance traveled|travelled distance|\
                  strecken|strecken km|strecken kilometer|bahn km|bahnkilometer|km stand|kilometer|kilometre|\
-                 kilometros|chilometri|line kilometre|line kilometer|kilometrering|afstand|draha|droga|vag|stracka"
+                 kilometros|chilometri|line kilometre|line kilometer|kilometrering|afstand|draha|droga|vag|stracka|\
+                 afgelegde afstand|kilometerpunt|positie|przebieg|kilometr|kilometraz|polozenie|ujeta draha|poloha|\
+                 stanicen|stanicení|vzdalenost|avstand|lage|strekning|straekning|posisjon|matka|sijainti|\
+                 megtett ut|szelveny"
             }
             Self::Speed => {
                 "speed|velocity|v|geschwindigkeit|v ist|ist geschwindigkeit|fahrgeschwindigkeit|tempo kmh|\
                  vitesse|velocidad|velocita|speed over ground|ground speed|gps speed|spd|v act|actual speed|\
-                 train speed|speedometer|snelheid|rychlost|predkosc|hastighet|hastighed"
+                 train speed|speedometer|snelheid|rychlost|predkosc|hastighet|hastighed|\
+                 rijsnelheid|nopeus|sebesseg"
             }
             Self::Latitude => {
                 "latitude|lat|breite|breitengrad|geografische breite|latitud|latitudine|gps lat|gps latitude|\
@@ -153,19 +159,22 @@ pub fn plain(name: &str) -> String {
         'à' | 'á' | 'â' | 'ä' | 'ã' | 'å' | 'ą' => 'a',
         'è' | 'é' | 'ê' | 'ë' | 'ę' | 'ě' => 'e',
         'ì' | 'í' | 'î' | 'ï' => 'i',
-        'ò' | 'ó' | 'ô' | 'ö' | 'õ' | 'ø' => 'o',
-        'ù' | 'ú' | 'û' | 'ü' | 'ů' => 'u',
+        'ò' | 'ó' | 'ô' | 'ö' | 'õ' | 'ø' | 'ő' => 'o',
+        'ù' | 'ú' | 'û' | 'ü' | 'ů' | 'ű' => 'u',
         'ç' | 'č' | 'ć' => 'c',
-        'ñ' | 'ń' => 'n',
+        'ď' => 'd',
+        'ñ' | 'ń' | 'ň' => 'n',
         'ř' => 'r',
         'š' | 'ś' => 's',
+        'ť' => 't',
         'ž' | 'ź' | 'ż' => 'z',
         'ý' => 'y',
-        'ł' => 'l',
+        'ł' | 'ľ' => 'l',
         c if c.is_alphanumeric() => c,
         _ => ' ',
     };
-    let text: String = name.replace('ß', "ss").to_lowercase().chars().map(letter).collect();
+    let text: String = name.to_lowercase().replace('ß', "ss").replace('æ', "ae").replace('œ', "oe");
+    let text: String = text.chars().map(letter).collect();
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -178,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn headers_of_nine_languages_are_recognised() {
+    fn headers_of_many_languages_are_recognised() {
         use Meaning::{Location, Speed, Time};
         for names in [
             ["Timestamp", "Odometer", "SPEED"],
@@ -194,6 +203,14 @@ mod tests {
             ["Čas", "Dráha", "Rychlost"],
             ["Godzina", "Droga", "Prędkość"],
             ["Tid", "Väg", "Hastighet"],
+            ["Datum Tijd", "Afgelegde afstand", "Rijsnelheid"],
+            ["Znacznik czasu", "Położenie", "Predkosc"],
+            ["Datum a čas", "Ujetá dráha", "Rychlost"],
+            ["Klockslag", "Läge", "Hastighet"],
+            ["Tid", "Strækning", "Hastighed"],
+            ["Čas", "Poloha", "Rýchlosť"],
+            ["Aika", "Matka", "Nopeus"],
+            ["Időpont", "Megtett út", "Sebesség"],
         ] {
             assert_eq!(of(&names), [(Time, 0), (Location, 1), (Speed, 2)], "{names:?}");
         }

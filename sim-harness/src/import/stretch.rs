@@ -86,11 +86,11 @@ impl Stretch {
         self.in_order(account);
         self.leave_out_repeats(account);
         self.locate(account);
-        self.speeds(account);
         let mut findings = Vec::new();
         if !self.from_fixes {
             odometer.join(&mut self, &mut findings, account);
         }
+        self.speeds(account);
         put_down(&findings, account);
         let cuts = self.cuts(settings, &findings);
         self.split(cuts, account).into_iter().filter_map(|piece| piece.kept(settings, account)).collect()

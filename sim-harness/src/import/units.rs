@@ -59,7 +59,7 @@ const LENGTHS: [Unit; 8] = [
     Unit::new("dm", &[], 0.1),
 ];
 const SPEEDS: [Unit; 9] = [
-    Unit::new("km/h", &["kmh", "kph", "km h", "kmph", "km/hr", "km/std"], 1.0 / 3.6),
+    Unit::new("km/h", &["kmh", "kph", "km h", "kmph", "km/hr", "km/std", "km/u", "km/t", "km/tim"], 1.0 / 3.6),
     Unit::new("m/s", &["mps", "ms", "m s", "m/sec", "meter per second"], 1.0),
     Unit::new("mph", &["mi/h", "miles/h", "miles per hour"], 0.44704),
     Unit::new(

@@ -37,6 +37,30 @@ fn ways_there_and_back_over_a_wrap_are_of_one_chainage() {
     assert!(how.as_str().unwrap_or_default().contains("by +1 turns, onto "), "{how}");
 }
 
+/// Its speeds were 60 000 km/h, and the way back was cut where it wraps.
+#[test]
+fn a_way_there_and_back_over_a_wrap_is_joined_without_a_speed_too() {
+    let there: Vec<_> = drive(&STOPS_M, 30.0).into_iter().step_by(10).collect();
+    let begins_back_s = there[there.len() - 1].0 + 200.0;
+    let back = there.iter().map(|(t, x, v)| (begins_back_s + t, 11_900.0 - x, *v));
+    let rows: Vec<_> = there.iter().copied().chain(back).collect();
+    let read_m = |x: f64| (60_000.0 + x) % 65_536.0;
+    let with = table("time_s,odometer_m,speed_kmh", &rows, |t, x, v| format!("{t},{:.0},{:.1}", read_m(x), 3.6 * v));
+    let without = table("time_s,odometer_m", &rows, |t, x, _| format!("{t},{:.0}", read_m(x)));
+    for text in [with, without] {
+        let folder = Folder::new().with("a.csv", &text);
+        folder.done(&["import", "a.csv"]);
+        let found = [csv(&folder, "runs/a_01.csv"), csv(&folder, "runs/a_02.csv")];
+        for (rows, [from_m, to_m]) in found.iter().zip([[60_000.0, 71_900.0], [71_900.0, 60_000.0]]) {
+            near(rows[0][1], from_m, 1.0);
+            near(last(rows)[1], to_m, 1.0);
+            assert!(rows.iter().all(|row| row[2] < 115.0), "{rows:?}");
+        }
+        assert!(!folder.path("runs/a_03.csv").exists());
+        assert_eq!(folder.json("runs/import.json")["counts"]["odometers that wrapped, joined"], 2);
+    }
+}
+
 #[test]
 fn an_odometer_that_wrapped_goes_on_behind_a_gap() {
     let there = drive(&STOPS_M, 30.0);

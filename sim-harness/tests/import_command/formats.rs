@@ -509,6 +509,13 @@ fn text_that_is_packed_is_read_as_it_is() {
     let said = folder.done(&["import", "logs", "--chainage", "as-is", "--out", "of_packed"]);
     assert_eq!(csv(&folder, "of_packed/a_01.csv"), csv(&folder, "runs/a_01.csv"));
     assert!((said.out + &said.err).contains("skipped 1 file: 1 compressed, to be unpacked first (note.txt.xz)"));
+    // Beside what it was made from it is the same log; beside another file of this name a log of its own.
+    for (beside, runs) in [(text.clone(), 1), (text.replacen("\n0,0.0,0.0", "\n0,0.4,0.0", 1), 2)] {
+        folder.write("logs/a.csv", &beside);
+        let said = folder.done(&["import", "logs", "--chainage", "as-is", "--out", "of_both"]);
+        assert_eq!(folder.json("of_both/import.json")["runs"].as_array().unwrap().len(), runs);
+        assert_eq!(said.err.contains("1 compressed file holds what a file beside it holds: read once"), runs == 1);
+    }
     let said = folder.rundown(&["import", "b.csv.zst"]);
     assert!(said.err.contains("expected text, or text packed by gzip, found .zst: unpack it first"), "{}", said.err);
 }

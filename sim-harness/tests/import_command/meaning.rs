@@ -239,12 +239,12 @@ fn a_speed_that_no_name_tells_is_taken_by_its_unit() {
 #[test]
 fn a_limit_is_no_speed_and_the_note_has_the_line_that_takes_another_column() {
     let folder = Folder::new();
-    let (said, _) = imported(&folder, "t [s],x [m],Limit [km/h],Nopeus", |_| 100.0);
+    let (said, _) = imported(&folder, "t [s],x [m],Limit [km/h],Abiadura", |_| 100.0);
     assert!(said.err.contains("\"Limit [km/h]\" has the unit of a speed without being one"), "{said:?}");
     let folder = Folder::new();
-    let (said, _) = imported(&folder, "t [s],x [m],Nopeus,Status", |v| 3.6 * v);
+    let (said, _) = imported(&folder, "t [s],x [m],Abiadura,Status", |v| 3.6 * v);
     assert_eq!(said.code, Some(0), "{said:?}");
-    assert!(said.err.contains("not used: \"Nopeus\", \"Status\""), "{said:?}");
+    assert!(said.err.contains("not used: \"Abiadura\", \"Status\""), "{said:?}");
     folder.write("map.toml", &to_write(&said.err));
     let said = folder.rundown(&["import", "in.csv", "--mapping", "map.toml", "--out", "again"]);
     assert_eq!(said.code, Some(0), "{said:?}");

@@ -14,11 +14,11 @@ use super::number;
 use parts::Parts;
 use row::{Each, Event, Header, Layout, RowField, SourceFormat};
 use rundown_files::refusal::ReadError;
-use rundown_files::run_set::PACKED;
+use rundown_files::run_set::{PACKED, ending};
 use sheet::Sheets;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-pub use unpacked::name as unpacked_name;
+pub use unpacked::{are_equal, name as unpacked_name};
 
 /// Rows that decide the decimal sign.
 const DECIDING: usize = 400;
@@ -38,7 +38,7 @@ pub struct SourceFile {
 /// The kind of a file: by its name, else by its first bytes.
 fn format_of(path: &Path) -> Result<SourceFormat, ReadError> {
     let inner = unpacked_name(path);
-    let extension = inner.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let extension = ending(&inner);
     let by_name = match extension.as_str() {
         "xlsx" | "xls" | "xlsm" | "xlsb" | "ods" => Some(SourceFormat::Sheet),
         "gpx" => Some(SourceFormat::Gpx),

@@ -21,6 +21,23 @@ pub fn bytes(path: &Path) -> Result<Box<dyn Read>, ReadError> {
     Ok(if is_packed { Box::new(MultiGzDecoder::new(BufReader::new(whole))) } else { Box::new(whole) })
 }
 
+/// Both hold the same, one of them packed.
+///
+/// # Errors
+/// [`ReadError`] when one of them cannot be read.
+pub fn are_equal(a: &Path, b: &Path) -> Result<bool, ReadError> {
+    let [mut of_a, mut of_b] = [bytes(a)?, bytes(b)?].map(|read| BufReader::new(read).bytes());
+    loop {
+        match (of_a.next().transpose(), of_b.next().transpose()) {
+            (Ok(None), Ok(None)) => return Ok(true),
+            (Ok(x), Ok(y)) if x == y => {}
+            (Ok(_), Ok(_)) => return Ok(false),
+            (Err(error), _) => return Err(row::io(a, error)),
+            (_, Err(error)) => return Err(row::io(b, error)),
+        }
+    }
+}
+
 /// The name of a file without the `.gz` that packing added.
 pub fn name(path: &Path) -> PathBuf {
     let is_packed = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("gz"));

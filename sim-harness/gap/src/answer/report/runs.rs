@@ -6,6 +6,7 @@ use super::maps::{joined, sections, word};
 use crate::answer::whole::Answer;
 use crate::data::rows::Row;
 use maud::{Markup, html};
+use rundown_files::statistics::mean;
 use rundown_pages::chart::{Drawing, Figure, Layer, Panel, Stroke, range_of};
 use rundown_pages::numbers::{counted, number};
 use rundown_pages::run_pages::{self, Neighbours};
@@ -30,11 +31,6 @@ pub(super) fn by_run<'a>(answer: &'a Answer, explained: &[f64]) -> Vec<Vec<Expla
 
 fn is_held_out(answer: &Answer, run: usize) -> bool {
     answer.found.held_out.contains(&run)
-}
-
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> Option<f64> {
-    let count = values.len();
-    (count > 0).then(|| values.sum::<f64>() / count as f64)
 }
 
 /// 10⁻³ N/kg.
