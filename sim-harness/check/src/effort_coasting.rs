@@ -25,9 +25,9 @@ const STRETCH_S: f64 = 20.0;
 /// A slower train may be about to stand, m/s.
 const SLOWEST_MPS: f64 = 1.0;
 /// Half the width of the interval, N/kg: an effort without noise, up to a noise by which nothing would be learned.
-const HALF_WIDTHS_N_PER_KG: [f64; 5] = [2e-4, 4e-4, 8e-4, 1.6e-3, 3.2e-3];
+pub(crate) const HALF_WIDTHS_N_PER_KG: [f64; 5] = [2e-4, 4e-4, 8e-4, 1.6e-3, 3.2e-3];
 /// A larger effort is none of a coast, N/kg.
-const MOST_N_PER_KG: f64 = 0.02;
+pub(crate) const MOST_N_PER_KG: f64 = 0.02;
 /// So many stretches, this share of all of moving trains, in so many runs.
 const LEAST: usize = 20;
 const LEAST_SHARE: f64 = 0.04;
@@ -38,7 +38,7 @@ const LEAST_RUNS: usize = 3;
 const BESIDE: f64 = 5.0;
 const DENSER: usize = 3;
 /// A described resistance is off by less than this share of itself, mostly; a larger effort is known to act or not.
-const DOUBTED_SHARE: f64 = 0.4;
+pub(crate) const DOUBTED_SHARE: f64 = 0.4;
 /// Where nothing is described, trains that coast lose at least so much of their speed, m/s².
 const SLOWS_MPS2: f64 = 0.003;
 /// An effort of 0 is that of some coasts, where so many times fewer are there.
@@ -58,12 +58,12 @@ pub(crate) struct CoastingEffort {
 
 /// A stretch of a moving train.
 #[derive(Clone, Copy)]
-struct MovingStretch {
-    effort_n_per_kg: f64,
-    mps2: f64,
+pub(crate) struct MovingStretch {
+    pub(crate) effort_n_per_kg: f64,
+    pub(crate) mps2: f64,
     /// What gradient and described resistance take, N/kg.
-    taken_n_per_kg: Option<[f64; 2]>,
-    run: usize,
+    pub(crate) taken_n_per_kg: Option<[f64; 2]>,
+    pub(crate) run: usize,
 }
 
 /// The effort of trains that coast; nothing where none recurs, or what recurs acts. `step`: of the efforts, N/kg.
@@ -72,6 +72,16 @@ pub(crate) fn effort_of_coasts<'a>(
     known: &Known,
     step: Option<f64>,
 ) -> Option<CoastingEffort> {
+    let mut all = moving_stretches(recordings, known);
+    all.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg));
+    HALF_WIDTHS_N_PER_KG.into_iter().find_map(|half_width| recurring(&all, half_width, step.unwrap_or_default()))?
+}
+
+/// The stretches of moving trains, run by run.
+pub(crate) fn moving_stretches<'a>(
+    recordings: impl Iterator<Item = &'a Recording>,
+    known: &Known,
+) -> Vec<MovingStretch> {
     let mut all: Vec<MovingStretch> = Vec::new();
     for (run, recording) in recordings.enumerate() {
         let line = known.line(recording.direction);
@@ -97,8 +107,7 @@ pub(crate) fn effort_of_coasts<'a>(
         };
         all.extend(stretches(&recording.rows, STRETCH_S).into_iter().filter(moves).filter_map(stretch));
     }
-    all.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg));
-    HALF_WIDTHS_N_PER_KG.into_iter().find_map(|half_width| recurring(&all, half_width, step.unwrap_or_default()))?
+    all
 }
 
 /// The densest of the intervals of small efforts, where it is far denser than what is beside it, unless it acts. `all`:

@@ -88,6 +88,8 @@ kinds! {
         => "look at the column: does a signal freeze, or come late?";
     EffortLate "measured efforts are older than the speed (below zero: the speed is)";
     EffortOffset "the zero of the effort is off: trains that coast, or stand without a brake, have";
+    EffortZerosDiffer "the zero of the effort differs from run to run, by (standard deviation)"
+        => "look when the sensor of the effort is set to zero";
     EffortZeroUnseen "nothing shows the zero of the effort, as no trains coast for 20 s or stand without a brake: taken on trust, in"
         => "compare r with what --mode gated learns";
     EffortZeros "the effort is 0 while the train brakes or holds its speed"
@@ -181,6 +183,7 @@ impl Finding {
                     | Kind::EffortLate
                     | Kind::EffortSteps
                     | Kind::EffortZeroUnseen
+                    | Kind::EffortZerosDiffer
                     | Kind::MissingReadings
                     | Kind::OtherChainage
                     | Kind::Reset

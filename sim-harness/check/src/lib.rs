@@ -93,6 +93,7 @@ mod effort_held;
 mod effort_stairs;
 mod effort_unlike;
 mod effort_zero;
+mod effort_zero_of_run;
 pub mod finding;
 pub mod gradients;
 pub mod held;

@@ -9,7 +9,7 @@ use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
     Known, SURE, effort, effort_age, effort_coasting, effort_cut, effort_demanded, effort_gap, effort_held,
-    effort_unlike, effort_zero, limits, read_of, smoothed, steps, trailing,
+    effort_unlike, effort_zero, effort_zero_of_run, limits, read_of, smoothed, steps, trailing,
 };
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
@@ -24,8 +24,8 @@ const MOVED_STEP_S: f64 = 2.0;
 /// than from coasts alone.
 const LARGEST_EFFORT_STEP_N_PER_KG: f64 = 0.0125;
 /// What else a zero may be that only trains that coast, or only trains that stand, show.
-const MAY_ACT: &str =
-    "; motors that drag while coasting, or a brake that holds standing trains, look so: r is doubted by as much";
+const MAY_ACT: &str = "; motors that drag while coasting, or a brake that holds standing trains, look so";
+const DOUBTED: &str = ": r is doubted by as much";
 /// Runs that the age of the effort is asked of.
 const AGED: usize = 12;
 
@@ -40,6 +40,7 @@ impl RecorderCheck {
         self.unlike_efforts(recordings, runs);
         self.exceeds(recordings, runs, known);
         self.unfit_efforts(recordings, runs);
+        self.zeros_of_runs(recordings, runs, known);
         self.effort_zero(recordings, runs, known);
         self.trailing_speeds(recordings, runs, known);
         self.smoothed_speeds(recordings, runs, known);
@@ -193,6 +194,41 @@ impl RecorderCheck {
         }
     }
 
+    /// Brings the zeros of runs that differ to one.
+    fn zeros_of_runs(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+        let own = self.usable(runs);
+        if self.has(Kind::EffortApart) {
+            return;
+        }
+        let moving = effort_coasting::moving_stretches(own.iter().map(|i| &recordings[*i]), known);
+        let Some(zeros) = effort_zero_of_run::differing(&moving, own.len()) else { return };
+        let figure = Figure { value: zeros.spread_n_per_kg, sd: 0.0 };
+        let kind = Kind::EffortZerosDiffer;
+        if !zeros.is_sure {
+            self.effort_doubt_n_per_kg = zeros.doubt_n_per_kg();
+            let text = format!("or drivers leave a little power while coasting{DOUBTED}");
+            return self.found_by(kind, figure, "N/kg", Done::Said, text);
+        }
+        let unseen = zeros.of_runs.iter().filter(|zero| zero.is_none()).count();
+        let left_out = if unseen > 0 {
+            format!("; {unseen} runs show none, and their efforts are left out")
+        } else {
+            String::new()
+        };
+        let text = format!("each run's own is taken from its coasts{left_out}");
+        self.found_by(kind, figure, "N/kg", Done::PutRight, text);
+        for (i, zero) in own.into_iter().zip(&zeros.of_runs) {
+            let rows = &mut recordings[i].rows;
+            match zero {
+                Some(zero) => {
+                    let efforts = rows.iter_mut().filter_map(|row| row.effort_n_per_kg.as_mut());
+                    efforts.for_each(|effort| *effort -= zero - zeros.middle_n_per_kg);
+                }
+                None => without_efforts(rows),
+            }
+        }
+    }
+
     /// Takes the zero of the effort from trains that coast or stand, and leaves out zeros that are no effort of 0.
     fn effort_zero(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let own =
@@ -210,8 +246,8 @@ impl RecorderCheck {
         if let Some(Zero { figure: zero, doubt_n_per_kg, may_act, seen }) =
             seen.filter(|one| effort_zero::is_off(one.figure))
         {
-            self.effort_doubt_n_per_kg = doubt_n_per_kg;
-            let doubt = if may_act { MAY_ACT } else { "" };
+            self.effort_doubt_n_per_kg = self.effort_doubt_n_per_kg.max(doubt_n_per_kg);
+            let doubt = if may_act { [MAY_ACT, DOUBTED].concat() } else { String::new() };
             let text = format!("{seen}, and so taken from all{doubt}");
             self.found_by(Kind::EffortOffset, zero, "N/kg", Done::PutRight, text);
             let efforts = rows.into_iter().flatten().filter_map(|row| row.effort_n_per_kg.as_mut());

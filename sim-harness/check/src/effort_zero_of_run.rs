@@ -1,0 +1,120 @@
+//! Zeros of an effort column that differ from run to run, as of a sensor that is set to zero once a day.
+//!
+//! In: stretches of moving trains, run by run. Out: the effort that recurs in the coasts of each run, where these differ
+//! by far more between runs than within them.
+//!
+//! One zero for all runs is wrong in each. A light power that a driver leaves while the train seems to coast differs
+//! from run to run, too, but it acts: what the motion needs rises with it from run to run, by as much; beside a zero it
+//! does not.
+
+use crate::agreement::{Figure, HALF_95};
+use crate::effort_coasting::{DOUBTED_SHARE, HALF_WIDTHS_N_PER_KG, MOST_N_PER_KG, MovingStretch};
+use rundown_files::statistics::{mean, median, spread};
+
+/// So many stretches of a run show its zero, so many times as many as in all beside them, in so many half-widths on
+/// either side.
+const LEAST: usize = 4;
+const DENSER: usize = 2;
+const BESIDE: f64 = 5.0;
+/// So many runs, and this share of all, tell.
+const LEAST_RUNS: usize = 6;
+const LEAST_SHARE: f64 = 0.6;
+/// Zeros differ that scatter by so many half-widths of what recurs in a single run.
+const DIFFER: f64 = 3.0;
+/// Half of a zero that acts is neither.
+const HALF: f64 = 0.5;
+
+/// Zeros that differ.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ZerosOfRuns {
+    /// Run by run, N/kg; none where too little shows it.
+    pub(crate) of_runs: Vec<Option<f64>>,
+    pub(crate) middle_n_per_kg: f64,
+    /// Standard deviation of all, N/kg.
+    pub(crate) spread_n_per_kg: f64,
+    /// They do not act.
+    pub(crate) is_sure: bool,
+}
+
+impl ZerosOfRuns {
+    /// By how much r may be wrong where they act, N/kg.
+    pub(crate) fn doubt_n_per_kg(&self) -> f64 {
+        HALF_95 * self.spread_n_per_kg
+    }
+}
+
+/// Of so many runs of a unit; nothing where they have one zero, or what recurs acts.
+pub(crate) fn differing(all: &[MovingStretch], runs: usize) -> Option<ZerosOfRuns> {
+    let of_runs: Vec<Vec<&MovingStretch>> = (0..runs)
+        .map(|run| {
+            let mut own: Vec<&MovingStretch> = all.iter().filter(|one| one.run == run).collect();
+            own.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg));
+            own
+        })
+        .collect();
+    let least = LEAST_RUNS.max((LEAST_SHARE * runs as f64).ceil() as usize);
+    let (half_width, crowds) = HALF_WIDTHS_N_PER_KG.into_iter().find_map(|half_width| {
+        let crowds: Vec<Option<Crowd>> = of_runs.iter().map(|own| Crowd::densest(own, half_width)).collect();
+        (crowds.iter().flatten().count() >= least).then_some((half_width, crowds))
+    })?;
+    let zeros = || crowds.iter().flatten().map(|crowd| crowd.effort_n_per_kg);
+    let middle_n_per_kg = median(zeros())?;
+    let spread_n_per_kg = spread(zeros().map(|zero| zero - middle_n_per_kg));
+    if spread_n_per_kg < DIFFER * half_width {
+        return None;
+    }
+    let acts = share_that_acts(&crowds)?;
+    let [low, high] = acts.interval();
+    (low < HALF).then(|| ZerosOfRuns {
+        of_runs: crowds.iter().map(|crowd| crowd.as_ref().map(|crowd| crowd.effort_n_per_kg)).collect(),
+        middle_n_per_kg,
+        spread_n_per_kg,
+        is_sure: high < HALF,
+    })
+}
+
+/// What recurs in a run.
+#[derive(Clone, Copy, Debug)]
+struct Crowd {
+    effort_n_per_kg: f64,
+    /// By acceleration, gradient and described resistance.
+    needed_n_per_kg: f64,
+}
+
+impl Crowd {
+    /// `own`: sorted by their efforts.
+    fn densest(own: &[&MovingStretch], half_width: f64) -> Option<Self> {
+        let within = |low: f64, high: f64| {
+            let begin = own.partition_point(|one| one.effort_n_per_kg < low);
+            begin..own.partition_point(|one| one.effort_n_per_kg <= high)
+        };
+        let from = own.iter().map(|one| one.effort_n_per_kg).filter(|effort| effort.abs() < MOST_N_PER_KG);
+        let densest = from.map(|low| within(low, low + 2.0 * half_width)).max_by_key(ExactSizeIterator::len)?;
+        let inside = &own[densest];
+        let effort_n_per_kg = mean(inside.iter().map(|one| one.effort_n_per_kg))?;
+        let reach = BESIDE * half_width;
+        let beside = within(effort_n_per_kg - reach, effort_n_per_kg + reach).len() - inside.len();
+        let taken: Vec<[f64; 2]> = inside.iter().map(|one| one.taken_n_per_kg).collect::<Option<_>>()?;
+        let resistance = mean(taken.iter().map(|taken| taken[1]))?;
+        let needed_n_per_kg = mean(inside.iter().zip(&taken).map(|(one, taken)| one.mps2 + taken[0] + taken[1]))?;
+        let acts = effort_n_per_kg.abs() >= DOUBTED_SHARE * resistance
+            && (needed_n_per_kg - effort_n_per_kg).abs() < needed_n_per_kg.abs();
+        let is_crowd = inside.len() >= LEAST && inside.len() >= DENSER * beside;
+        (is_crowd && !acts).then_some(Self { effort_n_per_kg, needed_n_per_kg })
+    }
+}
+
+/// By how much what the motion needs rises with what recurs, from run to run: 1 of efforts that act, 0 of zeros.
+fn share_that_acts(crowds: &[Option<Crowd>]) -> Option<Figure> {
+    let both: Vec<[f64; 2]> =
+        crowds.iter().flatten().map(|crowd| [crowd.effort_n_per_kg, crowd.needed_n_per_kg]).collect();
+    let of = |i: usize| mean(both.iter().map(|both| both[i]));
+    let (efforts, needed) = (of(0)?, of(1)?);
+    let sum =
+        |of: &dyn Fn(f64, f64) -> f64| both.iter().map(|both| of(both[0] - efforts, both[1] - needed)).sum::<f64>();
+    let square = sum(&|effort, _| effort * effort);
+    let value = sum(&|effort, needed| effort * needed) / square;
+    let left = sum(&|effort, needed| (needed - value * effort).powi(2));
+    let sd = (left / (both.len() as f64 - 2.0) / square).sqrt();
+    Some(Figure { value, sd }).filter(|share| share.value.is_finite() && share.sd.is_finite())
+}
