@@ -11,7 +11,8 @@
 //! Gain and resistance are fitted for each age; the one with the least squares is the age of the run. A row may hold
 //! the mean since the row before or the effort at the moment: both readings are tried, and what they do not decide is
 //! doubt. Gradients count where the track is described. Where a driver holds the speed the effort follows them, seconds
-//! late, which would look like an age; so windows around which the effort changes little do not count.
+//! late, which would look like an age; so windows around which the effort changes little do not count. Where none
+//! counts, as of freight trains, whose efforts are small, smaller changes count that come at once.
 
 use crate::agreement::Figure;
 use nalgebra::{Matrix4, Vector4};
@@ -25,13 +26,26 @@ const WINDOW_S: f64 = 4.0;
 const MOST_S: f64 = 12.0;
 /// Fewer windows of a moving train say nothing.
 const LEAST_WINDOWS: usize = 60;
-/// Efforts that change by less within the ages that are tried may follow a gradient, N/kg. Holding the speed over 10
-/// permille takes as much.
-const LEAST_CHANGE_N_PER_KG: f64 = 0.1;
+/// Efforts that change by less within the ages that are tried may follow a gradient. Holding the speed over 10 permille
+/// takes as much.
+const LARGE: LeastChange = LeastChange { n_per_kg: 0.1, at_once_n_per_kg: 0.0 };
+/// A lever that is set to coast, or to power, from one row to the next.
+const AT_ONCE: LeastChange = LeastChange { n_per_kg: 0.03, at_once_n_per_kg: 0.02 };
 /// Slower trains may stand within the window, m/s.
 const SLOWEST_MPS: f64 = 1.0;
+/// Efforts are late by whole rows that are so to this share of a row.
+const WHOLE: f64 = 0.1;
 /// Nats by which one reading of the column must beat the other.
 const CLEARLY: f64 = 20.0;
+
+/// Change of the effort around a window that counts.
+#[derive(Clone, Copy)]
+struct LeastChange {
+    /// Within the ages that are tried, N/kg.
+    n_per_kg: f64,
+    /// From one row to the next, N/kg.
+    at_once_n_per_kg: f64,
+}
 
 /// What a row of the column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,7 +127,7 @@ struct Window {
     acceleration_mps2: f64,
 }
 
-fn windows(stretches: &[Vec<&Sample>], line: Option<Line<'_>>, most_s: f64) -> Vec<Window> {
+fn windows(stretches: &[Vec<&Sample>], line: Option<Line<'_>>, most_s: f64, least: LeastChange) -> Vec<Window> {
     let gradient = |row: &Sample| line.zip(row.location_m).map_or(0.0, |(line, at_m)| line.gradient_n_per_kg(at_m));
     let mut found = Vec::new();
     for (stretch, rows) in stretches.iter().enumerate() {
@@ -133,7 +147,7 @@ fn windows(stretches: &[Vec<&Sample>], line: Option<Line<'_>>, most_s: f64) -> V
             let long_s = row.time_s - from.time_s;
             if long_s >= WINDOW_S {
                 begin = Some(row);
-                if change_n_per_kg(rows, [from.time_s - most_s, row.time_s + most_s]) < LEAST_CHANGE_N_PER_KG {
+                if !least.is_in(rows, [from.time_s - most_s, row.time_s + most_s]) {
                     continue;
                 }
                 let from_mps = from.speed_mps.unwrap_or_default();
@@ -149,12 +163,15 @@ fn windows(stretches: &[Vec<&Sample>], line: Option<Line<'_>>, most_s: f64) -> V
     found
 }
 
-/// Largest less smallest effort between two times.
-fn change_n_per_kg(rows: &[&Sample], [from_s, to_s]: [f64; 2]) -> f64 {
-    let [from, to] = [from_s, to_s].map(|time_s| rows.partition_point(|row| row.time_s < time_s));
-    let efforts = rows[from..to].iter().filter_map(|row| row.effort_n_per_kg);
-    let (least, most) = efforts.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), u| (l.min(u), m.max(u)));
-    most - least
+impl LeastChange {
+    /// The efforts between two times change so much.
+    fn is_in(self, rows: &[&Sample], [from_s, to_s]: [f64; 2]) -> bool {
+        let [from, to] = [from_s, to_s].map(|time_s| rows.partition_point(|row| row.time_s < time_s));
+        let efforts: Vec<f64> = rows[from..to].iter().filter_map(|row| row.effort_n_per_kg).collect();
+        let (least, most) = efforts.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), u| (l.min(*u), m.max(*u)));
+        let at_once = efforts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        most - least >= self.n_per_kg && at_once >= self.at_once_n_per_kg
+    }
 }
 
 fn residuals(windows: &[Window], efforts: &[EffortStretch], age_s: f64) -> Option<Vec<f64>> {
@@ -181,10 +198,14 @@ pub(crate) struct Asked<'a> {
 }
 
 /// The age of the efforts of a run, read in this way; none where too little of it powers and brakes.
-pub(crate) fn of_run(Asked { rows, step_s, line }: Asked<'_>, reading: Reading) -> Option<Age> {
+pub(crate) fn of_run(run: Asked<'_>, reading: Reading) -> Option<Age> {
+    of_changes(run, reading, LARGE)
+}
+
+fn of_changes(Asked { rows, step_s, line }: Asked<'_>, reading: Reading, least: LeastChange) -> Option<Age> {
     let most_s = MOST_S.max(2.0 * step_s);
     let stretches = stretches(rows, step_s);
-    let windows = windows(&stretches, line, most_s + step_s);
+    let windows = windows(&stretches, line, most_s + step_s, least);
     if windows.len() < LEAST_WINDOWS {
         return None;
     }
@@ -227,24 +248,36 @@ pub(crate) struct Usual {
     pub(crate) spread_s: f64,
     /// The same once the column is read as means, s.
     as_means_s: f64,
+    /// Means or momentary, that is clear.
+    is_clear: bool,
+}
+
+impl Usual {
+    /// By how many rows efforts are late that are late by whole rows.
+    pub(crate) fn whole_rows(&self, step_s: f64) -> Option<isize> {
+        let rows = (self.age_s.value / step_s).round();
+        let is_whole = (self.age_s.value - rows * step_s).abs() < WHOLE * step_s;
+        (self.is_clear && is_whole && rows != 0.0).then_some(rows as isize)
+    }
 }
 
 /// The usual age in some runs; none where none is known.
-pub(crate) fn usual<'a>(runs: impl Iterator<Item = Asked<'a>>) -> Option<Usual> {
-    let both = |run: Asked<'_>| Some([of_run(run, Reading::Mean)?, of_run(run, Reading::Momentary)?]);
-    let ages: Vec<[Age; 2]> = runs.filter_map(both).collect();
-    if ages.is_empty() {
-        return None;
-    }
+pub(crate) fn usual(runs: &[Asked<'_>]) -> Option<Usual> {
+    let ages = |least: LeastChange| -> Vec<[Age; 2]> {
+        let of = |run: Asked<'_>, reading| of_changes(run, reading, least);
+        runs.iter().filter_map(|run| Some([of(*run, Reading::Mean)?, of(*run, Reading::Momentary)?])).collect()
+    };
+    let ages = [LARGE, AT_ONCE].into_iter().map(ages).find(|ages| !ages.is_empty())?;
     let [(mean, spread_s), (momentary, _)] = [0, 1].map(|i| pooled(ages.iter().map(|both| both[i].age_s)));
     let gain: f64 = ages.iter().map(|[mean, momentary]| mean.log_likelihood - momentary.log_likelihood).sum();
     let half_s = 0.5 * (momentary.value - mean.value);
     let age_s = match gain {
         CLEARLY.. => mean,
         _ if gain < -CLEARLY => momentary,
-        _ => Figure { value: mean.value + half_s, sd: mean.sd.max(momentary.sd).hypot(half_s) },
+        // Anywhere between the two.
+        _ => Figure { value: mean.value + half_s, sd: mean.sd.max(momentary.sd).hypot(half_s / 3.0_f64.sqrt()) },
     };
-    Some(Usual { age_s, spread_s, as_means_s: mean.value })
+    Some(Usual { age_s, spread_s, as_means_s: mean.value, is_clear: gain.abs() >= CLEARLY })
 }
 
 /// Mean, and the standard deviation between runs.
@@ -258,10 +291,22 @@ pub(crate) fn pooled(ages: impl Iterator<Item = Figure> + Clone) -> (Figure, f64
     (Figure { value, sd: all.sqrt().recip() }, spread_s)
 }
 
+/// Brings the efforts of a run to the rows that they belong to, so many rows before them; beside a gap they are lost.
+pub(crate) fn move_by_rows(rows: &mut [Sample], step_s: f64, by: isize) {
+    let read: Vec<(f64, Option<f64>)> = rows.iter().map(|row| (row.time_s, row.effort_n_per_kg)).collect();
+    for (at, row) in rows.iter_mut().enumerate() {
+        let from = at.checked_add_signed(by).and_then(|from| read.get(from));
+        let is_near =
+            |(time_s, _): &&(f64, Option<f64>)| ((time_s - row.time_s) - by as f64 * step_s).abs() < WHOLE * step_s;
+        row.effort_n_per_kg = from.filter(is_near).and_then(|(_, effort)| *effort);
+    }
+}
+
 /// Brings the efforts of a run to the age of its speeds, as means since the row before. As such they are read, too,
 /// whatever they were: of one at the moment the age comes out half a row less, and its mean is right.
 pub(crate) fn move_efforts(rows: &mut [Sample], step_s: f64, line: Option<Line<'_>>, usual: &Usual) {
-    let alone = of_run(Asked { rows, step_s, line }, Reading::Mean);
+    let run = Asked { rows, step_s, line };
+    let alone = [LARGE, AT_ONCE].into_iter().find_map(|least| of_changes(run, Reading::Mean, least));
     let age_s = alone.map_or(usual.as_means_s, |own| own.age_s.drawn(usual.as_means_s, usual.spread_s));
     let efforts: Vec<EffortStretch> =
         stretches(rows, step_s).iter().map(|rows| EffortStretch::of(rows, Reading::Mean)).collect();

@@ -16,6 +16,7 @@ use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
+use std::ops::Range;
 
 /// So many rows at standstill tell the zero, and this share of them has it within [`SAME_N_PER_KG`].
 const LEAST_STANDING: usize = 20;
@@ -30,7 +31,9 @@ const STRETCH_S: f64 = 20.0;
 const BRAKES_MPS2: f64 = 0.45;
 /// A slope that overcomes this share of the described resistance may hold a coasting train, whose own is another one;
 /// on a steeper one it gains speed.
-const DRIVEN: std::ops::Range<f64> = 0.5..2.0;
+const DRIVEN: Range<f64> = 0.5..2.0;
+/// The same of its own resistance, which trains with efforts of 0 mostly show.
+const AROUND_USUAL: Range<f64> = 0.7..1.4;
 /// A train at this speed, m/s, that changes it by less than this over a stretch, m/s, holds it, on gradients that
 /// repeat in both directions or not.
 const HOLDS_FROM_MPS: f64 = 12.0;
@@ -213,12 +216,33 @@ pub(crate) fn leave_out_brakes(rows: &mut [Sample]) -> usize {
     count
 }
 
-/// The described slopes drive a train that holds its speed by about its described resistance, so that it may coast
-/// there.
-fn holds_coasting(line: &Line<'_>, rows: &[Sample]) -> bool {
-    let down = rows.iter().filter_map(|row| Some(-line.gradient_n_per_kg(row.location_m?)));
+/// A stretch of a moving train.
+struct Moving {
+    is_zero: bool,
+    /// The speed stays within a narrow band.
+    holds: bool,
+    /// It is about the same at the end.
+    keeps: bool,
+    /// What slopes and the loss of speed take off it, of the described resistance: about 1 of a coast.
+    driven: Option<f64>,
+}
+
+/// Slopes and the loss of speed over the described resistance.
+fn driven(line: &Line<'_>, rows: &[Sample], mps2: f64) -> f64 {
+    let driven = rows.iter().filter_map(|row| Some(-line.gradient_n_per_kg(row.location_m?) - mps2));
     let resistances = rows.iter().filter_map(|row| Some(line.train.davis().resistance_n_per_kg(row.speed_mps?)));
-    DRIVEN.contains(&(down.sum::<f64>() / resistances.sum::<f64>()))
+    driven.sum::<f64>() / resistances.sum::<f64>()
+}
+
+/// How much of the described resistance those have that coast, by what is usual where the efforts are 0.
+fn of_coasts(all: &[Moving]) -> Range<f64> {
+    let of_zeros: Vec<f64> = all.iter().filter(|one| one.is_zero).filter_map(|one| one.driven).collect();
+    match median(of_zeros.iter().copied()) {
+        Some(usual) if of_zeros.len() >= LEAST_STRETCHES && DRIVEN.contains(&usual) => {
+            AROUND_USUAL.start * usual..AROUND_USUAL.end * usual
+        }
+        _ => DRIVEN,
+    }
 }
 
 /// The last [`STRETCH_S`] of a train that slows down to a stop by more than [`SLOWS_MPS2`], where each row has a speed
@@ -237,7 +261,7 @@ fn stops(rows: &[Sample]) -> impl Iterator<Item = &[Sample]> {
 
 /// Of all runs of a unit. Where the described slopes explain that a train holds its speed, a zero is one.
 pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, known: &Known) -> Zeros {
-    let mut found = Zeros::default();
+    let (mut found, mut moving) = (Zeros::default(), Vec::new());
     for recording in recordings {
         let is_brake = |row: &Sample| {
             row.speed_mps > Some(0.0) && row.effort_n_per_kg.is_some_and(|effort| effort < -LEAST_BRAKE_N_PER_KG)
@@ -262,15 +286,19 @@ pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, known: 
             let holds = high - low < HOLDS_WITHIN_MPS;
             let line = known.line(recording.direction);
             let keeps = holds || (line.is_some() && (rate * long_s).abs() < KEEPS_WITHIN_MPS);
-            let is_slope = keeps && line.is_some_and(|line| holds_coasting(&line, rows));
-            if keeps && !is_slope {
-                found.kept += usize::from(is_zero);
-            }
-            if !(holds && is_slope) {
-                found.moves.add(is_zero);
-                if holds {
-                    found.holds.add(is_zero);
-                }
+            moving.push(Moving { is_zero, holds, keeps, driven: line.map(|line| driven(&line, rows, rate)) });
+        }
+    }
+    let of_coasts = of_coasts(&moving);
+    for Moving { is_zero, holds, keeps, driven } in moving {
+        let is_slope = keeps && driven.is_some_and(|driven| of_coasts.contains(&driven));
+        if keeps && !is_slope {
+            found.kept += usize::from(is_zero);
+        }
+        if !(holds && is_slope) {
+            found.moves.add(is_zero);
+            if holds {
+                found.holds.add(is_zero);
             }
         }
     }

@@ -296,8 +296,9 @@ impl RecorderCheck {
         if own.is_empty() || self.has(Kind::EffortApart) {
             return;
         }
-        let asked_of = own.iter().take(AGED).map(|i| asked(&recordings[*i], runs[*i].step_s, known));
-        let Some(usual) = effort_age::usual(asked_of) else { return };
+        let ask = |i: &usize| asked(&recordings[*i], runs[*i].step_s, known);
+        let asked_of: Vec<Asked<'_>> = own.iter().take(AGED).map(ask).collect();
+        let Some(usual) = effort_age::usual(&asked_of) else { return };
         let age_s = usual.age_s;
         if age_s.value.abs() < LEAST_AGE_S || age_s.away_from(0.0) < SURE {
             return;
@@ -306,6 +307,7 @@ impl RecorderCheck {
         let (done, said) = match step_s {
             _ if !known.moves_locations => (Done::Said, "asked for beside its gain".to_owned()),
             ..=MOVED_STEP_S => (Done::PutRight, format!("it differs by {:.1} s from run to run", usual.spread_s)),
+            _ if let Some(by) = usual.whole_rows(step_s) => (Done::PutRight, format!("by whole rows: {by}")),
             _ if age_s.value.abs() <= 0.5 * step_s => {
                 (Done::Said, format!("within half of the {step_s:.0} s of a row"))
             }
@@ -316,7 +318,10 @@ impl RecorderCheck {
             let line = known.line(recordings[i].direction);
             let rows = &mut recordings[i].rows;
             match done {
-                Done::PutRight => effort_age::move_efforts(rows, runs[i].step_s, line, &usual),
+                Done::PutRight => match usual.whole_rows(step_s).filter(|_| step_s > MOVED_STEP_S) {
+                    Some(by) => effort_age::move_by_rows(rows, runs[i].step_s, by),
+                    None => effort_age::move_efforts(rows, runs[i].step_s, line, &usual),
+                },
                 Done::LeftOut => without_efforts(rows),
                 Done::Said | Done::Refused => (),
             }
