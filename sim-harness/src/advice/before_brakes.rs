@@ -8,6 +8,9 @@
 //! Only that way round: power that was missed makes a fall smaller. A brake that drags before each stop looks the same,
 //! and gradients that are steeper there than described; which of them it is nobody says, and the interval holds all.
 //!
+//! Where no fall is seen, for rows are too far apart, power may have been missed as well, and what was learned below the
+//! description has an interval that includes it.
+//!
 //! ```text
 //! fall = -dv/dt - g/γ dh/dx        over 10 s that end 4 s before the brake is seen, N/kg
 //! doubt = median over the stops of (median over the runs of fall / r(v)) - 1, where that is no chance
@@ -15,6 +18,7 @@
 
 use super::vehicle::{MANY_HOPS, named};
 use crate::report::resistance::Resistance;
+use crate::report::taught_mps;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::Mode;
 use rundown::filter::gaussian::Gaussian;
@@ -70,10 +74,12 @@ struct UnitFalls {
     found: Option<Missing>,
 }
 
-/// What is missing in a learned resistance.
+/// What is, or may be, missing in a learned resistance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Missing {
+    /// Standard deviation, share of it.
     share: f64,
+    /// Those that show it; none where nothing would.
     stops: usize,
 }
 
@@ -107,7 +113,12 @@ impl BeforeBrakes {
             if run.is_used {
                 unit.take(falls(estimator, run));
             }
-            let found = (run.hops_share >= MANY_HOPS).then(|| missing(&unit.falls, &run.vehicle_after)).flatten();
+            let is_unseen = unit.falls.iter().all(Vec::is_empty);
+            let found = match run.hops_share >= MANY_HOPS {
+                true if is_unseen => unseen(estimator, run),
+                true => missing(&unit.falls, &run.vehicle_after),
+                false => None,
+            };
             // What is said of runs that stand alone is said of any of them.
             unit.found = if carried { found } else { found.or(unit.found) };
             if let Some(missing) = found {
@@ -122,6 +133,15 @@ impl BeforeBrakes {
     pub fn notes(&self) -> Vec<String> {
         let note = |(unit, UnitFalls { found, .. }): (&String, &UnitFalls)| {
             let Missing { share, stops } = (*found)?;
+            if stops == 0 {
+                return Some(format!(
+                    "{}: rows are too far apart to see whether trains coast before their brakes as short hops have taught \
+                     it: coasts that taught it may have had power in them, and the interval of r(v) has ± {:.0} % for that, \
+                     as far as the description",
+                    named(unit),
+                    100.0 * HALF_95 * share
+                ));
+            }
             Some(format!(
                 "{}: before the brakes at {stops} stops speeds fall by {:.0} % more than by the learned \
                  resistance: coasts that taught it may have had power in them, weaker than the resistance, or the brakes \
@@ -159,6 +179,15 @@ pub(super) fn withhold_if_unknown(estimator: &Estimator, run: &mut ReplayedRun) 
 fn is_published(estimator: &Estimator, davis: &Gaussian<3>) -> bool {
     let described = sds(&estimator.new_vehicle().davis());
     sds(davis).into_iter().zip(described).any(|(sd, described)| sd < FORGOTTEN_SHARE * described)
+}
+
+/// What the learned resistance is below the described one, at the speeds that taught it, as half of an interval.
+fn unseen(estimator: &Estimator, run: &ReplayedRun) -> Option<Missing> {
+    let taught_mps = taught_mps(core::slice::from_ref(run))?;
+    let speed_mps = 0.5 * (taught_mps.start + taught_mps.end);
+    let described = estimator.train().davis().resistance_n_per_kg(speed_mps);
+    let share = (described / Resistance::at(&run.vehicle_after, speed_mps)?.mean_n_per_kg - 1.0) / HALF_95;
+    (share > 0.0).then_some(Missing { share, stops: 0 })
 }
 
 /// By which share of itself the learned resistance is less than what falls before brakes say; none where that may be

@@ -149,6 +149,11 @@ impl MixtureFit {
         stretches.iter().zip(&self.shares).map(of).sum::<f64>() / self.coasted().max(1.0)
     }
 
+    /// The coasts would have less resistance yet if the prior let them.
+    pub fn has_least_resistance(&self) -> bool {
+        self.deltas[1] <= -PRIOR_SD[1]
+    }
+
     /// What effort is left of each stretch if it is coasted, N/kg.
     pub fn residuals(&self, stretches: &[Stretch], climbs_n_per_kg: &[f64]) -> Vec<f64> {
         stretches.iter().zip(climbs_n_per_kg).map(|(stretch, climb)| effort(stretch, *climb, self.deltas)).collect()

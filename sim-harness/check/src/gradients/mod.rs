@@ -217,7 +217,9 @@ impl Coasts {
         let agree = one > LEAST_GAIN && two > LEAST_GAIN;
         let clear = best.coasted() >= LEAST_STRETCHES && best.sd_n_per_kg < LEAST_SHARPER * described_sd;
         let z = places::better_by(&self.stretches, &best, described);
-        (agree && clear && sees && z > least_z).then(|| Doubt {
+        // Of a speed that is held for half of a stretch, half of the slope and of the resistance are left.
+        let may_be_held = better.is_gentler() && best.has_least_resistance();
+        (agree && clear && sees && !may_be_held && z > least_z).then(|| Doubt {
             better,
             seen_by: SeenBy::Coasts,
             sd_n_per_kg: best.sd_n_per_kg,

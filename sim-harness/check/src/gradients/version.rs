@@ -48,6 +48,11 @@ impl Version {
         }
     }
 
+    /// Less steep than described, or level.
+    pub fn is_gentler(self) -> bool {
+        matches!(self, Self::TenthOfIt | Self::HalfOfIt | Self::Level)
+    }
+
     /// By how much, where it is shifted, m.
     pub fn shift_m(self) -> Option<f64> {
         match self {
