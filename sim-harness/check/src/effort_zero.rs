@@ -108,8 +108,9 @@ pub(crate) fn decided(standing: Option<(Figure, usize)>, coasts: Option<Coasting
             decided(None, Some(coasting))
         }
         (None, Some(coasting)) => {
-            let doubt_n_per_kg = if coasting.is_sure { coasting.rounded_n_per_kg } else { coasting.effort.value.abs() };
             let may_act = !coasting.is_sure;
+            let by_acting = if may_act { coasting.effort.value.abs() } else { 0.0 };
+            let doubt_n_per_kg = by_acting + coasting.rounded_n_per_kg;
             Some(Zero { figure: coasting.effort, doubt_n_per_kg, may_act, seen: of_coasts(&coasting) })
         }
         (Some((stands, count)), None) => {
@@ -318,14 +319,14 @@ mod tests {
         };
         let said = |standing, coasting| {
             let zero: Zero = decided(standing, coasting).unwrap();
-            (zero.figure.value, zero.doubt_n_per_kg, zero.may_act)
+            (zero.figure.value, (1e6 * zero.doubt_n_per_kg).round(), zero.may_act)
         };
-        assert_eq!(said(stands(0.004), coasts(0.004, false)), (0.004, 5e-4, false), "both say so");
+        assert_eq!(said(stands(0.004), coasts(0.004, false)), (0.004, 500.0, false), "both say so");
         assert_eq!(said(stands(0.0), coasts(-0.004, false)), (0.0, 0.0, false), "motors that drag");
-        assert_eq!(said(stands(-0.01), coasts(0.0, false)), (0.0, 0.0, true), "a light brake");
-        assert_eq!(said(None, coasts(-0.004, false)), (-0.004, 0.004, true), "one or the other");
-        assert_eq!(said(None, coasts(-0.012, true)), (-0.012, 5e-4, false), "more than motors drag");
-        assert_eq!(said(stands(0.002), None), (0.002, 0.002, true));
+        assert_eq!(said(stands(-0.01), coasts(0.0, false)), (0.0, 500.0, true), "a light brake");
+        assert_eq!(said(None, coasts(-0.004, false)), (-0.004, 4500.0, true), "one or the other");
+        assert_eq!(said(None, coasts(-0.012, true)), (-0.012, 500.0, false), "more than motors drag");
+        assert_eq!(said(stands(0.002), None), (0.002, 2000.0, true));
         assert_eq!(decided(None, None), None);
     }
 }

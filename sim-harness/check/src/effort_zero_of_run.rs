@@ -118,3 +118,68 @@ fn share_that_acts(crowds: &[Option<Crowd>]) -> Option<Figure> {
     let sd = (left / (both.len() as f64 - 2.0) / square).sqrt();
     Some(Figure { value, sd }).filter(|share| share.value.is_finite() && share.sd.is_finite())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten runs of coasts with these efforts, by run, beside some that power; what the motion needs of each is `acts`
+    /// of it, by a wind of each run more or less.
+    fn found(effort_n_per_kg: impl Fn(usize) -> f64, acts: f64, wind_n_per_kg: f64) -> Option<ZerosOfRuns> {
+        let one = |i: usize| {
+            let run = i % 10;
+            let effort = effort_n_per_kg(run) + 1e-5 * (i / 10 % 3) as f64;
+            let wind = wind_n_per_kg * f64::sin(2.3 * run as f64);
+            let powers = i.is_multiple_of(7);
+            MovingStretch {
+                effort_n_per_kg: if powers { 0.06 + 1e-3 * (i % 13) as f64 } else { effort },
+                mps2: if powers { 0.04 } else { acts * effort - 0.02 + wind },
+                taken_n_per_kg: Some([0.0, 0.02]),
+                run,
+            }
+        };
+        differing(&(0..100).map(one).collect::<Vec<_>>(), 10)
+    }
+
+    fn of_run(run: usize) -> f64 {
+        0.003 * f64::sin(1.7 * run as f64)
+    }
+
+    #[test]
+    fn zeros_of_runs_are_found_where_the_motion_does_not_follow_them() {
+        let zeros = found(of_run, 0.0, 5e-4).unwrap();
+        assert!(zeros.is_sure && zeros.spread_n_per_kg > 1e-3, "{zeros:?}");
+        for (run, zero) in zeros.of_runs.iter().enumerate() {
+            assert!((zero.unwrap() - of_run(run)).abs() < 2e-5, "{run} {zero:?}");
+        }
+        assert_eq!(found(|_| 0.003, 0.0, 5e-4), None, "one zero");
+    }
+
+    #[test]
+    fn a_light_power_is_no_zero_and_what_may_be_one_is_doubt() {
+        assert_eq!(found(of_run, 1.0, 5e-4), None);
+        let zeros = found(of_run, 0.0, 6e-3).unwrap();
+        assert!(!zeros.is_sure && zeros.doubt_n_per_kg() > 2e-3, "{zeros:?}");
+    }
+
+    #[test]
+    fn a_run_with_too_few_coasts_has_no_zero() {
+        let all: Vec<MovingStretch> = (0..80)
+            .map(|i| {
+                let run = i % 10;
+                let coasts = run < 9 || i < 20;
+                MovingStretch {
+                    effort_n_per_kg: if coasts { of_run(run) } else { 0.1 },
+                    mps2: -0.02,
+                    taken_n_per_kg: Some([0.0, 0.02]),
+                    run,
+                }
+            })
+            .collect();
+        let zeros = differing(&all, 10).unwrap();
+        assert_eq!(
+            zeros.of_runs.iter().map(Option::is_some).collect::<Vec<_>>(),
+            [[true; 9].as_slice(), &[false]].concat()
+        );
+    }
+}

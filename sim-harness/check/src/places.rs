@@ -19,7 +19,7 @@ const LEAST_SHIFT_M: (f64, f64) = (100.0, 400.0);
 const NEAR_M: f64 = 60.0;
 /// A train whose speed is not read runs no faster, m/s; only a turn well above the way at that pace shows then.
 const MOST_MPS: f64 = 100.0;
-const WELL_BELOW: f64 = 0.2;
+const WELL_BELOW: f64 = 0.45;
 /// What a train does in a longer gap is not asked, s.
 const LONGEST_S: f64 = 3600.0;
 /// So many rows before and behind tell which way the locations go.
@@ -87,7 +87,8 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
             let is_off = beyond(jump_m) && beyond(jump_m - waited_m) && !may_be;
             waited_m = if read_m == last_read_m { waited_m + expected.way_m } else { 0.0 };
             let goes_on_off = std::mem::replace(&mut was_off, is_off);
-            if is_off && !goes_on_off && stays(rows, i, sign) {
+            let shown = stays(rows, i, sign).filter(|_| is_off && !goes_on_off);
+            if let Some(steps) = shown {
                 // An odometer that goes on where it was has not turned over: a clock was set, or the location stood
                 // still.
                 let turned = |turn_m: f64| (read_m - last_read_m).abs() > 0.5 * turn_m;
@@ -102,10 +103,12 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
                     None => (Kind::Reset, -jump_m),
                 };
                 let done = if turn.is_some() || zero { Done::PutRight } else { Done::Said };
-                if done == Done::PutRight || !is_beside(stuck, [at, i]) {
+                // A turn shows at the end of a log, too, where little is left.
+                let is_shown = turn.is_some() || steps == STAYS_STEPS;
+                if is_shown && (done == Done::PutRight || !is_beside(stuck, [at, i])) {
                     findings.push(finding(kind, jump_m, 1, rows[i].line, done));
                 }
-                if done == Done::PutRight {
+                if is_shown && done == Done::PutRight {
                     shift_m += change_m;
                 }
             }
@@ -210,10 +213,14 @@ fn between(a: &Sample, b: &Sample) -> f64 {
     speeds.sum::<f64>() / count * (b.time_s - a.time_s).clamp(0.0, LONGEST_S)
 }
 
+/// Over so many steps locations show that they go on.
+const STAYS_STEPS: usize = 3;
+
 /// The locations go on from row `i` as the speed says, from row to row and over all of them: it is no spike, and no
-/// speed that stands still.
-fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
-    let located: Vec<&Sample> = rows[i..].iter().filter(|row| row.location_m.is_some()).take(4).collect();
+/// speed that stands still. Out: over how many steps, fewer than asked at the end of a log.
+fn stays(rows: &[Sample], i: usize, sign: f64) -> Option<usize> {
+    let located = rows[i..].iter().filter(|row| row.location_m.is_some()).take(STAYS_STEPS + 1);
+    let located: Vec<&Sample> = located.collect();
     let steps = located.windows(2).map(|pair| {
         let step_m = pair[1].location_m.unwrap_or_default() - pair[0].location_m.unwrap_or_default();
         let most_m = most_m(pair[0], pair[1]);
@@ -222,7 +229,7 @@ fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
     let steps: Vec<(f64, f64)> = steps.collect();
     let agree = |(by_location, by_speed): (f64, f64)| (by_location - by_speed).abs() < 100.0 + 0.5 * by_location.abs();
     let all = steps.iter().fold((0.0, 0.0), |sum, step| (sum.0 + step.0, sum.1 + step.1));
-    steps.len() == 3 && steps.into_iter().all(agree) && agree(all)
+    (steps.iter().copied().all(agree) && agree(all)).then_some(steps.len())
 }
 
 /// A speed that stands still is one of those between these rows.
@@ -573,7 +580,19 @@ pub(crate) mod tests {
         {
             assert_eq!(kinds(step_s, turn_m, sign), (vec![Kind::Wrap], true), "{step_s} {turn_m} {sign}");
         }
-        assert!(!kinds(30.0, 10_000.0, 1.0).1);
+        assert!(!kinds(60.0, 10_000.0, 1.0).1);
+    }
+
+    #[test]
+    fn an_odometer_that_wraps_in_the_last_row_is_joined_and_a_leap_there_is_none() {
+        let last = |location_m: f64| {
+            let mut all = rows(|i| 4_000.0 + 100.0 * i as f64, |i| 5.0 * i as f64);
+            all[59].location_m = Some(location_m);
+            let (rows, findings) = joined(all);
+            (rows[59].location_m.unwrap(), findings.len())
+        };
+        assert_eq!(last(-100.0), (9_900.0, 1));
+        assert_eq!(last(2_000.0), (2_000.0, 0));
     }
 
     /// Hops of 600 m at 10 m/s, and stands of 30 s between them: each was cut off as a run of its own, too short for

@@ -12,6 +12,13 @@ pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| sum / count as f64)
 }
 
+/// Mean of the middle half of all values.
+pub fn midmean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let values = sorted(values);
+    let out = values.len() / 4;
+    mean(values[out..values.len() - out].iter().copied())
+}
+
 /// Middle value in any order, the upper one of two.
 pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let values = sorted(values);
@@ -58,6 +65,13 @@ pub fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_midmean_leaves_the_ends_out() {
+        assert_eq!(midmean([9.0, 1.0, 2.0, -40.0]), Some(1.5));
+        assert_eq!(midmean([3.0]), Some(3.0));
+        assert_eq!(midmean([]), None);
+    }
 
     #[test]
     fn a_median_is_between_the_halves() {

@@ -394,6 +394,24 @@ mod tests {
     }
 
     #[test]
+    fn where_rows_are_too_far_apart_to_see_it_the_interval_holds_the_description() {
+        let estimator = estimator();
+        let thin = |run| {
+            let recording = recording(run, 0.7);
+            Recording { rows: recording.rows.into_iter().step_by(5).collect(), ..recording }
+        };
+        let recordings: Vec<Recording> = (0..20).map(thin).collect();
+        let runs = replay_carried_by(&|_| &estimator, &recordings, Tick::EverySample, || ());
+        let (mut judged, mut before_brakes) = (runs.clone(), BeforeBrakes::default());
+        before_brakes.judge(&estimator, true, |_| false, &mut judged);
+        let (before, after) = (runs.last().unwrap(), judged.last().unwrap());
+        assert!(before.hops_share >= MANY_HOPS && ends(before)[1] < 0.0, "{:?}", ends(before));
+        assert!(ends(after)[1] > -0.01, "{:?}", ends(after));
+        let notes = before_brakes.notes();
+        assert!(matches!(&notes[..], [note] if note.contains("rows are too far apart to see")), "{notes:?}");
+    }
+
+    #[test]
     fn speeds_held_by_strong_power_leave_the_interval_as_it_is() {
         let (runs, judged, notes) = judged(3.0);
         let (before, after) = (runs.last().unwrap(), judged.last().unwrap());

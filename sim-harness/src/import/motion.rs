@@ -3,7 +3,7 @@
 use super::account::Account;
 use super::stretch::{Stretch, fix};
 use super::{cubic, geo, still};
-use rundown_check::row_step;
+use rundown_check::{row_step, steps};
 use rundown_files::sample::Sample;
 
 /// A speed is the slope in the middle of so long before and after, s; where there are not as many rows on both sides,
@@ -14,8 +14,14 @@ const MEAN_S: f64 = 4.0;
 const SLOPE_STEP_S: f64 = 10.5;
 /// Fixes that are further from such a slope leapt, m.
 const LEFT_M: f64 = 15.0;
+/// Locations in larger steps show no speed, m.
+const COARSEST_M: f64 = 30.0;
+/// No train is faster, m/s: locations that leap show no speed.
+const FASTEST_MPS: f64 = 150.0;
 /// Fixes nearer than this to the last one counted say nothing of a distance, m.
 const ANCHOR_M: f64 = 15.0;
+
+const TOO_COARSE: &str = "runs whose locations are too coarse for speeds, and that have none";
 
 impl Stretch {
     /// Distances along the fixes, where there is no location.
@@ -24,6 +30,14 @@ impl Stretch {
             return;
         }
         self.from_fixes = true;
+        let frozen = still::frozen(&self.rows);
+        account.count(
+            "fixes that stand still and then leap, as of a receiver in a tunnel, taken as missing",
+            frozen.len() as u64,
+        );
+        for i in frozen {
+            (self.rows[i].latitude_deg, self.rows[i].longitude_deg) = (None, None);
+        }
         let mut anchor: Option<(usize, geo::Fix)> = None;
         let mut passed_m = 0.0;
         for i in 0..self.rows.len() {
@@ -55,6 +69,10 @@ impl Stretch {
         if self.rows.iter().any(|row| row.speed_mps.is_some()) {
             return;
         }
+        if let Some(step_m) = steps::of_location_m(self.rows.iter()).filter(|step_m| *step_m > COARSEST_M) {
+            account.place(TOO_COARSE, || format!("locations have steps of {step_m:.0} m"));
+            return;
+        }
         let located: Vec<usize> = (0..self.rows.len()).filter(|i| self.rows[*i].location_m.is_some()).collect();
         let step_s = row_step::usual_step_s(&self.rows);
         // Over longer a train does more than a cubic, too.
@@ -64,10 +82,11 @@ impl Stretch {
             Some((mps, _)) => Some(mps),
             None => Some(self.mean_mps(&located, k, step_s)),
         };
-        let speeds: Vec<Option<f64>> = (0..located.len()).map(mps).collect();
+        let possible = |mps: &f64| *mps < FASTEST_MPS;
+        let speeds: Vec<Option<f64>> = (0..located.len()).map(|k| mps(k).filter(possible)).collect();
         let found = speeds.iter().flatten().count();
         account.count("speeds computed from the locations", found as u64);
-        account.count("rows beside a leap of the fixes, without a speed", (speeds.len() - found) as u64);
+        account.count("rows beside a leap of the locations, without a speed", (speeds.len() - found) as u64);
         for (i, mps) in located.iter().zip(speeds) {
             (self.rows[*i].speed_mps, self.rows[*i].speed_is_computed) = (mps, mps.is_some());
         }

@@ -3,7 +3,7 @@
 /// A number of a text, and what stands behind it. `decimal` is the file's.
 pub fn parse(text: &str, decimal: char) -> Option<(f64, &str)> {
     let text = text.trim();
-    let end = text.find(|c: char| !(c.is_ascii_digit() || ".,'+-eE\u{a0}\u{202f} ".contains(c))).unwrap_or(text.len());
+    let end = text.find(|c: char| !(c.is_ascii_digit() || ".,'’+-eE\u{a0}\u{202f} ".contains(c))).unwrap_or(text.len());
     let (number, rest) = text.split_at(end);
     // The e of a unit is none of an exponent.
     let trimmed = number.trim_end_matches([' ', 'e', 'E', '\u{a0}', '\u{202f}']);
@@ -53,7 +53,7 @@ fn plain(number: &str, decimal: char) -> Option<f64> {
     }
     let other = if decimal == ',' { '.' } else { ',' };
     let (whole, fraction) = number.split_once(decimal).map_or((number, None), |(whole, rest)| (whole, Some(rest)));
-    let groups = [other, '\'', ' ', '\u{a0}', '\u{202f}'];
+    let groups = [other, '\'', '’', ' ', '\u{a0}', '\u{202f}'];
     let separator = groups.into_iter().find(|group| whole.contains(*group));
     let whole = match separator {
         Some(separator) if is_grouped(whole, separator) => whole.replace(separator, ""),
@@ -151,6 +151,7 @@ mod tests {
             ("0.125", ',', 0.125),
             ("1,234.5", '.', 1234.5),
             ("1'234.5", '.', 1234.5),
+            ("1’234.5", '.', 1234.5),
             ("-1 234,5", ',', -1234.5),
             ("1e3", '.', 1000.0),
         ] {

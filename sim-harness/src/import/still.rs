@@ -25,6 +25,27 @@ const MOVES_S: f64 = 8.0;
 /// Rows further apart than so many usual steps have a gap between them.
 const GAP_STEPS: f64 = 2.5;
 
+/// A receiver that has lost its satellites repeats its last fix; so many rows of it.
+const LEAST_FROZEN: usize = 4;
+const SAME_M: f64 = 1.0;
+/// A train that begins to move is no further off by the next row than at this acceleration, m/s², and so many metres.
+const STARTS_MPS2: f64 = 1.4;
+const LEAPS_M: f64 = 60.0;
+
+/// The rows, but the first each time, that repeat a fix until it leaps: no train stood there.
+pub(super) fn frozen(rows: &[Sample]) -> Vec<usize> {
+    let fixes: Vec<(usize, geo::Fix)> = rows.iter().enumerate().filter_map(|(i, row)| Some((i, fix(row)?))).collect();
+    let repeats = fixes.chunk_by(|a, b| geo::distance_m(a.1, b.1) < SAME_M);
+    let mut end = 0;
+    let leaps = repeats.filter(|same| {
+        end += same.len();
+        let (Some((last, from)), Some((next, to))) = (same.last(), fixes.get(end)) else { return false };
+        let seconds = rows[*next].time_s - rows[*last].time_s;
+        same.len() >= LEAST_FROZEN && geo::distance_m(*from, *to) > LEAPS_M + 0.5 * STARTS_MPS2 * seconds * seconds
+    });
+    leaps.flat_map(|same| same[1..].iter().map(|(i, _)| *i)).collect()
+}
+
 /// Which of these rows, with a fix and a speed each, are of a train that stands.
 pub(super) fn stands(rows: &[Sample], step_s: f64) -> Vec<bool> {
     let mut stands = vec![false; rows.len()];
@@ -145,6 +166,23 @@ mod tests {
             let wrong = found.iter().zip(&truth).filter(|(found, truth)| found != truth).count();
             assert!(wrong <= 4, "{seed}: {wrong} rows");
         }
+    }
+
+    /// A receiver in a tunnel for 40 s, and a train that stands as long before a receiver without noise.
+    #[test]
+    fn a_fix_that_is_repeated_until_it_leaps_is_that_of_no_standstill() {
+        let fixes = |north_m: &dyn Fn(f64) -> f64| -> Vec<Sample> {
+            let row = |second: u32| {
+                let place = geo::moved((51.0, 5.0), (north_m(f64::from(second)), 0.0));
+                let (latitude_deg, longitude_deg) = (Some(place.0), Some(place.1));
+                Sample { time_s: f64::from(second), latitude_deg, longitude_deg, ..Sample::default() }
+            };
+            (0..120).map(row).collect()
+        };
+        let in_tunnel = |t: f64| if (40.0..80.0).contains(&t) { 30.0 * 40.0 } else { 30.0 * t };
+        assert_eq!(frozen(&fixes(&in_tunnel)), (41..80).collect::<Vec<_>>());
+        let stands = |t: f64| if t < 80.0 { 0.0 } else { 0.5 * (t - 80.0).powi(2) };
+        assert_eq!(frozen(&fixes(&stands)), Vec::<usize>::new());
     }
 
     #[test]

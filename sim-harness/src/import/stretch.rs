@@ -10,6 +10,10 @@ use rundown_files::sample::{MOST_LOCATION_M, Sample};
 
 /// A train that stood in a gap is no further on, m.
 const STOOD_M: f64 = 300.0;
+/// Of rows with a time that was there before so many elsewhere are those of another train.
+const LEAST_ELSEWHERE: u64 = 20;
+const OF_ANOTHER_TRAIN: &str =
+    "rows with a time that was there before, elsewhere: another train? (columns.unit in the mapping tells them apart)";
 /// A reading that is written again sooner than this is one reading, s ...
 const REPEATS_S: f64 = 0.999;
 /// ... where so many pairs of rows are that close, and half of them are alike.
@@ -114,13 +118,20 @@ impl Stretch {
         let mut findings = Vec::new();
         clock::put_right(&mut self.rows, &mut findings);
         put_down(&findings, account);
-        let (before, mut last_s, mut keep) = (self.rows.len(), f64::NEG_INFINITY, Vec::new());
+        let (mut last, mut keep, mut elsewhere): (Option<&Sample>, Vec<bool>, u64) = (None, Vec::new(), 0);
         for row in &self.rows {
-            keep.push(row.time_s > last_s);
-            last_s = last_s.max(row.time_s);
+            let is_later = last.is_none_or(|last| row.time_s > last.time_s);
+            let apart_m = last.and_then(|last| Some((row.location_m? - last.location_m?).abs()));
+            elsewhere += u64::from(!is_later && apart_m.is_some_and(|metres| metres > STOOD_M));
+            keep.push(is_later);
+            last = if is_later { Some(row) } else { last };
         }
+        let left_out = keep.iter().filter(|keep| !**keep).count() as u64;
         self.keep(&keep);
-        account.count("rows with a time that was there before, left out", (before - self.rows.len()) as u64);
+        account.count("rows with a time that was there before, left out", left_out);
+        if 2 * elsewhere > left_out && elsewhere > LEAST_ELSEWHERE {
+            account.count(OF_ANOTHER_TRAIN, elsewhere);
+        }
     }
 
     /// A logger that is faster than its receiver writes each reading several times, with later times: the first of them

@@ -62,6 +62,34 @@ fn a_way_there_and_back_over_a_wrap_is_joined_without_a_speed_too() {
 }
 
 #[test]
+fn locations_in_steps_of_100_m_make_no_speeds() {
+    let rows = drive(&STOPS_M, 30.0);
+    for (step_m, speeds) in [(100.0, false), (10.0, true)] {
+        let text = table("time_s,odometer_m", &rows, |t, x, _| format!("{t},{:.0}", (x / step_m).floor() * step_m));
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv"]);
+        let found = csv(&folder, "runs/a_01.csv");
+        assert_eq!(found.iter().any(|row| row[2] > 0.0), speeds, "{step_m}");
+        assert_eq!(said.out.contains("locations are too coarse for speeds"), !speeds, "{}", said.out);
+    }
+}
+
+#[test]
+fn rows_of_another_train_in_one_file_are_pointed_out() {
+    let rows = drive(&STOPS_M, 30.0);
+    let line = |t: f64, x: f64, v: f64| format!("{t},{x:.1},{:.1}", 3.6 * v);
+    let both = table("time_s,location_m,speed_kmh", &rows, |t, x, v| {
+        format!("{}\n{}", line(t, x, v), line(t, 30_000.0 - x, v))
+    });
+    let twice = table("time_s,location_m,speed_kmh", &rows, |t, x, v| format!("{}\n{}", line(t, x, v), line(t, x, v)));
+    for (text, is_other) in [(both, true), (twice, false)] {
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv"]);
+        assert_eq!(said.out.contains("another train?"), is_other, "{}", said.out);
+    }
+}
+
+#[test]
 fn an_odometer_that_wrapped_goes_on_behind_a_gap() {
     let there = drive(&STOPS_M, 30.0);
     let back = there.iter().map(|(t, x, v)| (5000.0 + t, 11_900.0 - x, *v));

@@ -338,3 +338,54 @@ fn opposite(direction: Direction) -> Direction {
         Direction::Down => Direction::Up,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::model::track::Gradient;
+    use rundown::model::train::TrainDescription;
+    use rundown_files::recording::Recording;
+    use rundown_files::sample::Sample;
+
+    /// Runs over hills, as sampled each second: the train takes `share` of slope and resistance for as long as it coasts,
+    /// over slopes that are `times` as steep as described.
+    fn runs(train: &Train, track: &Track, share: f64, times: f64) -> Vec<Recording> {
+        let run = |number: usize| {
+            let (mut location_m, mut mps) = (500.0 + 37.0 * number as f64, 0.0);
+            let (mut rows, mut is_powered) = (Vec::new(), true);
+            let height_m =
+                |at_m: f64| track.height_integral_m2(at_m, train.length_m(), Direction::Up) / train.length_m();
+            for second in 0..1500 {
+                let slope = times * train.gravity_n_per_kg() * (height_m(location_m + 1.0) - height_m(location_m));
+                let taken = share * (train.davis().resistance_n_per_kg(mps) + slope);
+                is_powered = if is_powered { mps < 24.0 } else { mps < 17.0 };
+                let noise = 0.003 * f64::sin((7 * second + 13 * number) as f64);
+                let before_mps = mps;
+                mps += if is_powered { 0.5 } else { noise - taken };
+                location_m += 0.5 * (before_mps + mps);
+                let (location_m, speed_mps) = (Some(location_m), Some(mps));
+                rows.push(Sample { time_s: second as f64, location_m, speed_mps, ..Sample::default() });
+            }
+            Recording { rows, ..Recording::default() }
+        };
+        (0..12).map(run).collect()
+    }
+
+    #[test]
+    fn half_of_slope_and_resistance_are_a_speed_held_in_part_and_no_gentler_slope() {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
+        let hills = (0..60_u32).map(|i| {
+            let permille = [6.0, -4.0, 9.0, -8.0, 2.0, -6.0, 0.0][i as usize % 7];
+            Gradient { from_m: 800.0 * f64::from(i), permille }
+        });
+        let track = Track::try_new(48_000.0, hills).unwrap();
+        let doubt = |share: f64, times: f64| {
+            let mut coasts = Coasts::default();
+            coasts.add(&runs(&train, &track, share, times), &train);
+            coasts.doubt(&train, &track, 0.0).map(|doubt| doubt.better)
+        };
+        assert_eq!(doubt(1.0, 1.0), None);
+        assert_eq!(doubt(1.0, 0.5), Some(Version::HalfOfIt));
+        assert_eq!(doubt(0.5, 1.0), None);
+    }
+}

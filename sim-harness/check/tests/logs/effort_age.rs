@@ -1,8 +1,9 @@
 //! Is an effort that is some seconds older than the speed found and moved, and one that is not left alone?
 
-use crate::simulated::{Recorder, check_for_replay, find};
+use crate::simulated::{Recorder, check_for_replay, find, recording};
 use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
 
 /// Four runs on gentle slopes. The efforts are those of a wheel that reads 5 % high, means or momentary, `age_s` old;
 /// rows `step_s` apart.
@@ -72,5 +73,55 @@ fn an_effort_of_the_age_of_the_speed_is_left_alone() {
     {
         let found = check_for_replay(&mut runs(62_000 + seed, step_s, is_mean, 0));
         assert_eq!(find(&found, Kind::EffortLate), None, "{seed} {step_s} {is_mean}");
+    }
+}
+
+/// A freight train that powers with 0.06 N/kg or coasts: three runs of rows 10 s apart, with means that are so many
+/// rows late.
+fn freight(seed: u32, late: usize) -> Vec<Recording> {
+    let run = |number: u32| {
+        let (mut location_m, mut speed_mps, mut powers) = (0.0, 15.0 + f64::from((seed + number) % 4), true);
+        let (mut efforts, mut rows) = (vec![0.0; late], Vec::new());
+        for row in 0..900 {
+            let mut sum = 0.0;
+            for _ in 0..10 {
+                powers = if powers { speed_mps < 22.0 } else { speed_mps < 16.0 - f64::from(row % 3) };
+                let effort = if powers { 0.06 } else { 0.0 };
+                let after_mps = speed_mps + effort - 0.012 - 2e-5 * speed_mps * speed_mps;
+                location_m += 0.5 * (speed_mps + after_mps);
+                (speed_mps, sum) = (after_mps, sum + effort);
+            }
+            efforts.push(0.1 * sum);
+            rows.push(Sample {
+                time_s: 10.0 * f64::from(row + 1),
+                location_m: Some(location_m),
+                speed_mps: Some((36.0 * speed_mps).round() / 36.0),
+                effort_n_per_kg: Some(efforts[row as usize]),
+                ..Sample::default()
+            });
+        }
+        recording(&format!("run{number}"), rows)
+    };
+    (0..3).map(run).collect()
+}
+
+#[test]
+fn small_efforts_that_are_late_by_whole_rows_are_moved_by_these() {
+    for (seed, late) in (0..4).flat_map(|seed| [(seed, 0), (seed, 1)]) {
+        let mut recordings = freight(seed, late);
+        let found = check_for_replay(&mut recordings);
+        let finding = find(&found, Kind::EffortLate);
+        if late == 0 {
+            assert_eq!(finding, None, "{seed}");
+            continue;
+        }
+        let finding = finding.unwrap_or_else(|| panic!("{seed} {late}: {:?}", found.notes()));
+        assert!((finding.figure.value - 10.0 * late as f64).abs() < 1.0 && finding.done == Done::PutRight, "{finding}");
+        for (moved, truth) in recordings.iter().zip(freight(seed, 0)) {
+            let (moved_rows, lost) = moved.rows.split_at(moved.rows.len() - late);
+            let pairs = moved_rows.iter().zip(&truth.rows);
+            assert!(pairs.clone().all(|(a, b)| a.effort_n_per_kg == b.effort_n_per_kg), "{seed} {late}");
+            assert!(lost.iter().all(|row| row.effort_n_per_kg.is_none()));
+        }
     }
 }
