@@ -123,12 +123,24 @@ pub(super) fn foresee(
     trusts: &mut HashMap<String, Trust>,
 ) {
     let most = most_effort(gated);
-    runs.par_iter_mut().zip(recordings).for_each(|(run, recording)| {
-        let foreseen = |recording: &Recording| replay::replay(gated, &mut run.began_with.clone(), recording, tick);
-        let all = foreseen(recording);
-        let left = CoastsOf::found(&all, &recording.rows, most).left_of(recording);
-        run.summary.foresight = left.map_or(all, |left| foreseen(&left)).summary.foresight;
+    let foreseen = runs.par_iter().zip(recordings).map(|(run, recording)| {
+        let of = |recording: &Recording| replay::replay(gated, &mut run.began_with.clone(), recording, tick);
+        let all = of(recording);
+        let coasts = CoastsOf::found(&all, &recording.rows, most);
+        let free = coasts.left_of(recording).map(|left| of(&left).summary.foresight);
+        (coasts, all.summary.foresight, free)
     });
+    let foreseen: Vec<_> = foreseen.collect();
+    let mut of_units: HashMap<String, [usize; 2]> = HashMap::new();
+    for (run, (coasts, ..)) in runs.iter().zip(&foreseen) {
+        let [all, with_efforts] = of_units.entry(run.unit.clone()).or_default();
+        (*all, *with_efforts) = (*all + coasts.all, *with_efforts + coasts.with_efforts());
+    }
+    for (run, (_, all, free)) in runs.iter_mut().zip(foreseen) {
+        let [coasts, with_efforts] = of_units[&run.unit];
+        // Where most have efforts the column may be wrong.
+        run.summary.foresight = free.filter(|_| 2 * with_efforts <= coasts).unwrap_or(all);
+    }
     let Davis { r0, r1, r2 } = gated.train().davis();
     let described = Gaussian::independent([r0, r1, r2], [f64::EPSILON; 3]);
     for run in runs {
