@@ -79,7 +79,7 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
         if let Some((at, before)) = last {
             // A train may turn on the way.
             let sign = heading_near(rows, i).unwrap_or(overall);
-            let expected = Way::expected([&before, &rows[i]], sign, pace_mps, fastest_mps);
+            let expected = ExpectedWay::of([&before, &rows[i]], sign, pace_mps, fastest_mps);
             let step_m = read_m + shift_m - before.location_m.unwrap_or(read_m);
             let jump_m = step_m - expected.way_m;
             let beyond = |jump_m: f64| jump_m.abs() > least_m + 0.5 * expected.way_m.abs();
@@ -123,7 +123,7 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
 }
 
 /// The way from one row to the next that is expected, m.
-struct Way {
+struct ExpectedWay {
     way_m: f64,
     /// What it may be, whatever the train does.
     may_be: Option<RangeInclusive<f64>>,
@@ -133,9 +133,9 @@ struct Way {
     least_turn_m: f64,
 }
 
-impl Way {
+impl ExpectedWay {
     /// By the speeds of both rows, or, without any, by the pace of the locations before.
-    fn expected([a, b]: [&Sample; 2], sign: f64, pace_mps: f64, fastest_mps: f64) -> Self {
+    fn of([a, b]: [&Sample; 2], sign: f64, pace_mps: f64, fastest_mps: f64) -> Self {
         if let Some(most_m) = most_m(a, b) {
             let allowed_m = NEAR_M + most_m;
             let way_m = pace_mps / MOST_MPS * most_m;
