@@ -1,7 +1,7 @@
 //! Zeros of an effort column that differ from run to run, as of a sensor that is set to zero once a day.
 //!
-//! In: stretches of moving trains, run by run. Out: the effort that recurs in the coasts of each run, where these differ
-//! by far more between runs than within them.
+//! In: stretches of moving trains, run by run. Out: the effort that recurs in the coasts of each run, where these
+//! differ by far more between runs than within them.
 //!
 //! One zero for all runs is wrong in each. A light power that a driver leaves while the train seems to coast differs
 //! from run to run, too, but it acts: what the motion needs rises with it from run to run, by as much; beside a zero it

@@ -8,8 +8,8 @@
 //! Only that way round: power that was missed makes a fall smaller. A brake that drags before each stop looks the same,
 //! and gradients that are steeper there than described; which of them it is nobody says, and the interval holds all.
 //!
-//! Where no fall is seen, for rows are too far apart, power may have been missed as well, and what was learned below the
-//! description has an interval that includes it.
+//! Where no fall is seen, for rows are too far apart, power may have been missed as well, and what was learned below
+//! the description has an interval that includes it.
 //!
 //! ```text
 //! fall = -dv/dt - g/γ dh/dx        over 10 s that end 4 s before the brake is seen, N/kg

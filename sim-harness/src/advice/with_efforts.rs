@@ -1,8 +1,8 @@
 //! Coasts beside which the effort column has a little power or brake: the motion alone takes them for coasts, and they
 //! teach a resistance that is too small or too large by it.
 //!
-//! In: a run as replayed from its speeds and locations alone, and its rows. Out: how many of its coasts have efforts, and
-//! the rows without these coasts.
+//! In: a run as replayed from its speeds and locations alone, and its rows. Out: how many of its coasts have efforts,
+//! and the rows without these coasts.
 
 use rundown::tick::regime::Regime;
 use rundown_check::steps;
@@ -23,8 +23,9 @@ pub(super) struct CoastsOf {
 }
 
 impl CoastsOf {
-    /// A coast has efforts where their mean is beyond `most`, N/kg, and beyond one step of the column, whatever the speed:
-    /// a zero that is off does not make some of them pass. The motion shows where it begins and ends some seconds late.
+    /// A coast has efforts where their mean is beyond `most`, N/kg, and beyond one step of the column, whatever the
+    /// speed: a zero that is off does not make some of them pass. The motion shows where it begins and ends some
+    /// seconds late.
     pub(super) fn found(run: &ReplayedRun, rows: &[Sample], most: f64) -> Self {
         let mut found = Self::default();
         let most = most.max(STEPS * steps::of_effort_n_per_kg(rows.iter()).unwrap_or_default());

@@ -347,8 +347,8 @@ mod tests {
     use rundown_files::recording::Recording;
     use rundown_files::sample::Sample;
 
-    /// Runs over hills, as sampled each second: the train takes `share` of slope and resistance for as long as it coasts,
-    /// over slopes that are `times` as steep as described.
+    /// Runs over hills, as sampled each second: the train takes `share` of slope and resistance for as long as it
+    /// coasts, over slopes that are `times` as steep as described.
     fn runs(train: &Train, track: &Track, share: f64, times: f64) -> Vec<Recording> {
         let run = |number: usize| {
             let (mut location_m, mut mps) = (500.0 + 37.0 * number as f64, 0.0);
