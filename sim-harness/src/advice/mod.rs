@@ -8,6 +8,7 @@ mod changed;
 pub(crate) mod coasts;
 pub(crate) mod effort_zero;
 pub(crate) mod foreseen;
+mod scatter;
 mod taught;
 mod two_sorts;
 mod unlike;
@@ -36,6 +37,7 @@ pub struct Advice {
     learned: bool,
     /// Of all runs, m/s.
     fastest_mps: f64,
+    scatter: scatter::Scatter,
     without_speed: NamedRuns,
     without_effort: NamedRuns,
     with_effort: NamedRuns,
@@ -59,6 +61,7 @@ impl Advice {
             self.runs += 1;
             self.learned |= run.is_used && run.summary.learned_s > 0.0;
             let rows = || run.measurements.iter();
+            self.scatter.add(&run.measurements);
             self.fastest_mps = rows().filter_map(|row| row.speed_mps).fold(self.fastest_mps, f64::max);
             self.without_speed.add(run, rows().all(|measurement| measurement.speed_mps.is_none()));
             self.without_effort.add(run, rows().all(|measurement| measurement.effort_n_per_kg.is_none()));
@@ -135,7 +138,8 @@ impl Advice {
             } else {
                 String::new()
             };
-            notes.push(format!("nothing was learned about the resistance: it takes {what}{slopes}"));
+            let hidden = self.scatter.hides_coasts();
+            notes.push(format!("nothing was learned about the resistance: it takes {what}{slopes}{hidden}"));
         }
         notes.extend(coasts::notes(&self.vehicles, &self.coasts));
         notes.extend(self.foreseen.notes());
