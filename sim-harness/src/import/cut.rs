@@ -5,6 +5,7 @@ use super::mapping::RunCuts;
 use super::stretch::{Stretch, fix};
 use super::{geo, speeds};
 use rundown_check::finding::{Done, Finding, Kind};
+use rundown_check::row_step::MOST_MEAN_S;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 use std::ops::Range;
@@ -12,6 +13,10 @@ use std::ops::Range;
 /// A train that is slower stands, m/s.
 const STANDS_MPS: f64 = 0.3;
 const WALKS_MPS: f64 = 1.5;
+/// Distance by location over that by speed, of one unit, over so many metres: no wheel is off by as much, but noise of
+/// locations adds to the way.
+const ONE_UNIT: Range<f64> = 0.8..1.3;
+const LEAST_WAY_M: f64 = 500.0;
 /// A shorter standing is none at a station, s.
 pub const STOP_S: f64 = 10.0;
 /// What is kept of a long standing on both sides of a cut, s.
@@ -185,7 +190,24 @@ impl Stretch {
             account.count(ROWS_TOO_SHORT, self.rows.len() as u64);
             return None;
         }
+        if let Some(ratio) = self.location_over_speed().filter(|ratio| !ONE_UNIT.contains(ratio)) {
+            account.place("runs in which location and speed disagree, as of another unit", || {
+                format!("lines {} to {}: expected 1 as location over speed, found {ratio:.3}", first.line, last.line)
+            });
+        }
         Some(self)
+    }
+
+    /// Distance by the locations over that by the speeds, where both are read.
+    fn location_over_speed(&self) -> Option<f64> {
+        let steps = self.rows.windows(2).filter_map(|pair| {
+            let [a, b] = [&pair[0], &pair[1]];
+            let seconds = b.time_s - a.time_s;
+            let is_read = seconds <= MOST_MEAN_S && !(a.speed_is_computed || b.speed_is_computed);
+            is_read.then_some([(b.location_m? - a.location_m?).abs(), 0.5 * (a.speed_mps? + b.speed_mps?) * seconds])
+        });
+        let [by_location, by_speed] = steps.fold([0.0, 0.0], |sum, step| [sum[0] + step[0], sum[1] + step[1]]);
+        (by_location.min(by_speed) > LEAST_WAY_M).then(|| by_location / by_speed)
     }
 
     /// Middle places and lengths (s) of standing. A log that begins or ends at walking pace begins or ends at a stop.

@@ -5,6 +5,7 @@ use super::cut::STOP_S;
 use super::line::{self, TimedFix};
 use super::skeleton::Passed;
 use super::staged::{Mark, Staged};
+use super::stretch::fix;
 use crate::output::files::failed;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, MANIFEST};
@@ -68,7 +69,7 @@ pub fn run(run: &Staged, place: &Placing, placed: &Placed, folder: &Path) -> Res
                     let found = matcher.as_ref().and_then(|line| {
                         line.locate(&mut state, sample.time_s, sample.latitude_deg, sample.longitude_deg).ok()
                     });
-                    lost += u64::from(found.is_none());
+                    lost += u64::from(found.is_none() && fix(&sample).is_some());
                     sample.location_m = found.map(|found| found.location_m);
                 }
             }

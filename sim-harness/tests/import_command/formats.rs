@@ -456,7 +456,7 @@ fn a_receiver_that_stood_still_and_leapt_makes_no_train_of_a_thousand_kilometres
     });
     let folder = Folder::new().with("a.csv", &text);
     let said = folder.done(&["import", "a.csv"]);
-    assert!(said.out.contains("rows beside a leap of the locations, without a speed: "), "{}", said.out);
+    assert!(said.out.contains("as of a receiver in a tunnel, taken as missing: 19"), "{}", said.out);
     let found = csv(&folder, "runs/a_01.csv");
     assert!(found.iter().all(|row| row[2].is_nan() || row[2] < 95.0));
     assert!(found.iter().filter(|row| row[2].is_nan()).count() <= 20);

@@ -252,6 +252,25 @@ fn a_limit_is_no_speed_and_the_note_has_the_line_that_takes_another_column() {
     assert_eq!(csv(&folder, "again/in_01.csv")[20][2], 0.0);
 }
 
+/// Of one file, whose first runs say what the units are.
+#[test]
+fn a_unit_that_changes_within_a_file_is_pointed_out() {
+    let rows = drive(&STOPS_M, 25.0);
+    let days: Vec<_> =
+        (0..3).flat_map(|day| rows.iter().map(move |(t, x, v)| (5000.0 * f64::from(day) + t, *x, *v))).collect();
+    for (from_s, count) in [(10_000.0, Some(1)), (1e9, None)] {
+        let text = table("t [s],x [m],v [km/h]", &days, |t, x, v| {
+            format!("{t},{x:.1},{}", if t < from_s { 3.6 * v } else { v })
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        let said = folder.done(&["import", "a.csv"]);
+        let found =
+            folder.json("runs/import.json")["counts"]["runs in which location and speed disagree, as of another unit"]
+                .as_u64();
+        assert_eq!(found, count, "{}", said.out);
+    }
+}
+
 #[test]
 fn a_location_that_no_name_tells_is_taken_by_its_unit_where_the_speed_agrees() {
     let rows = drive(&STOPS_M, 25.0);
