@@ -29,6 +29,7 @@ const HALF: f64 = 0.5;
 pub(crate) struct ZerosOfRuns {
     /// Run by run, N/kg; none where too little shows it.
     pub(crate) of_runs: Vec<Option<f64>>,
+    /// Median of all, N/kg.
     pub(crate) middle_n_per_kg: f64,
     /// Standard deviation of all, N/kg.
     pub(crate) spread_n_per_kg: f64,
@@ -45,13 +46,9 @@ impl ZerosOfRuns {
 
 /// Of so many runs of a unit; nothing where they have one zero, or what recurs acts.
 pub(crate) fn differing(all: &[MovingStretch], runs: usize) -> Option<ZerosOfRuns> {
-    let of_runs: Vec<Vec<&MovingStretch>> = (0..runs)
-        .map(|run| {
-            let mut own: Vec<&MovingStretch> = all.iter().filter(|one| one.run == run).collect();
-            own.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg));
-            own
-        })
-        .collect();
+    let mut of_runs: Vec<Vec<&MovingStretch>> = vec![Vec::new(); runs];
+    all.iter().for_each(|one| of_runs[one.run].push(one));
+    of_runs.iter_mut().for_each(|own| own.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg)));
     let least = LEAST_RUNS.max((LEAST_SHARE * runs as f64).ceil() as usize);
     let (half_width, crowds) = HALF_WIDTHS_N_PER_KG.into_iter().find_map(|half_width| {
         let crowds: Vec<Option<Crowd>> = of_runs.iter().map(|own| Crowd::densest(own, half_width)).collect();
