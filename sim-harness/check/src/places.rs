@@ -77,18 +77,21 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
             continue;
         };
         if let Some((at, before)) = last {
-            // A train may turn on the way.
-            let sign = heading_near(rows, i).unwrap_or(overall);
-            let expected = ExpectedWay::of([&before, &rows[i]], sign, pace_mps, fastest_mps);
             let step_m = read_m + shift_m - before.location_m.unwrap_or(read_m);
+            let way = |sign: f64| ExpectedWay::of([&before, &rows[i]], sign, pace_mps);
+            let is_away = |way: &ExpectedWay| way.misses(step_m, least_m) && way.misses(step_m - waited_m, least_m);
+            let (mut sign, mut expected) = (overall, way(overall));
+            if is_away(&expected) {
+                // A train may turn on the way.
+                sign = heading_near(rows, i).unwrap_or(overall);
+                expected = way(sign);
+            }
+            let is_off = is_away(&expected) && !may_go([&before, &rows[i]], sign * step_m, fastest_mps);
             let jump_m = step_m - expected.way_m;
-            let beyond = |jump_m: f64| jump_m.abs() > least_m + 0.5 * expected.way_m.abs();
-            let may_be = expected.may_be.is_some_and(|reach| reach.contains(&step_m));
-            let is_off = beyond(jump_m) && beyond(jump_m - waited_m) && !may_be;
             waited_m = if read_m == last_read_m { waited_m + expected.way_m } else { 0.0 };
             let goes_on_off = std::mem::replace(&mut was_off, is_off);
-            let shown = stays(rows, i, sign).filter(|_| is_off && !goes_on_off);
-            if let Some(steps) = shown {
+            let stays = (is_off && !goes_on_off).then(|| stays(rows, i, sign)).flatten();
+            if let Some(steps) = stays {
                 // An odometer that goes on where it was has not turned over: a clock was set, or the location stood
                 // still.
                 let turned = |turn_m: f64| (read_m - last_read_m).abs() > 0.5 * turn_m;
@@ -125,8 +128,6 @@ pub fn join(rows: &mut [Sample], stuck: &[StuckRows], findings: &mut Vec<Finding
 /// The way from one row to the next that is expected, m.
 struct ExpectedWay {
     way_m: f64,
-    /// What it may be, whatever the train does.
-    may_be: Option<RangeInclusive<f64>>,
     /// How far the turn of an odometer may be from a jump.
     allowed_m: f64,
     /// No smaller turn shows.
@@ -135,17 +136,25 @@ struct ExpectedWay {
 
 impl ExpectedWay {
     /// By the speeds of both rows, or, without any, by the pace of the locations before.
-    fn of([a, b]: [&Sample; 2], sign: f64, pace_mps: f64, fastest_mps: f64) -> Self {
+    fn of([a, b]: [&Sample; 2], sign: f64, pace_mps: f64) -> Self {
         if let Some(most_m) = most_m(a, b) {
             let allowed_m = NEAR_M + most_m;
             let way_m = pace_mps / MOST_MPS * most_m;
-            return Self { way_m, may_be: Some(-most_m..=most_m), allowed_m, least_turn_m: allowed_m / WELL_BELOW };
+            return Self { way_m, allowed_m, least_turn_m: allowed_m / WELL_BELOW };
         }
         let way_m = sign * between(a, b);
-        let ahead = reaches(a, b, fastest_mps);
-        let may_be = ahead.map(|way| if sign < 0.0 { -way.end()..=-way.start() } else { way });
-        Self { way_m, may_be, allowed_m: NEAR_M + 0.3 * way_m.abs(), least_turn_m: 0.0 }
+        Self { way_m, allowed_m: NEAR_M + 0.3 * way_m.abs(), least_turn_m: 0.0 }
     }
+
+    fn misses(&self, step_m: f64, least_m: f64) -> bool {
+        (step_m - self.way_m).abs() > least_m + 0.5 * self.way_m.abs()
+    }
+}
+
+/// A train may go so far ahead from one row to the next, m, whatever it does.
+fn may_go([a, b]: [&Sample; 2], ahead_m: f64, fastest_mps: f64) -> bool {
+    let by_speed = || reaches(a, b, fastest_mps).is_some_and(|reach| reach.contains(&ahead_m));
+    most_m(a, b).map_or_else(by_speed, |most_m| ahead_m.abs() <= most_m)
 }
 
 /// The longest way from one row to the next, m, where the speed is read in neither.

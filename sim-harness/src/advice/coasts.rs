@@ -8,7 +8,7 @@
 //! that are cut off or frozen, and a brake that is not in the column each explain the speeds with another resistance,
 //! and consistently so. A coast needs no column.
 
-use super::vehicle::{After, named};
+use super::vehicle::{After, MANY_HOPS, named};
 use super::with_efforts::CoastsOf;
 use crate::report::resistance::Resistance;
 use rayon::prelude::*;
@@ -58,6 +58,12 @@ pub(super) struct OfCoasts {
 }
 
 impl OfCoasts {
+    /// Most have efforts, and such a share of what was learned comes from the coasts of short hops: efforts teach
+    /// nothing there.
+    fn are_none_of(&self, hops_share: f64) -> bool {
+        hops_share >= MANY_HOPS && 2 * self.with_efforts > self.all
+    }
+
     fn advice(&self) -> String {
         if self.by_all && 2 * self.with_efforts > self.all {
             let Self { all, with_efforts, .. } = self;
@@ -153,13 +159,16 @@ pub(super) fn foresee(
     }
 }
 
-/// Does not publish what runs end with that coasts contradict.
+/// Does not publish what runs end with that coasts contradict, or that coasts of short hops taught which have efforts.
 pub(super) fn withhold(
     vehicles: &BTreeMap<String, After>,
     coasts: &BTreeMap<String, OfCoasts>,
     runs: &mut [ReplayedRun],
 ) {
     for run in runs.iter_mut().filter(|run| run.learned == Learned::Learned) {
+        if coasts.get(&run.unit).is_some_and(|coasts| coasts.are_none_of(run.hops_share)) {
+            run.learned = Learned::NotYet;
+        }
         let Some([efforts, coasts]) = both(&run.unit, vehicles, coasts) else { continue };
         if both_mps(efforts, coasts).and_then(|mps| apart(&run.vehicle_after, &coasts.davis, mps)).is_some() {
             run.learned = Learned::NotYet;
@@ -186,6 +195,14 @@ fn both_mps(efforts: &After, coasts: &After) -> Option<Range<f64>> {
 /// The units whose efforts teach another resistance.
 pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, OfCoasts>) -> Vec<String> {
     let of_unit = |(unit, of_coasts): (&String, &OfCoasts)| {
+        let OfCoasts { all, with_efforts, .. } = of_coasts;
+        if vehicles.get(unit).is_some_and(|after| of_coasts.are_none_of(after.hops_share)) {
+            return Some(format!(
+                "{}: short hops teach by coasts, and beside {with_efforts} of {all} that look like some the column has \
+                 efforts: r is not published. Speeds that are held by a little power look so, and a column whose zero is off",
+                named(unit)
+            ));
+        }
         let [efforts, coasts] = both(unit, vehicles, coasts)?;
         let Apart { kmh, efforts, coasts } = apart(&efforts.davis, &coasts.davis, both_mps(efforts, coasts)?)?;
         let said = |r: Resistance| format!("{:.4} ± {:.4} N/kg", r.mean_n_per_kg, HALF_95 * r.sd_n_per_kg);

@@ -288,6 +288,24 @@ mod tests {
         assert_eq!(published(1.5), (Learned::NotYet, true));
     }
 
+    #[test]
+    fn what_coasts_of_short_hops_teach_that_have_efforts_is_not_published() {
+        let published = |hops_share: f64, with_efforts: usize| {
+            let mut runs = replayed().runs;
+            (runs[0].learned, runs[0].hops_share) = (Learned::Learned, hops_share);
+            let mut advice = Advice::default();
+            advice.add(&runs);
+            let after = vehicle::After::of(&runs[0], None);
+            advice.coasts.insert(String::new(), coasts::OfCoasts { after, all: 10, with_efforts, by_all: true });
+            advice.withhold(&mut runs);
+            let notes = advice.notes(&estimator(Config::default()), false).join("\n");
+            (runs[0].learned, notes.contains("short hops teach by coasts"))
+        };
+        assert_eq!(published(0.8, 6), (Learned::NotYet, true));
+        assert_eq!(published(0.8, 4), (Learned::Learned, false));
+        assert_eq!(published(0.2, 6), (Learned::Learned, false));
+    }
+
     /// The notes on nine runs, each with so many times the resistance of the vehicle, and what else it is.
     fn said_of(times_and_run: impl Fn(u32) -> (f64, taught::Taught)) -> String {
         let mut advice = Advice::default();

@@ -51,7 +51,7 @@ pub struct After {
     pub(super) davis: Gaussian<3>,
     pub(super) learned: Learned,
     trust: Trust,
-    hops_share: f64,
+    pub(super) hops_share: f64,
     hops_sd: f64,
     /// Speeds that the last run taught the resistance at, m/s.
     taught_mps: Range<f64>,

@@ -65,10 +65,10 @@ impl Meaning {
                  local time|epoch|event time|log time|sample time|recording time|seconds|sekunden|ts|created at|elapsed|\
                  elapsed time|fecha y hora|data e ora|tijd|datum en tijd|cas|datum a cas|godzina|czas|data i godzina|tid|\
                  datum och tid|datum tijd|tijdstip|data i czas|znacznik czasu|tidpunkt|tidsstampel|klockslag|tidsstempel|\
-                 klokkeslett|klokkeslaet|casova znacka|aika|kellonaika|\
+                 klokkeslett|klokkeslaet|casova znacka|tidspunkt|aika|kellonaika|\
                  ido|idopont"
             }
-            Self::Date => "date|datum|tag|jour|fecha|data|giorno|day|dato",
+            Self::Date => "date|datum|tag|jour|fecha|data|giorno|day|dato|paivamaara|paivays",
             Self::Location => {
                 "location|chainage|odometer|distance|mileage|position|milepost|odo|track position|line km|\
                  track km|weg|wegstrecke|strecke|streckenkilometer|kilometrierung|fahrweg|wegmesser|\
@@ -78,14 +78,14 @@ impl Meaning {
                  strecken|strecken km|strecken kilometer|bahn km|bahnkilometer|km stand|kilometer|kilometre|\
                  kilometros|chilometri|line kilometre|line kilometer|kilometrering|afstand|draha|droga|vag|stracka|\
                  afgelegde afstand|kilometerpunt|positie|przebieg|kilometr|kilometraz|polozenie|ujeta draha|poloha|\
-                 stanicen|stanicení|vzdalenost|avstand|lage|strekning|straekning|posisjon|matka|sijainti|\
+                 stanicen|stanicení|vzdalenost|avstand|lage|strekning|straekning|posisjon|matka|kuljettu matka|sijainti|tilbakelagt vei|tilbagelagt vej|\
                  megtett ut|szelveny"
             }
             Self::Speed => {
                 "speed|velocity|v|geschwindigkeit|v ist|ist geschwindigkeit|fahrgeschwindigkeit|tempo kmh|\
                  vitesse|velocidad|velocita|speed over ground|ground speed|gps speed|spd|v act|actual speed|\
                  train speed|speedometer|snelheid|rychlost|predkosc|hastighet|hastighed|\
-                 rijsnelheid|nopeus|sebesseg"
+                 rijsnelheid|fart|nopeus|sebesseg"
             }
             Self::Latitude => {
                 "latitude|lat|breite|breitengrad|geografische breite|latitud|latitudine|gps lat|gps latitude|\
@@ -209,7 +209,8 @@ mod tests {
             ["Klockslag", "Läge", "Hastighet"],
             ["Tid", "Strækning", "Hastighed"],
             ["Čas", "Poloha", "Rýchlosť"],
-            ["Aika", "Matka", "Nopeus"],
+            ["Aika", "Kuljettu matka", "Nopeus"],
+            ["Tidspunkt", "Tilbakelagt vei", "Fart"],
             ["Időpont", "Megtett út", "Sebesség"],
         ] {
             assert_eq!(of(&names), [(Time, 0), (Location, 1), (Speed, 2)], "{names:?}");

@@ -17,7 +17,7 @@ const LEFT_M: f64 = 15.0;
 /// Locations in larger steps show no speed, m.
 const COARSEST_M: f64 = 30.0;
 /// No train is faster, m/s: locations that leap show no speed.
-const FASTEST_MPS: f64 = 150.0;
+const FASTEST_MPS: f64 = 110.0;
 /// Fixes nearer than this to the last one counted say nothing of a distance, m.
 const ANCHOR_M: f64 = 15.0;
 

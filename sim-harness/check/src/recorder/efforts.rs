@@ -201,7 +201,7 @@ impl RecorderCheck {
             return;
         }
         let moving = effort_coasting::moving_stretches(own.iter().map(|i| &recordings[*i]), known);
-        let Some(zeros) = effort_zero_of_run::differing(&moving, own.len()) else { return };
+        let Some(zeros) = effort_zero_of_run::differing(&moving, own.len(), self.effort_step_n_per_kg) else { return };
         let figure = Figure { value: zeros.spread_n_per_kg, sd: 0.0 };
         let kind = Kind::EffortZerosDiffer;
         if !zeros.is_sure {
