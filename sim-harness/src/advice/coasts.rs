@@ -8,7 +8,7 @@
 //! that are cut off or frozen, and a brake that is not in the column each explain the speeds with another resistance,
 //! and consistently so. A coast needs no column.
 
-use super::vehicle::{After, MANY_HOPS, named};
+use super::vehicle::{After, named};
 use super::with_efforts::CoastsOf;
 use crate::report::resistance::Resistance;
 use rayon::prelude::*;
@@ -58,12 +58,6 @@ pub(super) struct OfCoasts {
 }
 
 impl OfCoasts {
-    /// Most have efforts, and such a share of what was learned comes from the coasts of short hops: efforts teach
-    /// nothing there.
-    fn are_none_of(&self, hops_share: f64) -> bool {
-        hops_share >= MANY_HOPS && 2 * self.with_efforts > self.all
-    }
-
     fn advice(&self) -> String {
         if self.by_all && 2 * self.with_efforts > self.all {
             let Self { all, with_efforts, .. } = self;
@@ -166,7 +160,7 @@ pub(super) fn withhold(
     runs: &mut [ReplayedRun],
 ) {
     for run in runs.iter_mut().filter(|run| run.learned == Learned::Learned) {
-        if coasts.get(&run.unit).is_some_and(|coasts| coasts.are_none_of(run.hops_share)) {
+        if vehicles.get(&run.unit).is_some_and(After::is_of_powered_coasts) {
             run.learned = Learned::NotYet;
         }
         let Some([efforts, coasts]) = both(&run.unit, vehicles, coasts) else { continue };
@@ -195,10 +189,11 @@ fn both_mps(efforts: &After, coasts: &After) -> Option<Range<f64>> {
 /// The units whose efforts teach another resistance.
 pub(super) fn notes(vehicles: &BTreeMap<String, After>, coasts: &BTreeMap<String, OfCoasts>) -> Vec<String> {
     let of_unit = |(unit, of_coasts): (&String, &OfCoasts)| {
-        let OfCoasts { all, with_efforts, .. } = of_coasts;
-        if vehicles.get(unit).is_some_and(|after| of_coasts.are_none_of(after.hops_share)) {
+        if let Some(After { ticks_taught: [all, with_effort], .. }) =
+            vehicles.get(unit).filter(|after| after.is_of_powered_coasts())
+        {
             return Some(format!(
-                "{}: short hops teach by coasts, and beside {with_efforts} of {all} that look like some the column has \
+                "{}: short hops teach by coasts, and beside {with_effort} of {all} rows of what taught as such the column has \
                  efforts: r is not published. Speeds that are held by a little power look so, and a column whose zero is off",
                 named(unit)
             ));

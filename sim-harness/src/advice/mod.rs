@@ -290,20 +290,22 @@ mod tests {
 
     #[test]
     fn what_coasts_of_short_hops_teach_that_have_efforts_is_not_published() {
-        let published = |hops_share: f64, with_efforts: usize| {
+        let published = |hops_share: f64, effort_n_per_kg: f64| {
             let mut runs = replayed().runs;
             (runs[0].learned, runs[0].hops_share) = (Learned::Learned, hops_share);
+            assert!(runs[0].estimates.iter().any(|estimate| estimate.learning));
+            runs[0].measurements.iter_mut().for_each(|row| row.effort_n_per_kg = Some(effort_n_per_kg));
             let mut advice = Advice::default();
             advice.add(&runs);
             let after = vehicle::After::of(&runs[0], None);
-            advice.coasts.insert(String::new(), coasts::OfCoasts { after, all: 10, with_efforts, by_all: true });
+            advice.coasts.insert(String::new(), coasts::OfCoasts { after, all: 1, with_efforts: 0, by_all: true });
             advice.withhold(&mut runs);
             let notes = advice.notes(&estimator(Config::default()), false).join("\n");
             (runs[0].learned, notes.contains("short hops teach by coasts"))
         };
-        assert_eq!(published(0.8, 6), (Learned::NotYet, true));
-        assert_eq!(published(0.8, 4), (Learned::Learned, false));
-        assert_eq!(published(0.2, 6), (Learned::Learned, false));
+        assert_eq!(published(0.8, 0.05), (Learned::NotYet, true));
+        assert_eq!(published(0.8, 0.001), (Learned::Learned, false));
+        assert_eq!(published(0.2, 0.05), (Learned::Learned, false));
     }
 
     /// The notes on nine runs, each with so many times the resistance of the vehicle, and what else it is.

@@ -39,6 +39,8 @@ const SCATTER: f64 = 1.5;
 /// ... if there are this many.
 const FEW_COASTS: f64 = 8.0;
 
+/// An effort of this share of the resistance is one that a coast has not.
+const POWERED_SHARE: f64 = 0.3;
 /// Speeds this near to those of another are the same, m/s.
 const SAME_SPEEDS_MPS: f64 = 4.0;
 
@@ -57,16 +59,27 @@ pub struct After {
     taught_mps: Range<f64>,
     /// The same of all runs; none where none did.
     pub(super) all_taught_mps: Option<Range<f64>>,
+    /// Ticks that taught, and of these those with an effort.
+    pub(super) ticks_taught: [usize; 2],
 }
 
 impl After {
     /// `before`: after the run before of the same vehicle.
     pub(super) fn of(run: &ReplayedRun, before: Option<Self>) -> Self {
         let own_mps = taught_mps(core::slice::from_ref(run));
+        let [all, with_effort] = before.as_ref().map_or([0; 2], |before| before.ticks_taught);
+        let [own, own_with_effort] = ticks_taught(run);
+        let ticks_taught = [all + own, with_effort + own_with_effort];
         let all_mps = before.and_then(|before| before.all_taught_mps).into_iter().chain(own_mps.clone());
         let all_taught_mps = all_mps.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
         let ReplayedRun { vehicle_after: davis, learned, trust, hops_share, hops_sd, .. } = *run;
-        Self { davis, learned, trust, hops_share, hops_sd, taught_mps: own_mps.unwrap_or(USUAL_MPS), all_taught_mps }
+        let taught_mps = own_mps.unwrap_or(USUAL_MPS);
+        Self { davis, learned, trust, hops_share, hops_sd, taught_mps, all_taught_mps, ticks_taught }
+    }
+
+    /// Short hops taught most of it, by coasts of which most have efforts.
+    pub(super) fn is_of_powered_coasts(&self) -> bool {
+        self.hops_share >= MANY_HOPS && 2 * self.ticks_taught[1] > self.ticks_taught[0]
     }
 
     /// It was taught at the speeds that another was.
@@ -83,6 +96,16 @@ impl After {
         let before = units.remove(&run.unit);
         units.insert(run.unit.clone(), Self::of(run, before));
     }
+}
+
+/// Ticks of a run that taught, and of these those with an effort worth the name.
+fn ticks_taught(run: &ReplayedRun) -> [usize; 2] {
+    let taught = run.estimates.iter().zip(&run.measurements).filter(|(estimate, _)| estimate.learning);
+    taught.fold([0; 2], |[all, with_effort], (estimate, row)| {
+        let resistance = estimate.davis().resistance_n_per_kg(estimate.belief.mean[1]);
+        let has_effort = row.effort_n_per_kg.is_some_and(|effort| effort.abs() > POWERED_SHARE * resistance);
+        [all + 1, with_effort + usize::from(has_effort)]
+    })
 }
 
 /// Notes on the vehicles, each after its last run, by their units; of doubtful gradients only where nothing else says
@@ -236,6 +259,7 @@ mod tests {
             hops_sd: 0.05,
             taught_mps: taught_kmh.start / 3.6..taught_kmh.end / 3.6,
             all_taught_mps: None,
+            ticks_taught: [0; 2],
         };
         let (words, off) = Off::nearest(&described, &after)?;
         off.may_be_units(&Off::of(&described, &after)).then_some(words)
