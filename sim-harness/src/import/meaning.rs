@@ -64,9 +64,8 @@ impl Meaning {
                  zeitstempel|datum uhrzeit|datum zeit|heure|temps|horodatage|hora|tiempo|ora|tempo|t|utc|gps time|utc time|\
                  local time|epoch|event time|log time|sample time|recording time|seconds|sekunden|ts|created at|elapsed|\
                  elapsed time|fecha y hora|data e ora|tijd|datum en tijd|cas|datum a cas|godzina|czas|data i godzina|tid|\
-                 datum och tid|datum tijd|tijdstip|data i czas|znacznik czasu|tidpunkt|tidsstampel|klockslag|tidsstempel|\
-                 klokkeslett|klokkeslaet|casova znacka|tidspunkt|aika|kellonaika|\
-                 ido|idopont"
+                 datum och tid|datum tijd|tijdstip|data i czas|znacznik czasu|tidpunkt|tidspunkt|tidsstampel|tidsstempel|\
+                 klockslag|klokkeslett|klokkeslaet|casova znacka|aika|kellonaika|ido|idopont"
             }
             Self::Date => "date|datum|tag|jour|fecha|data|giorno|day|dato|paivamaara|paivays",
             Self::Location => {
@@ -78,14 +77,14 @@ impl Meaning {
                  strecken|strecken km|strecken kilometer|bahn km|bahnkilometer|km stand|kilometer|kilometre|\
                  kilometros|chilometri|line kilometre|line kilometer|kilometrering|afstand|draha|droga|vag|stracka|\
                  afgelegde afstand|kilometerpunt|positie|przebieg|kilometr|kilometraz|polozenie|ujeta draha|poloha|\
-                 stanicen|stanicení|vzdalenost|avstand|lage|strekning|straekning|posisjon|matka|kuljettu matka|sijainti|tilbakelagt vei|tilbagelagt vej|\
-                 megtett ut|szelveny"
+                 staniceni|vzdalenost|avstand|lage|strekning|straekning|posisjon|tilbakelagt vei|tilbagelagt vej|matka|\
+                 kuljettu matka|sijainti|megtett ut|szelveny"
             }
             Self::Speed => {
                 "speed|velocity|v|geschwindigkeit|v ist|ist geschwindigkeit|fahrgeschwindigkeit|tempo kmh|\
                  vitesse|velocidad|velocita|speed over ground|ground speed|gps speed|spd|v act|actual speed|\
-                 train speed|speedometer|snelheid|rychlost|predkosc|hastighet|hastighed|\
-                 rijsnelheid|fart|nopeus|sebesseg"
+                 train speed|speedometer|snelheid|rijsnelheid|rychlost|predkosc|hastighet|hastighed|fart|nopeus|\
+                 sebesseg"
             }
             Self::Latitude => {
                 "latitude|lat|breite|breitengrad|geografische breite|latitud|latitudine|gps lat|gps latitude|\
@@ -209,6 +208,7 @@ mod tests {
             ["Klockslag", "Läge", "Hastighet"],
             ["Tid", "Strækning", "Hastighed"],
             ["Čas", "Poloha", "Rýchlosť"],
+            ["Čas", "Staničení", "Rychlost"],
             ["Aika", "Kuljettu matka", "Nopeus"],
             ["Tidspunkt", "Tilbakelagt vei", "Fart"],
             ["Időpont", "Megtett út", "Sebesség"],
