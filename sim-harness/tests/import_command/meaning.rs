@@ -225,7 +225,7 @@ fn imported(folder: &Folder, header: &str, speed: impl Fn(f64) -> f64) -> (commo
 
 #[test]
 fn a_speed_that_no_name_tells_is_taken_by_its_unit() {
-    for header in ["Geschw. [km/h]", "Tempo (km/h)", "Vit. [km/h]", "fart_kmh"] {
+    for header in ["Geschw. [km/h]", "Tempo (km/h)", "Vit. [km/h]", "abiadura_kmh"] {
         let folder = Folder::new();
         let (said, speeds) = imported(&folder, &format!("t [s],x [m],{header},Status"), |v| 3.6 * v);
         assert_eq!(said.code, Some(0), "{said:?}");
