@@ -19,6 +19,7 @@ use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Means over so long, s.
 const STRETCH_S: f64 = 20.0;
@@ -27,7 +28,7 @@ const SLOWEST_MPS: f64 = 1.0;
 /// Half the width of the interval, N/kg: an effort without noise, up to a noise by which nothing would be learned.
 pub(crate) const HALF_WIDTHS_N_PER_KG: [f64; 5] = [2e-4, 4e-4, 8e-4, 1.6e-3, 3.2e-3];
 /// A larger effort is none of a coast, N/kg.
-pub(crate) const MOST_N_PER_KG: f64 = 0.02;
+const MOST_N_PER_KG: f64 = 0.02;
 /// So many stretches, this share of all of moving trains, in so many runs.
 const LEAST: usize = 20;
 const LEAST_SHARE: f64 = 0.04;
@@ -67,13 +68,8 @@ pub(crate) struct MovingStretch {
 }
 
 /// The effort of trains that coast; nothing where none recurs, or what recurs acts. `step`: of the efforts, N/kg.
-pub(crate) fn effort_of_coasts<'a>(
-    recordings: impl Iterator<Item = &'a Recording>,
-    known: &Known,
-    step: Option<f64>,
-) -> Option<CoastingEffort> {
-    let mut all = moving_stretches(recordings, known);
-    all.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg));
+pub(crate) fn effort_of_coasts(mut all: Vec<MovingStretch>, step: Option<f64>) -> Option<CoastingEffort> {
+    sort(&mut all);
     HALF_WIDTHS_N_PER_KG.into_iter().find_map(|half_width| recurring(&all, half_width, step.unwrap_or_default()))?
 }
 
@@ -110,17 +106,27 @@ pub(crate) fn moving_stretches<'a>(
     all
 }
 
+/// By their efforts.
+pub(crate) fn sort(stretches: &mut [MovingStretch]) {
+    stretches.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg));
+}
+
+/// Of sorted stretches those with an effort between these, N/kg.
+pub(crate) fn within(sorted: &[MovingStretch], low: f64, high: f64) -> Range<usize> {
+    let begin = sorted.partition_point(|one| one.effort_n_per_kg < low);
+    begin..sorted.partition_point(|one| one.effort_n_per_kg <= high)
+}
+
+/// The densest of the intervals of small efforts among sorted stretches.
+pub(crate) fn densest(sorted: &[MovingStretch], half_width: f64) -> Option<Range<usize>> {
+    let from = sorted.iter().map(|one| one.effort_n_per_kg).filter(|effort| effort.abs() < MOST_N_PER_KG);
+    from.map(|low| within(sorted, low, low + 2.0 * half_width)).max_by_key(ExactSizeIterator::len)
+}
+
 /// The densest of the intervals of small efforts, where it is far denser than what is beside it, unless it acts. `all`:
 /// sorted by their efforts.
 fn recurring(all: &[MovingStretch], half_width: f64, step: f64) -> Option<Option<CoastingEffort>> {
-    let within = |low: f64, high: f64| {
-        let begin = all.partition_point(|one| one.effort_n_per_kg < low);
-        begin..all.partition_point(|one| one.effort_n_per_kg <= high)
-    };
-    let is_small = |effort: &f64| effort.abs() < MOST_N_PER_KG;
-    let from = all.iter().map(|one| one.effort_n_per_kg).filter(is_small);
-    let densest = from.map(|low| within(low, low + 2.0 * half_width)).max_by_key(ExactSizeIterator::len)?;
-    let inside = &all[densest];
+    let inside = &all[densest(all, half_width)?];
     let count = inside.len();
     let mean = |of: &dyn Fn(&MovingStretch) -> f64| inside.iter().map(of).sum::<f64>() / count as f64;
     // Of rounded efforts the median would be one of few values.
@@ -129,10 +135,10 @@ fn recurring(all: &[MovingStretch], half_width: f64, step: f64) -> Option<Option
     inside.iter().for_each(|one| of_runs.entry(one.run).or_default().push(one.effort_n_per_kg));
     let is_enough = count >= LEAST && count as f64 >= LEAST_SHARE * all.len() as f64 && of_runs.len() >= LEAST_RUNS;
     let centre = 0.5 * (inside[0].effort_n_per_kg + inside[count - 1].effort_n_per_kg);
-    let beside = within(centre - BESIDE * half_width, centre + BESIDE * half_width).len() - count;
-    let zeros = within(-half_width, half_width).len();
+    let beside = within(all, centre - BESIDE * half_width, centre + BESIDE * half_width).len() - count;
+    let zeros = within(all, -half_width, half_width).len();
     let has_zeros = centre.abs() > 2.0 * half_width && ZEROS * zeros > count;
-    if !is_enough || count < DENSER * beside || has_zeros || !is_small(&value) {
+    if !is_enough || count < DENSER * beside || has_zeros || value.abs() >= MOST_N_PER_KG {
         return None;
     }
     let scatter = spread(inside.iter().map(|one| one.effort_n_per_kg - value)) / (count as f64).sqrt();
@@ -174,7 +180,7 @@ mod tests {
             }
         };
         let mut all: Vec<MovingStretch> = (0..200).map(one).collect();
-        all.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg));
+        sort(&mut all);
         recurring(&all, HALF_WIDTHS_N_PER_KG[0], 0.0).flatten()
     }
 

@@ -8,7 +8,7 @@
 //! does not.
 
 use crate::agreement::{Figure, HALF_95};
-use crate::effort_coasting::{DOUBTED_SHARE, HALF_WIDTHS_N_PER_KG, MOST_N_PER_KG, MovingStretch};
+use crate::effort_coasting::{DOUBTED_SHARE, HALF_WIDTHS_N_PER_KG, MovingStretch, densest, sort, within};
 use rundown_files::statistics::{mean, median};
 
 /// So many stretches of a run show its zero, so many times as many as in all beside them, in so many half-widths on
@@ -51,12 +51,12 @@ impl ZerosOfRuns {
 
 /// Of so many runs of a unit; nothing where they have one zero, or what recurs acts. `step`: of the efforts, N/kg.
 pub(crate) fn differing(all: &[MovingStretch], runs: usize, step: Option<f64>) -> Option<ZerosOfRuns> {
-    let mut of_runs: Vec<Vec<&MovingStretch>> = vec![Vec::new(); runs];
-    all.iter().for_each(|one| of_runs[one.run].push(one));
-    of_runs.iter_mut().for_each(|own| own.sort_by(|a, b| a.effort_n_per_kg.total_cmp(&b.effort_n_per_kg)));
+    let mut of_runs: Vec<Vec<MovingStretch>> = vec![Vec::new(); runs];
+    all.iter().for_each(|one| of_runs[one.run].push(*one));
+    of_runs.iter_mut().for_each(|own| sort(own));
     let least = LEAST_RUNS.max((LEAST_SHARE * runs as f64).ceil() as usize);
     let (half_width, crowds) = HALF_WIDTHS_N_PER_KG.into_iter().find_map(|half_width| {
-        let crowds: Vec<Option<Crowd>> = of_runs.iter().map(|own| Crowd::densest(own, half_width)).collect();
+        let crowds: Vec<Option<Crowd>> = of_runs.iter().map(|own| Crowd::of(own, half_width)).collect();
         (crowds.iter().flatten().count() >= least).then_some((half_width, crowds))
     })?;
     let zeros = || crowds.iter().flatten().map(|crowd| crowd.effort_n_per_kg);
@@ -87,17 +87,11 @@ struct Crowd {
 
 impl Crowd {
     /// `own`: sorted by their efforts.
-    fn densest(own: &[&MovingStretch], half_width: f64) -> Option<Self> {
-        let within = |low: f64, high: f64| {
-            let begin = own.partition_point(|one| one.effort_n_per_kg < low);
-            begin..own.partition_point(|one| one.effort_n_per_kg <= high)
-        };
-        let from = own.iter().map(|one| one.effort_n_per_kg).filter(|effort| effort.abs() < MOST_N_PER_KG);
-        let densest = from.map(|low| within(low, low + 2.0 * half_width)).max_by_key(ExactSizeIterator::len)?;
-        let inside = &own[densest];
+    fn of(own: &[MovingStretch], half_width: f64) -> Option<Self> {
+        let inside = &own[densest(own, half_width)?];
         let effort_n_per_kg = mean(inside.iter().map(|one| one.effort_n_per_kg))?;
         let reach = BESIDE * half_width;
-        let beside = within(effort_n_per_kg - reach, effort_n_per_kg + reach).len() - inside.len();
+        let beside = within(own, effort_n_per_kg - reach, effort_n_per_kg + reach).len() - inside.len();
         let taken: Vec<[f64; 2]> = inside.iter().map(|one| one.taken_n_per_kg).collect::<Option<_>>()?;
         let resistance = mean(taken.iter().map(|taken| taken[1]))?;
         let needed_n_per_kg = mean(inside.iter().zip(&taken).map(|(one, taken)| one.mps2 + taken[0] + taken[1]))?;

@@ -3,13 +3,14 @@
 use crate::agreement::Figure;
 use crate::diagnosis::RecorderCheck;
 use crate::effort_age::Asked;
+use crate::effort_coasting::{MovingStretch, effort_of_coasts, moving_stretches};
 use crate::effort_gap::Gap;
 use crate::effort_zero::{Stretches, Zero};
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
-    Known, SURE, effort, effort_age, effort_coasting, effort_cut, effort_demanded, effort_gap, effort_held,
-    effort_unlike, effort_zero, effort_zero_of_run, limits, read_of, smoothed, steps, trailing,
+    Known, SURE, effort, effort_age, effort_cut, effort_demanded, effort_gap, effort_held, effort_unlike, effort_zero,
+    effort_zero_of_run, limits, read_of, smoothed, steps, trailing,
 };
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
@@ -40,8 +41,10 @@ impl RecorderCheck {
         self.unlike_efforts(recordings, runs);
         self.exceeds(recordings, runs, known);
         self.unfit_efforts(recordings, runs);
-        self.zeros_of_runs(recordings, runs, known);
-        self.effort_zero(recordings, runs, known);
+        if !self.has(Kind::EffortApart) {
+            let moving = self.zeros_of_runs(recordings, runs, known);
+            self.effort_zero(recordings, runs, known, moving);
+        }
         self.trailing_speeds(recordings, runs, known);
         self.smoothed_speeds(recordings, runs, known);
         self.effort_age(recordings, runs, known);
@@ -194,20 +197,20 @@ impl RecorderCheck {
         }
     }
 
-    /// Brings the zeros of runs that differ to one.
-    fn zeros_of_runs(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+    /// Brings the zeros of runs that differ to one. Out: the stretches of moving trains, as they are then.
+    fn zeros_of_runs(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) -> Vec<MovingStretch> {
         let own = self.usable(runs);
-        if self.has(Kind::EffortApart) {
-            return;
-        }
-        let moving = effort_coasting::moving_stretches(own.iter().map(|i| &recordings[*i]), known);
-        let Some(zeros) = effort_zero_of_run::differing(&moving, own.len(), self.effort_step_n_per_kg) else { return };
+        let moving = |recordings: &[Recording]| moving_stretches(own.iter().map(|i| &recordings[*i]), known);
+        let as_read = moving(recordings);
+        let zeros = effort_zero_of_run::differing(&as_read, own.len(), self.effort_step_n_per_kg);
+        let Some(zeros) = zeros else { return as_read };
         let figure = Figure { value: zeros.spread_n_per_kg, sd: 0.0 };
         let kind = Kind::EffortZerosDiffer;
         if !zeros.is_sure {
             self.effort_doubt_n_per_kg = zeros.doubt_n_per_kg();
             let text = format!("or drivers leave a little power while coasting{DOUBTED}");
-            return self.found_by(kind, figure, "N/kg", Done::Said, text);
+            self.found_by(kind, figure, "N/kg", Done::Said, text);
+            return as_read;
         }
         let unseen = zeros.of_runs.iter().filter(|zero| zero.is_none()).count();
         let left_out = if unseen > 0 {
@@ -217,8 +220,8 @@ impl RecorderCheck {
         };
         let text = format!("each run's own is taken from its coasts{left_out}");
         self.found_by(kind, figure, "N/kg", Done::PutRight, text);
-        for (i, zero) in own.into_iter().zip(&zeros.of_runs) {
-            let rows = &mut recordings[i].rows;
+        for (i, zero) in own.iter().zip(&zeros.of_runs) {
+            let rows = &mut recordings[*i].rows;
             match zero {
                 Some(zero) => {
                     let efforts = rows.iter_mut().filter_map(|row| row.effort_n_per_kg.as_mut());
@@ -227,17 +230,21 @@ impl RecorderCheck {
                 None => without_efforts(rows),
             }
         }
+        moving(recordings)
     }
 
     /// Takes the zero of the effort from trains that coast or stand, and leaves out zeros that are no effort of 0.
-    fn effort_zero(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+    fn effort_zero(
+        &mut self,
+        recordings: &mut [Recording],
+        runs: &[RunCheck],
+        known: &Known,
+        moving: Vec<MovingStretch>,
+    ) {
         let own =
             || recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run)).map(|(recording, _)| recording);
-        if self.has(Kind::EffortApart) {
-            return;
-        }
         let standing = effort_zero::at_standstill(own());
-        let coasts = effort_coasting::effort_of_coasts(own(), known, self.effort_step_n_per_kg);
+        let coasts = effort_of_coasts(moving, self.effort_step_n_per_kg);
         let seen = effort_zero::decided(standing, coasts);
         let zeros = effort_zero::zeros(own(), known);
         let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
