@@ -64,6 +64,7 @@ impl Group {
             needed(columns, first)
                 .map_err(|missing| doubt.as_ref().map_or(missing.clone(), |doubt| format!("{missing}; {doubt}")))?;
             notes.extend(doubt);
+            notes.extend(first.words_of_signals());
         }
         let mut seen = SeenRows::default();
         for source in &*sources {

@@ -3,6 +3,9 @@
 /// A number of a text, and what stands behind it. `decimal` is the file's.
 pub fn parse(text: &str, decimal: char) -> Option<(f64, &str)> {
     let text = text.trim();
+    if let Some(kilometres) = chainage(text, decimal) {
+        return Some((kilometres, "km"));
+    }
     let end = text.find(|c: char| !(c.is_ascii_digit() || ".,'’+-eE\u{a0}\u{202f} ".contains(c))).unwrap_or(text.len());
     let (number, rest) = text.split_at(end);
     // The e of a unit is none of an exponent.
@@ -10,6 +13,16 @@ pub fn parse(text: &str, decimal: char) -> Option<(f64, &str)> {
     let rest = if trimmed.len() < number.trim_end().len() { &text[trimmed.len()..] } else { rest };
     let value = plain(trimmed, decimal)?;
     value.is_finite().then_some((value, rest.trim()))
+}
+
+/// Kilometres of a chainage with its metres behind a plus, `12+400.5`, as on plans and posts.
+fn chainage(text: &str, decimal: char) -> Option<f64> {
+    let (kilometres, metres) = text.split_once('+')?;
+    let kilometres: u32 = kilometres.parse().ok()?;
+    let (whole, fraction) = metres.split_once(decimal).unwrap_or((metres, "0"));
+    let are_digits = [whole, fraction].iter().all(|part| part.bytes().all(|byte| byte.is_ascii_digit()));
+    let metres: f64 = format!("{whole}.{fraction}").parse().ok()?;
+    (are_digits && whole.len() == 3).then(|| f64::from(kilometres) + 1e-3 * metres)
 }
 
 /// An angle with its degrees, minutes and seconds apart, or with the letter of its hemisphere: the value, and whether

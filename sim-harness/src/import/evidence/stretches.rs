@@ -21,6 +21,9 @@ pub(super) const ALIKE: f64 = 0.2;
 pub(super) const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
 const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 
+/// Where a row has it.
+const SPEED: usize = 2;
+
 /// Distance by location over distance by speed with these units.
 pub(super) type Tried = (f64, [Unit; 3]);
 
@@ -75,8 +78,24 @@ pub(super) fn stretches(all: &[WrittenRow], columns: &Columns) -> Result<Stretch
 /// Rows of each file that have time, place and speed: where columns are sparse others stand between them.
 pub(super) fn pieces(all: &[WrittenRow], columns: &Columns) -> Vec<Vec<Passing>> {
     let begins = |row: &WrittenRow| row.time.is_none() && row.numbers[0].is_none();
-    let of_file = |rows: &[WrittenRow]| rows.iter().filter_map(|row| row.passing(columns)).collect();
-    all.split(begins).map(of_file).collect()
+    all.split(begins).map(|rows| passings(rows, columns)).collect()
+}
+
+/// Rows of one file. Where the speed hardly ever stands beside the place, it is that of the row before.
+fn passings(rows: &[WrittenRow], columns: &Columns) -> Vec<Passing> {
+    let together: Vec<Passing> = rows.iter().filter_map(|row| row.passing(columns)).collect();
+    let with_speed = rows.iter().filter(|row| row.numbers[SPEED].is_some()).count();
+    if 2 * together.len() >= with_speed {
+        return together;
+    }
+    let mut last = None;
+    let with_last = |row: &WrittenRow| {
+        last = row.numbers[SPEED].or(last);
+        let mut row = row.clone();
+        row.numbers[SPEED] = last;
+        row.passing(columns)
+    };
+    rows.iter().filter_map(with_last).collect()
 }
 
 /// A column that says where the train is or how fast, without a number in any row.

@@ -8,7 +8,7 @@ use super::super::source::row::RowField;
 use super::super::units::{self, Unit};
 use super::ratios::Passing;
 
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct WrittenRow {
     /// Time as a number, location, speed, latitude, longitude.
     pub(super) numbers: [Option<f64>; 5],

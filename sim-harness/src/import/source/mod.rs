@@ -8,6 +8,7 @@ mod parquet;
 mod parts;
 pub mod row;
 mod sheet;
+mod signals;
 mod unpacked;
 
 use super::number;
@@ -16,6 +17,7 @@ use row::{Each, Event, Header, Layout, RowField, SourceFormat};
 use rundown_files::refusal::ReadError;
 use rundown_files::run_set::{PACKED, ending};
 use sheet::Sheets;
+use signals::{SignalColumns, Signals};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 pub use unpacked::{are_equal, name as unpacked_name};
@@ -28,8 +30,11 @@ const DECIDING: usize = 400;
 pub struct SourceFile {
     pub path: PathBuf,
     pub layout: Layout,
-    /// Those of the file, and behind them what parts make.
+    /// Those of the file, or its signals, and behind them what parts make.
     pub headers: Vec<Header>,
+    /// Those of the file.
+    written: Vec<Header>,
+    signals: Option<Signals>,
     parts: Vec<Parts>,
     /// Of a workbook.
     pub sheets: Sheets,
@@ -85,7 +90,7 @@ impl SourceFile {
         let format = wanted.format.map_or_else(|| format_of(path), Ok)?;
         let plain = Layout { format: Some(format), ..wanted.clone() };
         let mut sheets = Sheets::default();
-        let (layout, mut headers) = match format {
+        let (layout, written) = match format {
             SourceFormat::Csv => csv::open(path, &plain, named)?,
             SourceFormat::Sheet => {
                 let (layout, headers, found) = sheet::open(path, &plain, named)?;
@@ -97,20 +102,51 @@ impl SourceFile {
             SourceFormat::JsonLines => (plain, json::headers(path)?),
             SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
-        let parts = parts::join(&mut headers);
-        let mut source = Self { path: path.to_owned(), layout, headers, parts, sheets };
+        let (path, headers) = (path.to_owned(), written.clone());
+        let mut source = Self { path, layout, headers, written, signals: None, parts: Vec::new(), sheets };
         let is_of_standard = matches!(format, SourceFormat::Gpx | SourceFormat::Nmea);
+        if !is_of_standard {
+            source.find_signals(named)?;
+        }
+        source.parts = parts::join(&mut source.headers);
         if source.layout.decimal.is_none() && !is_of_standard {
             source.layout.decimal = Some(source.decimal()?);
         }
         Ok(source)
     }
 
+    /// That each row has one signal, where it is so.
+    pub fn words_of_signals(&self) -> Option<String> {
+        let signals = self.signals.as_ref()?.count();
+        let column = self.layout.signal.as_deref().unwrap_or_default();
+        Some(format!(
+            "each row has one of {signals} signals (column {column:?}); those of one time are read as one row"
+        ))
+    }
+
+    /// Whether each row has one signal.
+    fn find_signals(&mut self, named: &[String]) -> Result<(), ReadError> {
+        let Some(columns) = SignalColumns::find(&self.written, &self.layout, named) else {
+            let stated = self.layout.signal.iter().chain(&self.layout.value);
+            let missing = stated.filter(|name| !self.written.iter().any(|header| header.written == name.trim()));
+            return missing.clone().next().map_or(Ok(()), |name| {
+                let names: Vec<&str> = self.written.iter().map(|header| header.written.as_str()).collect();
+                Err(row::refused(&self.path, format!("layout: expected one of {}, found {name:?}", names.join(", "))))
+            });
+        };
+        let [signal, value] = columns.names(&self.written);
+        if let Some((signals, headers)) = columns.read(&self.written, |each| self.as_written(each))? {
+            (self.layout.signal, self.layout.value) = (Some(signal), Some(value));
+            (self.signals, self.headers) = (Some(signals), headers);
+        }
+        Ok(())
+    }
+
     /// The decimal sign of the first texts: cells of a sheet, or values of JSON, may be texts as the fields of a CSV
     /// are.
     fn decimal(&self) -> Result<char, ReadError> {
         let (mut texts, mut left) = (Vec::new(), DECIDING);
-        self.as_written(&mut |event| {
+        self.joined(&mut |event| {
             if let Event::Row(_, fields) = event {
                 texts.extend(fields.iter().filter_map(|field| match field {
                     RowField::Text(text) => Some(text.clone()),
@@ -129,11 +165,11 @@ impl SourceFile {
     /// [`ReadError`] when the file cannot be read any further.
     pub fn rows(&self, each: &mut Each) -> Result<(), ReadError> {
         if self.parts.is_empty() {
-            return self.as_written(each);
+            return self.joined(each);
         }
-        let written = self.written().len();
+        let written = self.headers.len() - self.parts.len();
         let mut whole: Vec<RowField> = Vec::new();
-        self.as_written(&mut |event| match event {
+        self.joined(&mut |event| match event {
             Event::Row(number, row) => {
                 whole.clear();
                 whole.extend_from_slice(row);
@@ -146,14 +182,17 @@ impl SourceFile {
         })
     }
 
-    /// The headers of the file.
-    fn written(&self) -> &[Header] {
-        &self.headers[..self.headers.len() - self.parts.len()]
+    /// Rows of all signals.
+    fn joined(&self, each: &mut Each) -> Result<(), ReadError> {
+        match &self.signals {
+            Some(signals) => signals.rows(each, |each| self.as_written(each)),
+            None => self.as_written(each),
+        }
     }
 
     /// So many fields are named: nothing may stand behind them.
     fn named(&self) -> usize {
-        self.written().iter().rposition(|header| !header.written.is_empty()).map_or(0, |last| last + 1)
+        self.written.iter().rposition(|header| !header.written.is_empty()).map_or(0, |last| last + 1)
     }
 
     fn as_written(&self, each: &mut Each) -> Result<(), ReadError> {
@@ -163,7 +202,7 @@ impl SourceFile {
             SourceFormat::Sheet => sheet::rows(path, &self.sheets, each),
             SourceFormat::Gpx => gpx::rows(path, each),
             SourceFormat::Nmea => nmea::rows(path, each),
-            SourceFormat::JsonLines => json::rows(path, self.written(), each),
+            SourceFormat::JsonLines => json::rows(path, &self.written, each),
             SourceFormat::Parquet => parquet::rows(path, each),
         }
     }

@@ -37,6 +37,12 @@ pub fn join(headers: &mut Vec<Header>) -> Vec<Parts> {
     parts
 }
 
+/// A name of a part.
+pub fn is_part(header: &Header) -> bool {
+    let mut names = TIME.iter().chain(&DATE).chain([&THOUSANDTHS]).flat_map(|names| names.split('|'));
+    names.any(|name| name == plain(&header.written))
+}
+
 fn find(headers: &[Header], of: Meaning, names: [&str; 3]) -> Option<Parts> {
     let position = |names: &str| {
         let is_named = |header: &Header| {

@@ -1,5 +1,6 @@
 //! What every source gives: a header, then rows of fields.
 
+use super::signals;
 use crate::import::meaning::Meaning;
 use crate::import::units::{self, Unit};
 use rundown_files::refusal::{Place, ReadError};
@@ -56,6 +57,11 @@ pub struct Layout {
     pub header_line: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sheet: Option<String>,
+    /// Columns of a table that has one signal in each row: its name, and its value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub signal: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<String>,
 }
 
 /// A name of a column and its unit, as the header has them.
@@ -88,7 +94,7 @@ impl Header {
 pub fn known_in(row: &[String], named: &[String]) -> usize {
     let names: Vec<String> = row.iter().map(|text| units::split(text).0).collect();
     let by_mapping = row.iter().filter(|text| named.iter().any(|name| name.trim() == text.trim())).count();
-    Meaning::of_names(&names).len() + 4 * by_mapping
+    Meaning::of_names(&names).len() + signals::known_in(row) + 4 * by_mapping
 }
 
 /// The row that looks like a header: its index, and how many of its names are known. `named` are those of the mapping.
