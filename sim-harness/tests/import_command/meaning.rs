@@ -125,7 +125,7 @@ fn speed_and_location_every_ten_seconds_decide_a_unit_and_where_none_does_the_re
     let rows = drive(&stops_m, 20.0);
     let thin: Vec<(f64, f64, f64)> = rows.iter().filter(|(t, ..)| t % 10.0 == 0.0).copied().collect();
     let text = |rows: &[(f64, f64, f64)]| table("time_s,location_m,v", rows, |t, x, v| format!("{t},{x:.1},{v:.2}"));
-    let posts = table("time_s,location,v [km/h]", &rows, |t, x, v| format!("{t},0+{x:.0},{:.1}", 3.6 * v));
+    let posts = table("time_s,location,v [km/h]", &rows, |t, x, v| format!("{t},0/{x:.0},{:.1}", 3.6 * v));
     let hops: Vec<f64> = (0..20).map(|stop| 90.0 * f64::from(stop)).collect();
     let folder = Folder::new()
         .with("thin.csv", &text(&thin))

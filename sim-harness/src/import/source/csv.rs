@@ -1,5 +1,6 @@
 //! Tables as text: the encoding, the delimiter and the header are found in the first lines, the rows are streamed.
 
+use super::heading;
 use super::row::{self, Each, Event, Header, Layout, RowField};
 use super::unpacked;
 use crate::import::letters;
@@ -151,7 +152,7 @@ pub fn open(path: &Path, wanted: &Layout, named: &[String]) -> Result<(Layout, V
         header.iter().map(|text| Header::new(text)).collect()
     };
     layout.header_line = Some(if wanted.header_line == Some(0) { 0 } else { index as u64 + 1 });
-    if let Some(units) = rows.get(index + 1).and_then(|row| row::units_below(row)) {
+    if let Some(units) = rows.get(index + 1).and_then(|row| heading::units_below(row)) {
         headers.iter_mut().zip(units).for_each(|(header, unit)| header.unit = header.unit.take().or(unit));
     }
     Ok((layout, headers))
@@ -187,7 +188,7 @@ fn header_of(
         None => {
             let headed = tried.iter().filter_map(|delimiter| {
                 let rows = split(*delimiter);
-                let (index, known) = row::header_among(&rows, named)?;
+                let (index, known) = heading::header_among(&rows, named)?;
                 Some((known, rows[index].len(), (*delimiter, rows, index)))
             });
             let best = headed.max_by_key(|(known, fields, _)| (*known, *fields));
@@ -242,7 +243,7 @@ pub fn rows(path: &Path, layout: &Layout, named: usize, each: &mut Each) -> Resu
         }));
         if std::mem::take(&mut first) {
             let texts: Vec<String> = record.iter().map(|field| String::from_utf8_lossy(field).into_owned()).collect();
-            if row::units_below(&texts).is_some() {
+            if heading::units_below(&texts).is_some() {
                 continue;
             }
         }

@@ -2,6 +2,7 @@
 
 mod csv;
 mod gpx;
+mod heading;
 mod json;
 mod nmea;
 mod parquet;

@@ -1,5 +1,6 @@
 //! Excel and OpenDocument sheets, as the same rows of text.
 
+use super::heading;
 use super::row::{self, Each, Event, Header, Layout, RowField};
 use calamine::{Data, Range, Reader, SheetType, open_workbook_auto};
 use rundown_files::refusal::ReadError;
@@ -92,12 +93,12 @@ fn headed(path: &Path, name: &str, wanted: &Layout, named: &[String]) -> Result<
     let stated = wanted.header_line.map(|line| (line as usize).saturating_sub(1));
     let stated = stated.filter(|index| head.get(*index).is_some_and(|row| may_be_header(row, named)));
     let found = match stated {
-        Some(index) => Some((index, row::known_in(&head[index], named))),
-        None => row::header_among(&head, named).filter(|_| wanted.header_line.is_none() || !named.is_empty()),
+        Some(index) => Some((index, heading::known_in(&head[index], named))),
+        None => heading::header_among(&head, named).filter(|_| wanted.header_line.is_none() || !named.is_empty()),
     };
     let headed = found.map(|(header, known)| {
         let mut headers: Vec<Header> = head[header].iter().map(|text| Header::new(text)).collect();
-        if let Some(units) = head.get(header + 1).and_then(|row| row::units_below(row)) {
+        if let Some(units) = head.get(header + 1).and_then(|row| heading::units_below(row)) {
             headers.iter_mut().zip(units).for_each(|(header, unit)| header.unit = header.unit.take().or(unit));
         }
         while headers.pop_if(|last| last.written.is_empty()).is_some() {}
@@ -162,7 +163,7 @@ fn rows_of(path: &Path, sheet: &Sheet, each: &mut Each) -> Result<bool, ReadErro
     let first = sheet.header + 1;
     for (index, cells) in range.rows().enumerate().skip(first) {
         let texts: Vec<String> = cells.iter().map(text).collect();
-        if index == first && row::units_below(&texts).is_some() {
+        if index == first && heading::units_below(&texts).is_some() {
             continue;
         }
         let fields: Vec<RowField> = cells.iter().map(field).collect();

@@ -94,7 +94,7 @@ impl SignalColumns {
         headers: &[Header],
         rows: impl FnOnce(&mut Each) -> Result<(), E>,
     ) -> Result<Option<(Signals, Vec<Header>)>, E> {
-        let mut signals: Vec<Seen> = Vec::new();
+        let mut signals: Vec<SeenSignal> = Vec::new();
         let mut index: HashMap<String, usize> = HashMap::new();
         let (mut number, mut is_measured) = (0_usize, false);
         rows(&mut |event| {
@@ -105,7 +105,7 @@ impl SignalColumns {
                 // A unit may be a vehicle, too.
                 is_measured |= unit.as_deref().is_some_and(|unit| units::by_name(Meaning::Speed, unit).is_some());
                 let at = *index.entry(name.clone()).or_insert_with(|| {
-                    signals.push(Seen { name, unit: None, first: number, last: number });
+                    signals.push(SeenSignal { name, unit: None, first: number, last: number });
                     signals.len() - 1
                 });
                 let signal = &mut signals[at];
@@ -123,7 +123,7 @@ impl SignalColumns {
         let many = signals.iter().filter(|signal| signal.first < signal.last);
         let first_end = many.clone().map(|signal| signal.last).min();
         let are_blocks = many.map(|signal| signal.first).max() > first_end;
-        let column = |signal: &Seen| {
+        let column = |signal: &SeenSignal| {
             let mut header = Header::new(&signal.name);
             header.unit = header.unit.take().or_else(|| signal.unit.clone().filter(|_| self.unit.is_some()));
             header
@@ -141,7 +141,7 @@ impl SignalColumns {
 }
 
 /// A signal of the file: its unit where it begins, and the first and last of its rows.
-struct Seen {
+struct SeenSignal {
     name: String,
     unit: Option<String>,
     first: usize,
@@ -158,7 +158,7 @@ fn text(field: Option<&RowField>) -> Option<String> {
 
 /// Rows of which not all signals are there yet, in the order in which they begin.
 #[derive(Default)]
-struct Open {
+struct OpenRows {
     rows: VecDeque<(u64, Vec<RowField>)>,
     /// Of what rows share, the number of the row; the first one that is open has the number `gone`.
     at: HashMap<String, usize>,
@@ -176,7 +176,7 @@ impl Signals {
     /// # Errors
     /// Those of `rows`.
     pub fn rows<E>(&self, each: &mut Each, rows: impl FnOnce(&mut Each) -> Result<(), E>) -> Result<(), E> {
-        let mut open = Open::default();
+        let mut open = OpenRows::default();
         let mut goes_on = true;
         rows(&mut |event| {
             goes_on = match event {
@@ -194,7 +194,7 @@ impl Signals {
         Ok(())
     }
 
-    fn take(&self, line: u64, row: &[RowField], open: &mut Open, each: &mut Each) -> bool {
+    fn take(&self, line: u64, row: &[RowField], open: &mut OpenRows, each: &mut Each) -> bool {
         let Some(name) = text(row.get(self.signal)) else {
             return each(Event::Bad(line, "expected the name of a signal, found none".to_owned()));
         };
@@ -222,7 +222,7 @@ impl Signals {
     }
 }
 
-impl Open {
+impl OpenRows {
     /// The row that shares this with others, begun here if there is none.
     fn row(&mut self, line: u64, shared: Vec<RowField>, columns: usize) -> &mut Vec<RowField> {
         let key = shared.iter().map(|field| text(Some(field)).unwrap_or_default()).collect::<Vec<_>>().join("\u{1f}");
