@@ -15,7 +15,7 @@ mod shell;
 mod toolchain;
 
 use emulator::Board;
-use shell::{cargo, run};
+use shell::{cargo, run, run_aside};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -200,8 +200,13 @@ fn test(features: &[&str]) -> Result<(), String> {
             println!("left out: what needs data of others; {variable} names their folder");
         }
     }
-    let plain = run(&mut tests());
-    plain.and(run(more.args(["--", "--ignored"])))
+    more.args(["--", "--ignored"]);
+    run(tests().arg("--no-run"))?;
+    // Beside each other: either leaves a processor idle for minutes, in tests of a single thread.
+    std::thread::scope(|scope| {
+        let more = scope.spawn(|| run_aside(&mut more));
+        run(&mut tests()).and(more.join().unwrap_or_else(|_| Err("the other tests were not run".to_owned())))
+    })
 }
 
 /// The page's tests are built on demand only: the driver's client is many crates.

@@ -25,6 +25,20 @@ pub fn run(command: &mut Command) -> Result<(), String> {
     }
 }
 
+/// The same beside another command: what it prints goes to a file, and is printed whole at its end.
+pub fn run_aside(command: &mut Command) -> Result<(), String> {
+    let line = shown(command);
+    let path = target().join("beside.log");
+    println!("$ {line} > {}", path.display());
+    let failed = |error: std::io::Error| format!("`{line}` could not be started: {error}");
+    let log = std::fs::File::create(&path).map_err(failed)?;
+    let command = command.current_dir(root()).stdout(log.try_clone().map_err(failed)?).stderr(log);
+    let status = command.status().map_err(failed)?;
+    let printed = std::fs::read(&path).map_err(failed)?;
+    println!("\n$ {line}\n{}", String::from_utf8_lossy(&printed));
+    if status.success() { Ok(()) } else { Err(format!("`{line}` ended with {status}")) }
+}
+
 /// What a command prints, if it succeeds. Says nothing itself.
 pub fn ask(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).stdin(Stdio::null()).output().ok()?;
