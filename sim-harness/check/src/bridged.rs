@@ -12,9 +12,10 @@
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
-use crate::places::{self, StuckRows};
 use crate::row_step::next_row_s;
 use crate::steps;
+use crate::stuck_rows::StuckRows;
+use crate::ways;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 
@@ -82,7 +83,7 @@ pub(crate) fn leave_out(
     let step_m = steps::of_location_m(rows.iter())
         .or_else(|| steps::of_scaled_location_m(rows))
         .unwrap_or_else(|| written_m(rows));
-    let sign = places::heading(rows);
+    let sign = ways::heading(rows);
     let stuck =
         |row: usize| stuck.iter().map(|stuck| [stuck.from, stuck.to]).find(|[from, to]| (*from..=*to).contains(&row));
     let of = |(row, sample): (usize, &Sample)| {
@@ -230,7 +231,7 @@ fn between_m(rows: &[LineRow], [first, last]: [usize; 2]) -> f64 {
 /// How far the train is from the line by its speeds, m.
 fn beside_m(rows: &[LineRow]) -> f64 {
     let read: Option<Vec<[f64; 2]>> = rows.iter().map(|row| Some([row.time_s, row.mps?])).collect();
-    let Some(ways_m) = read.map(|read| places::run_until_m(&read)) else { return 0.0 };
+    let Some(ways_m) = read.map(|read| ways::run_until_m(&read)) else { return 0.0 };
     let (Some(first), Some(last), Some(way_m)) = (rows.first(), rows.last(), ways_m.last()) else { return 0.0 };
     let long_s = last.time_s - first.time_s;
     let off_m = rows.iter().zip(&ways_m).map(|(row, at_m)| at_m - way_m * (row.time_s - first.time_s) / long_s);

@@ -7,7 +7,7 @@ use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::reach::reach_m;
 use crate::row_step::usual_step_s;
-use crate::{clock_set, places};
+use crate::{clock_set, ways};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
 
@@ -164,7 +164,7 @@ impl UsualRows {
         let step_s = usual_step_s(rows);
         let off = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s - step_s);
         let step_s = Figure { value: step_s, sd: spread(off) };
-        Self { step_s, noise_m: places::noise_m(rows, places::heading(rows)) }
+        Self { step_s, noise_m: ways::noise_m(rows, ways::heading(rows)) }
     }
 }
 

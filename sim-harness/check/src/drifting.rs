@@ -12,8 +12,8 @@
 //! only beside locations that were brought back. Leaps of a clock that loses seconds go with the speed, and slips of a
 //! wheel with neither.
 
-use crate::places;
 use crate::row_step::next_row_s;
+use crate::ways;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, spread};
@@ -128,7 +128,7 @@ fn left_m2(leaps: &[[f64; 3]], which: usize) -> f64 {
 }
 
 fn located(rows: &[Sample]) -> Vec<Located> {
-    let sign = places::heading(rows);
+    let sign = ways::heading(rows);
     let of = |(row, sample): (usize, &Sample)| {
         Some(Located { row, at_m: sign * sample.location_m?, mps: sample.speed_mps?, time_s: sample.time_s })
     };
@@ -136,7 +136,7 @@ fn located(rows: &[Sample]) -> Vec<Located> {
 }
 
 fn leaps(rows: &[Located]) -> Vec<Leap> {
-    let ways_m = places::run_until_m(&rows.iter().map(|row| [row.time_s, row.mps]).collect::<Vec<_>>());
+    let ways_m = ways::run_until_m(&rows.iter().map(|row| [row.time_s, row.mps]).collect::<Vec<_>>());
     let step = |i: usize| [rows[i].at_m - rows[i - 1].at_m, ways_m[i] - ways_m[i - 1]];
     // The wheels that give location and speed may differ.
     let usual = median((1..rows.len()).map(step).filter(|[_, way_m]| *way_m > 1.0).map(|[at_m, way_m]| at_m / way_m));
@@ -173,7 +173,7 @@ fn leaps(rows: &[Located]) -> Vec<Leap> {
 
 /// Takes off what has drifted since the last leap; before the first and behind the last one as in all of the run.
 fn bring_back(rows: &mut [Sample], leaps: &[Leap], share: f64) {
-    let sign = places::heading(rows);
+    let sign = ways::heading(rows);
     let begins_m = rows.iter().find_map(|row| row.location_m).map_or(0.0, |m| sign * m);
     for (i, row) in rows.iter_mut().enumerate() {
         let Some(at_m) = row.location_m.map(|m| sign * m) else { continue };

@@ -1,7 +1,7 @@
 //! What the recorder of a train did to its logs: found, measured, put right before anything else looks at them.
 //!
 //! ```text
-//! recordings -> clock -> places -> agreement, run by run -> pooled by recorder -> put right
+//! recordings -> clock -> locations -> agreement, run by run -> pooled by recorder -> put right
 //! ```
 //!
 //! | question | module |
@@ -9,8 +9,13 @@
 //! | did the clock jump, pause? | [`clock`], `clock_set` |
 //! | are rows stamped when they arrive, several at once? | `bursts` |
 //! | does it lose seconds? | [`lost_seconds`] |
-//! | did the location wrap, begin again, stand still? | [`places`] |
+//! | did the odometer wrap, begin again? | [`odometer`] |
+//! | are single locations wild? | `spikes` |
+//! | which readings stay the same? | [`stuck_rows`] |
+//! | does the location stand still? | `stuck_locations` |
 //! | and the speed? | `stuck_speeds`, `stuck_goes_on` |
+//! | did the train go there and back in one log? | `two_directions` |
+//! | which way do the locations grow, how far does a train go between rows? | [`ways`] |
 //! | how far may a train go between two rows? | `reach` |
 //! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
@@ -102,10 +107,10 @@ mod late_rows;
 pub mod limits;
 pub mod line_scale;
 pub mod lost_seconds;
+pub mod odometer;
 mod of_most;
 pub mod own;
 pub mod perturbed;
-pub mod places;
 mod profile;
 mod reach;
 pub mod readings;
@@ -117,11 +122,16 @@ pub mod same;
 mod second_order;
 mod slips;
 mod smoothed;
+mod spikes;
 mod stairs;
 pub mod steps;
 mod stuck_goes_on;
+mod stuck_locations;
+pub mod stuck_rows;
 pub mod stuck_speeds;
 mod trailing;
+mod two_directions;
+pub mod ways;
 mod wheel_change;
 
 use agreement::Figure;

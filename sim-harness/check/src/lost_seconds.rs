@@ -12,8 +12,8 @@
 use crate::agreement::Figure;
 use crate::compared::{BRAKES_MPS2, Compared, Differences, PAIR_S};
 use crate::finding::{Done, Finding, Kind};
-use crate::places;
 use crate::run::{RunCheck, differences};
+use crate::ways;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::spread;
@@ -280,7 +280,7 @@ fn phases(period_s: f64) -> usize {
 
 /// Rows that hold a lost second: where the staircase says, or, if one nearby stands out, there.
 fn lost_at(rows: &[Sample], comb: Comb) -> Vec<usize> {
-    let sign = places::heading(rows);
+    let sign = ways::heading(rows);
     // Metres by location beyond those by speed, and the speed.
     let beyond: Vec<Option<[f64; 2]>> = rows
         .windows(2)

@@ -12,7 +12,7 @@ use crate::correction::Correction;
 use crate::diagnosis::RecorderCheck;
 use crate::finding::{Done, Kind};
 use crate::run::RunCheck;
-use crate::{Known, LEAST_SCALE, SURE, places, put_right};
+use crate::{Known, LEAST_SCALE, SURE, put_right, ways};
 use nalgebra::{Matrix2, Vector2};
 use rundown_files::sample::Sample;
 use std::slice;
@@ -178,7 +178,7 @@ impl Own {
         if self.skew_s == 0.0 {
             return;
         }
-        let sign = places::heading(rows);
+        let sign = ways::heading(rows);
         let travelled = Travelled::of(rows);
         for row in rows.iter_mut() {
             let since_m = travelled.at(row.time_s + self.skew_s) - travelled.at(row.time_s);

@@ -2,8 +2,8 @@
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
-use crate::places;
 use crate::row_step::usual_step_s;
+use crate::spikes::wild;
 use rundown::model::units::KmPerHour;
 use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH, Sample};
 
@@ -45,7 +45,7 @@ pub fn speed_spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let longest_s = 3.5 * usual_step_s(rows);
     let read: Vec<usize> = (0..rows.len()).filter(|i| rows[*i].speed_mps.is_some()).collect();
     let mps = |i: usize| rows[i].speed_mps.unwrap_or_default();
-    let found = places::wild(&read, |[before, first, last, after]| {
+    let found = wild(&read, |[before, first, last, after]| {
         let [into_s, out_s] = [[before, first], [last, after]].map(|[a, b]| rows[b].time_s - rows[a].time_s);
         let dt = into_s.max(out_s);
         let off_mps = (mps(first) - mps(before)).abs().min((mps(last) - mps(after)).abs());

@@ -8,8 +8,8 @@ use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
 use crate::{
-    bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, places, readings, row_step, stairs,
-    stuck_speeds, wheel_change,
+    bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, odometer, readings, row_step, spikes,
+    stairs, stuck_locations, stuck_speeds, two_directions, ways, wheel_change,
 };
 use nalgebra::Vector2;
 use rundown_files::recording::Recording;
@@ -224,16 +224,16 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
         // A single wild speed must not make a straight line look bridged.
         readings::speed_spikes(rows, &mut findings);
         evidence.extend(bridged::leave_out(rows, usual_s, &stuck, &mut findings).map(|text| (Kind::Bridged, text)));
-        places::stuck_locations(rows, &mut findings);
-        places::spikes(rows, &stuck, &mut findings);
-        places::join(rows, &stuck, &mut findings);
+        stuck_locations::leave_out(rows, &mut findings);
+        spikes::location_spikes(rows, &stuck, &mut findings);
+        odometer::join(rows, &stuck, &mut findings);
         if !speed_is_computed {
             // Only beside locations that are right is a speed known to stand still.
             stuck_speeds::leave_out(rows, &mut findings);
             stairs::leave_out(rows, &mut findings);
         }
         effort_stairs::put_right(rows, &mut findings);
-        places::two_directions(rows, &mut findings);
+        two_directions::refuse(rows, &mut findings);
     }
     clock::gaps(rows, &mut findings);
     let step_s = row_step::usual_step_s(rows);
@@ -298,7 +298,7 @@ pub(crate) fn differences(rows: &[Sample], step_s: f64) -> Differences {
 ///
 /// `step_s`: usual time between rows, s.
 pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
-    let sign = places::heading(rows);
+    let sign = ways::heading(rows);
     let longest_s = row_step::longest_step_s(step_s);
     let mut parts: Vec<Vec<Row>> = vec![Vec::new()];
     for row in rows {

@@ -12,8 +12,8 @@
 //! right goes farther than their mean, one that has braked before goes less far. So at least two steps in a row, the
 //! one to the next speed among them, are off towards it, and none by more than that speed would make.
 
-use crate::places::StuckRows;
 use crate::row_step;
+use crate::stuck_rows::StuckRows;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, spread};
 

@@ -13,9 +13,10 @@
 //! from the speed, and the speed leaps behind it as that of no train.
 
 use crate::finding::{Finding, Kind};
-use crate::places::{self, LEAST_STUCK, LEAST_STUCK_M, STUCK_SHARE, StuckRows};
 use crate::steps;
 use crate::stuck_goes_on::{self, LARGEST_MPS2, Steps};
+use crate::stuck_rows::{self, LEAST_STUCK, LEAST_STUCK_M, STUCK_SHARE, StuckRows};
+use crate::ways;
 use rundown_files::sample::Sample;
 
 /// Rows in a row that say the same, and how many show by themselves that the speed stands still.
@@ -48,14 +49,14 @@ const ENDS_NOISE: f64 = 12.0;
 /// Leaves out the speeds that stand still.
 pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let found = found(rows);
-    places::leave_out(rows, &found, Kind::StuckSpeed, findings);
+    stuck_rows::leave_out(rows, &found, Kind::StuckSpeed, findings);
 }
 
 /// Where speeds stand still.
 pub fn found(rows: &[Sample]) -> Vec<StuckRows> {
     let usual = UsualReadings::of(rows);
     let stretches =
-        places::stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, FEWEST_ROWS);
+        stuck_rows::stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, FEWEST_ROWS);
     let steps = Steps::of(rows, usual.sign, usual.fastest_mps);
     let told = stretches.into_iter().filter_map(|mut stuck| {
         let missed_m = steps.as_ref().and_then(|steps| steps.missed_m(rows, &stuck));
@@ -83,16 +84,16 @@ struct UsualReadings {
 
 impl UsualReadings {
     fn of(rows: &[Sample]) -> Self {
-        let sign = places::heading(rows);
+        let sign = ways::heading(rows);
         // Receivers hold their location at a stand.
         let moving: Vec<Sample> =
             rows.iter().filter(|row| row.speed_mps.is_some_and(|mps| mps > 0.0)).copied().collect();
         Self {
             sign,
             step_mps: steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6,
-            noise_m: places::noise_m(&moving, sign),
+            noise_m: ways::noise_m(&moving, sign),
             step_m: steps::of_location_m(rows.iter()).unwrap_or(0.0),
-            fastest_mps: places::fastest_mps(rows),
+            fastest_mps: ways::fastest_mps(rows),
         }
     }
 
@@ -215,7 +216,7 @@ impl Away {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::places::tests::read_at;
+    use crate::odometer::tests::read_at;
 
     /// A second, and what the train does in it: 30 m/s, then this acceleration from second 100 on.
     fn driven(acceleration_mps2: f64) -> Vec<Sample> {

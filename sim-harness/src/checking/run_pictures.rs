@@ -1,7 +1,7 @@
 //! Pictures of one log: its readings against each other, and its clock.
 
 use super::pictures::gaps;
-use rundown_check::{RunCheck, places};
+use rundown_check::{RunCheck, ways};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_pages::chart::{Drawing, Figure, Layer, Panel, Point, Stroke, range_of};
@@ -51,7 +51,7 @@ pub(super) fn readings(run: &RunCheck, recorded: &[Sample], right: &Recording) -
 /// Distance along the track less the integral of the speed, m, from 0 on; the line is broken where a reading is
 /// missing.
 fn less_distance(rows: &[Sample], x_of: &impl Fn(&Sample) -> Option<f64>) -> Vec<Option<Point>> {
-    let sign = places::heading(rows);
+    let sign = ways::heading(rows);
     let mut last: Option<(f64, f64)> = None;
     let mut by_speed_m = 0.0;
     let mut first_m = None;

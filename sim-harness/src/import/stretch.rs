@@ -5,7 +5,7 @@ use super::account::Account;
 use super::geo;
 use super::mapping::RunCuts;
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::{clock, places, stuck_speeds};
+use rundown_check::{clock, odometer, stuck_speeds};
 use rundown_files::sample::{MOST_LOCATION_M, Sample};
 
 /// A train that stood in a gap is no further on, m.
@@ -60,9 +60,9 @@ impl Odometer {
             stretch.rows.iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + self.shift_m));
         }
         let stuck = stuck_speeds::found(&stretch.rows);
-        places::join(&mut stretch.rows, &stuck, findings);
+        odometer::join(&mut stretch.rows, &stuck, findings);
         let wrapped = findings.iter().find(|one| one.kind == Kind::Wrap && one.done == Done::PutRight);
-        stretch.turn_m = wrapped.map(|one| places::turn_m(one.figure.value));
+        stretch.turn_m = wrapped.map(|one| odometer::turn_m(one.figure.value));
         if let Some((last_m, end_m)) = last_m.zip(read_m(stretch)) {
             *self = Self { shift_m: end_m - last_m, end_m };
         }
