@@ -133,8 +133,9 @@ fn needed(columns: &Columns, source: &SourceFile) -> Result<(), String> {
         return Ok(());
     }
     let names: Vec<&str> = source.headers.iter().map(|header| header.written.as_str()).collect();
+    let hint = source.hint_of_signals().unwrap_or_default();
     Err(format!(
-        "expected columns for {}, found {}; {SAY_IT} (with their headers): {}",
+        "expected columns for {}, found {}; {SAY_IT} (with their headers): {}{hint}",
         missing.iter().map(|(_, name)| *name).collect::<Vec<_>>().join(" and "),
         names.join(", "),
         line(missing.iter().map(|(meaning, _)| (*meaning, "HEADER", String::new())))

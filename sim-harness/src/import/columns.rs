@@ -240,7 +240,11 @@ impl Columns {
 
     /// Headers of those without a name that is known, quoted.
     pub fn nameless(&self, headers: &[Header]) -> String {
-        quoted(unused(headers, &self.of).map(|(_, header)| header).filter(|header| meaning_of(header).is_none()))
+        quoted(
+            unused(headers, &self.of)
+                .map(|(_, header)| header)
+                .filter(|header| meaning_of(header).is_none() && !header.name.is_empty()),
+        )
     }
 
     /// What is said of names that stand several times, of which one is used.

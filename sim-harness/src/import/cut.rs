@@ -2,6 +2,7 @@
 
 use super::account::{Account, ROWS_TOO_SHORT};
 use super::mapping::RunCuts;
+use super::speeds::STANDS_MPS;
 use super::stretch::{Stretch, fix};
 use super::{geo, speeds};
 use rundown_check::finding::{Done, Finding, Kind};
@@ -10,13 +11,14 @@ use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 use std::ops::Range;
 
-/// A train that is slower stands, m/s.
-const STANDS_MPS: f64 = 0.3;
+/// A train that is slower comes to a stop, m/s.
 const WALKS_MPS: f64 = 1.5;
 /// Distance by location over that by speed, of one unit, over so many metres: no wheel is off by as much, but noise of
 /// locations adds to the way.
 const ONE_UNIT: Range<f64> = 0.8..1.3;
 const LEAST_WAY_M: f64 = 500.0;
+/// No train runs faster for a whole run, m/s.
+const FASTEST_MPS: f64 = 140.0;
 /// A shorter standing is none at a station, s.
 pub const STOP_S: f64 = 10.0;
 /// What is kept of a long standing on both sides of a cut, s.
@@ -195,16 +197,34 @@ impl Stretch {
                 format!("lines {} to {}: expected 1 as location over speed, found {ratio:.3}", first.line, last.line)
             });
         }
+        if length_m > FASTEST_MPS * seconds {
+            account.place(
+                "runs that are faster than any train by their locations: which unit, which decimal sign?",
+                || {
+                    format!(
+                        "lines {} to {}: found {:.0} km in {:.0} min",
+                        first.line,
+                        last.line,
+                        1e-3 * length_m,
+                        seconds / 60.0
+                    )
+                },
+            );
+        }
         Some(self)
     }
 
     /// Distance by the locations over that by the speeds, where both are read.
     fn location_over_speed(&self) -> Option<f64> {
-        let steps = self.rows.windows(2).filter_map(|pair| {
-            let [a, b] = [&pair[0], &pair[1]];
-            let seconds = b.time_s - a.time_s;
-            let is_read = seconds <= MOST_MEAN_S && !(a.speed_is_computed || b.speed_is_computed);
-            is_read.then_some([(b.location_m? - a.location_m?).abs(), 0.5 * (a.speed_mps? + b.speed_mps?) * seconds])
+        // Either may stand in rows of its own.
+        let speeds = speeds::at_rows(&self.rows);
+        let read = self.rows.iter().zip(&speeds).filter(|(row, _)| !row.speed_is_computed);
+        let located: Vec<[f64; 3]> =
+            read.filter_map(|(row, speed_mps)| Some([row.time_s, row.location_m?, (*speed_mps)?])).collect();
+        let steps = located.windows(2).filter_map(|pair| {
+            let [[a_s, a_m, a_mps], [b_s, b_m, b_mps]] = [pair[0], pair[1]];
+            let seconds = b_s - a_s;
+            (seconds <= MOST_MEAN_S).then_some([(b_m - a_m).abs(), 0.5 * (a_mps + b_mps) * seconds])
         });
         let [by_location, by_speed] = steps.fold([0.0, 0.0], |sum, step| [sum[0] + step[0], sum[1] + step[1]]);
         (by_location.min(by_speed) > LEAST_WAY_M).then(|| by_location / by_speed)

@@ -55,6 +55,7 @@ impl SeenRows {
         let index = |meaning| columns.index(meaning);
         let numbers = EXPECTED.map(index);
         let date = index(Meaning::Date);
+        let splits = [Meaning::Unit, Meaning::Run].map(index);
         let forces = FORCES.map(index);
         // A new file is a new stretch.
         self.begins.push(self.rows.len());
@@ -66,8 +67,14 @@ impl SeenRows {
             if let Event::Row(_, fields) = event {
                 let at = |index: Option<usize>| index.and_then(|index| fields.get(index));
                 let value = |index| value(at(index), columns.decimal);
+                // Another unit than that of the column may stand behind a value.
+                let in_unit = |(meaning, index): (Meaning, Option<usize>)| {
+                    let behind = unit_behind(meaning, at(index), columns.decimal);
+                    let factor = behind.zip(columns.unit(meaning)).map_or(1.0, |(a, b)| a.factor() / b.factor());
+                    value(index).map(|value| factor * value)
+                };
                 let (time, date) = (at(numbers[0]).and_then(text), at(date).and_then(text));
-                let mut read = numbers.map(value);
+                let mut read = std::array::from_fn(|i| in_unit((EXPECTED[i], numbers[i])));
                 // `31 January` is no number.
                 read[0] = read[0].filter(|_| at(numbers[0]).is_some_and(|field| is_plain(field, columns.decimal)));
                 for position in 3..5 {
@@ -75,7 +82,8 @@ impl SeenRows {
                     let angle = number::angle(text, columns.decimal).map(|(angle, _)| angle);
                     read[position] = angle.or(read[position]);
                 }
-                let mut row = WrittenRow { numbers: read, time, date };
+                let mut row =
+                    WrittenRow { numbers: read, time, date, of: splits.map(|index| at(index).and_then(text)) };
                 if columns.is_signed {
                     row.leave_out_sign();
                 }

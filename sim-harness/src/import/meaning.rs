@@ -65,7 +65,7 @@ impl Meaning {
                  local time|epoch|event time|log time|sample time|recording time|seconds|sekunden|ts|created at|elapsed|\
                  elapsed time|fecha y hora|data e ora|tijd|datum en tijd|cas|datum a cas|godzina|czas|data i godzina|tid|\
                  datum och tid|datum tijd|tijdstip|data i czas|znacznik czasu|tidpunkt|tidspunkt|tidsstampel|tidsstempel|\
-                 klockslag|klokkeslett|klokkeslaet|casova znacka|aika|kellonaika|ido|idopont"
+                 klockslag|zeitpunkt|aufzeichnungszeit|klokkeslett|klokkeslaet|casova znacka|aika|kellonaika|ido|idopont"
             }
             Self::Date => "date|datum|tag|jour|fecha|data|giorno|day|dato|paivamaara|paivays",
             Self::Location => {
@@ -83,7 +83,7 @@ impl Meaning {
             Self::Speed => {
                 "speed|velocity|v|geschwindigkeit|v ist|ist geschwindigkeit|fahrgeschwindigkeit|tempo kmh|\
                  vitesse|velocidad|velocita|speed over ground|ground speed|gps speed|spd|v act|actual speed|\
-                 train speed|speedometer|snelheid|rijsnelheid|rychlost|predkosc|hastighet|hastighed|fart|nopeus|\
+                 train speed|vehicle speed|speed act|act speed|speed actual|v actual|speedometer|snelheid|rijsnelheid|rychlost|predkosc|hastighet|hastighed|fart|nopeus|\
                  sebesseg"
             }
             Self::Latitude => {

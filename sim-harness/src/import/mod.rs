@@ -341,6 +341,9 @@ impl ImportOrder {
                         format!("{}:{line}: {message}", source.path.display())
                     });
                 }
+                Event::Lost(line, what, message) => {
+                    account.place(what, || format!("{}:{line}: {message}", source.path.display()));
+                }
                 Event::Ragged(line, fields) => converter.ragged(line, fields, account),
                 Event::Sheet(name) => {
                     converter.sheet(&source.path, name);

@@ -5,6 +5,10 @@
 use rundown_check::row_step::MOST_MEAN_S;
 use rundown_files::sample::Sample;
 
+/// A train that is slower stands, m/s, as long as no location is further off, m.
+pub const STANDS_MPS: f64 = 0.3;
+const STAYS_M: f64 = 60.0;
+
 /// Row by row.
 pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
     let mut speeds: Vec<Option<f64>> = rows.iter().map(|row| row.speed_mps).collect();
@@ -13,7 +17,8 @@ pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
     for pair in read.windows(2) {
         let [(a, a_mps), (b, b_mps)] = [pair[0], pair[1]];
         let long_s = rows[b].time_s - rows[a].time_s;
-        if (f64::MIN_POSITIVE..=MOST_MEAN_S).contains(&long_s) {
+        let is_near = (f64::MIN_POSITIVE..=MOST_MEAN_S).contains(&long_s);
+        if is_near || a_mps.max(b_mps) < STANDS_MPS && stays(rows, [a, b]) {
             for i in a + 1..b {
                 let share = ((rows[i].time_s - rows[a].time_s) / long_s).clamp(0.0, 1.0);
                 speeds[i] = Some(a_mps + share * (b_mps - a_mps));
@@ -27,6 +32,16 @@ pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
         }
     }
     speeds
+}
+
+/// No location from before row `a` to behind row `b` is elsewhere.
+fn stays(rows: &[Sample], [a, b]: [usize; 2]) -> bool {
+    let is_located = |row: &Sample| row.location_m.is_some();
+    let from = rows[..=a].iter().rposition(is_located).unwrap_or(a);
+    let to = rows[b..].iter().position(is_located).map_or(b, |behind| b + behind);
+    let located = rows[from..=to].iter().filter_map(|row| row.location_m);
+    let (low, high) = located.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)));
+    (0.0..STAYS_M).contains(&(high - low))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::geo;
 use super::mapping::RunCuts;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_check::{clock, odometer, stuck_speeds};
-use rundown_files::sample::{MOST_LOCATION_M, Sample};
+use rundown_files::sample::{COLUMNS, MOST_LOCATION_M, Sample};
 
 /// A train that stood in a gap is no further on, m.
 const STOOD_M: f64 = 300.0;
@@ -118,6 +118,7 @@ impl Stretch {
         let mut findings = Vec::new();
         clock::put_right(&mut self.rows, &mut findings);
         put_down(&findings, account);
+        self.join_halves(account);
         let (mut last, mut keep, mut elsewhere): (Option<&Sample>, Vec<bool>, u64) = (None, Vec::new(), 0);
         for row in &self.rows {
             let is_later = last.is_none_or(|last| row.time_s > last.time_s);
@@ -132,6 +133,29 @@ impl Stretch {
         if 2 * elsewhere > left_out && elsewhere > LEAST_ELSEWHERE {
             account.count(OF_ANOTHER_TRAIN, elsewhere);
         }
+    }
+
+    /// Rows of the same time of which one has what the other lacks are one row.
+    fn join_halves(&mut self, account: &mut Account) {
+        let mut keep = vec![true; self.rows.len()];
+        for i in 1..self.rows.len() {
+            let [before, row] = [self.rows[i - 1], self.rows[i]];
+            let is_half = before.time_s == row.time_s && before.speed_is_computed == row.speed_is_computed;
+            let adds = COLUMNS[1..].iter().filter(|column| (column.get)(&row).is_some());
+            let is_new = adds.clone().all(|column| (column.get)(&before).is_none()) && adds.clone().count() > 0;
+            if is_half && is_new {
+                for column in adds {
+                    (column.get)(&row).into_iter().for_each(|value| (column.set)(&mut self.rows[i - 1], value));
+                }
+                // What comes behind may be a third part.
+                self.rows[i] = Sample { line: row.line, ..self.rows[i - 1] };
+                self.altitudes_m[i] = self.altitudes_m[i - 1].or(self.altitudes_m[i]);
+                keep[i - 1] = false;
+            }
+        }
+        let joined = keep.iter().filter(|keep| !**keep).count() as u64;
+        self.keep(&keep);
+        account.count("rows of the same time with other readings, joined", joined);
     }
 
     /// A logger that is faster than its receiver writes each reading several times, with later times: the first of them

@@ -3,11 +3,12 @@
 use super::super::columns::Columns;
 use super::super::meaning::Meaning;
 use super::super::units::{self, Unit};
-use super::EXPECTED;
 use super::ratios::{Passing, longest, ratios, usual};
 use super::written::WrittenRow;
+use super::{EXPECTED, ROWS};
 use rundown_files::statistics::median;
 use rundown_pages::numbers::counted;
+use std::collections::BTreeMap;
 
 /// Steps that make a stretch over which distances are compared, and stretches that decide.
 pub(super) const STEPS: usize = 20;
@@ -21,6 +22,8 @@ pub(super) const ALIKE: f64 = 0.2;
 pub(super) const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
 const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 
+/// Clocks that are set, and midnights, are fewer than one step in so many.
+const MANY_BACK: usize = 20;
 /// Where a row has it.
 const SPEED: usize = 2;
 
@@ -64,7 +67,7 @@ pub(super) fn stretches(all: &[WrittenRow], columns: &Columns) -> Result<Stretch
         short = short.or_else(|| long.is_none().then(|| counted(STEPS, false)).flatten().filter(alike));
     }
     long.or(short).ok_or_else(|| match without_numbers(all, columns) {
-        Some(header) => format!("column {header:?} holds no number that can be read"),
+        Some(header) => format!("column {header:?} holds no number that can be read{}", within(all.len())),
         None if !columns.has(Meaning::Speed) => "no column has a speed".to_owned(),
         None if together < STEPS * LEAST_STRETCHES => {
             format!("time, speed and location stand together in {} only", counted(together, "row", "rows"))
@@ -78,24 +81,46 @@ pub(super) fn stretches(all: &[WrittenRow], columns: &Columns) -> Result<Stretch
 /// Rows of each file that have time, place and speed: where columns are sparse others stand between them.
 pub(super) fn pieces(all: &[WrittenRow], columns: &Columns) -> Vec<Vec<Passing>> {
     let begins = |row: &WrittenRow| row.time.is_none() && row.numbers[0].is_none();
-    all.split(begins).map(|rows| passings(rows, columns)).collect()
+    all.split(begins).flat_map(|rows| of_trains(rows).into_iter().map(|rows| passings(&rows, columns))).collect()
 }
 
-/// Rows of one file. Where the speed hardly ever stands beside the place, it is that of the row before.
-fn passings(rows: &[WrittenRow], columns: &Columns) -> Vec<Passing> {
+/// Rows of one file by unit and run: several may take turns.
+fn of_trains(rows: &[WrittenRow]) -> Vec<Vec<&WrittenRow>> {
+    let mut trains: BTreeMap<&[Option<String>; 2], Vec<&WrittenRow>> = BTreeMap::new();
+    rows.iter().for_each(|row| trains.entry(&row.of).or_default().push(row));
+    trains.into_values().collect()
+}
+
+/// Rows of one train. The newest may be written first, or one sheet hold another signal than the next.
+fn passings(rows: &[&WrittenRow], columns: &Columns) -> Vec<Passing> {
+    let mut passings = joined(rows, columns);
+    let back = passings.windows(2).filter(|pair| pair[1].time < pair[0].time).count();
+    if MANY_BACK * back > passings.len() {
+        passings.sort_by(|a, b| a.time.total_cmp(&b.time));
+    }
+    passings
+}
+
+/// Where the speed hardly ever stands beside the place, it is that of the row before.
+fn joined(rows: &[&WrittenRow], columns: &Columns) -> Vec<Passing> {
     let together: Vec<Passing> = rows.iter().filter_map(|row| row.passing(columns)).collect();
     let with_speed = rows.iter().filter(|row| row.numbers[SPEED].is_some()).count();
     if 2 * together.len() >= with_speed {
         return together;
     }
     let mut last = None;
-    let with_last = |row: &WrittenRow| {
+    let with_last = |row: &&WrittenRow| {
         last = row.numbers[SPEED].or(last);
-        let mut row = row.clone();
+        let mut row = (*row).clone();
         row.numbers[SPEED] = last;
         row.passing(columns)
     };
     rows.iter().filter_map(with_last).collect()
+}
+
+/// What was looked at, where that may not be all.
+fn within(rows: usize) -> String {
+    if rows < ROWS { String::new() } else { format!(" in the first {ROWS} rows") }
 }
 
 /// A column that says where the train is or how fast, without a number in any row.

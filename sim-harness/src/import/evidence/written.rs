@@ -14,6 +14,8 @@ pub(super) struct WrittenRow {
     pub(super) numbers: [Option<f64>; 5],
     pub(super) time: Option<String>,
     pub(super) date: Option<String>,
+    /// What splits the rows: unit and run.
+    pub(super) of: [Option<String>; 2],
 }
 
 impl WrittenRow {

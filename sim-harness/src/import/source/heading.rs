@@ -8,7 +8,7 @@ use crate::import::units;
 pub fn known_in(row: &[String], named: &[String]) -> usize {
     let names: Vec<String> = row.iter().map(|text| units::split(text).0).collect();
     let by_mapping = row.iter().filter(|text| named.iter().any(|name| name.trim() == text.trim())).count();
-    Meaning::of_names(&names).len() + signals::known_in(row) + 4 * by_mapping
+    Meaning::of_names(&names).len() + signals::known_in(row, named) + 4 * by_mapping
 }
 
 /// The row that looks like a header: its index, and how many of its names are known. `named` are those of the mapping.

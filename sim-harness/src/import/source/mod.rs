@@ -12,6 +12,8 @@ mod sheet;
 mod signals;
 mod unpacked;
 
+use super::mapping::{SAY_IT, line};
+use super::meaning::Meaning;
 use super::number;
 use parts::Parts;
 use row::{Each, Event, Header, Layout, RowField, SourceFormat};
@@ -81,6 +83,15 @@ fn format_of(path: &Path) -> Result<SourceFormat, ReadError> {
     })
 }
 
+/// A column of numbers that are read.
+fn named_or_known(header: &Header, named: &[String]) -> bool {
+    let meaning = Meaning::of_names(std::slice::from_ref(&header.name));
+    let is_number = |(meaning, _): &(Meaning, usize)| {
+        !matches!(meaning, Meaning::Time | Meaning::Date | Meaning::Unit | Meaning::Run)
+    };
+    meaning.iter().any(is_number) || named.iter().any(|name| name.trim() == header.written)
+}
+
 impl SourceFile {
     /// Finds what the file does not say. `named` are columns that the mapping names.
     ///
@@ -90,6 +101,9 @@ impl SourceFile {
         log::info!("read {}", path.display());
         let format = wanted.format.map_or_else(|| format_of(path), Ok)?;
         let plain = Layout { format: Some(format), ..wanted.clone() };
+        // They stand in the header as the others do.
+        let columns = named.iter().chain(&wanted.signal).chain(&wanted.value).cloned();
+        let named = &columns.collect::<Vec<_>>();
         let mut sheets = Sheets::default();
         let (layout, written) = match format {
             SourceFormat::Csv => csv::open(path, &plain, named)?,
@@ -111,23 +125,29 @@ impl SourceFile {
         }
         source.parts = parts::join(&mut source.headers);
         if source.layout.decimal.is_none() && !is_of_standard {
-            source.layout.decimal = Some(source.decimal()?);
+            source.layout.decimal = Some(source.decimal(named)?);
         }
         Ok(source)
     }
 
     /// That each row has one signal, where it is so.
     pub fn words_of_signals(&self) -> Option<String> {
-        let signals = self.signals.as_ref()?.count();
+        let signals = self.signals.as_ref()?;
         let column = self.layout.signal.as_deref().unwrap_or_default();
-        Some(format!(
-            "each row has one of {signals} signals (column {column:?}); those of one time are read as one row"
-        ))
+        let unused = signals.unused.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+        let unused = if unused.is_empty() { unused } else { format!("; not used: {unused}") };
+        let count = signals.count;
+        Some(format!("each row has one of {count} signals (column {column:?}); those of one time are one row{unused}"))
+    }
+
+    /// That each row may have one, where it is not read so.
+    pub fn hint_of_signals(&self) -> Option<&'static str> {
+        signals::hint(&self.headers).filter(|_| self.signals.is_none())
     }
 
     /// Whether each row has one signal.
     fn find_signals(&mut self, named: &[String]) -> Result<(), ReadError> {
-        let Some(columns) = SignalColumns::find(&self.written, &self.layout, named) else {
+        let Some(columns) = SignalColumns::find(&self.written, &self.layout) else {
             let stated = self.layout.signal.iter().chain(&self.layout.value);
             let missing = stated.filter(|name| !self.written.iter().any(|header| header.written == name.trim()));
             return missing.clone().next().map_or(Ok(()), |name| {
@@ -135,8 +155,19 @@ impl SourceFile {
                 Err(row::refused(&self.path, format!("layout: expected one of {}, found {name:?}", names.join(", "))))
             });
         };
-        let [signal, value] = columns.names(&self.written);
-        if let Some((signals, headers)) = columns.read(&self.written, |each| self.as_written(each))? {
+        let ([signal, value], is_stated) = (columns.names(&self.written), self.layout.signal.is_some());
+        let found = columns.read(&self.written, named, is_stated, |each| self.as_written(each))?;
+        if let Some((signals, headers)) = found {
+            if let Some((name, beside, rows)) = &signals.beside {
+                let remedy = signals.unused.first().map_or_else(String::new, |unused| {
+                    let columns = line([(Meaning::Unit, unused.as_str(), String::new())]);
+                    format!("; is it {}? {SAY_IT}: {columns}", signals.unused.join(" or "))
+                });
+                let expected =
+                    format!("expected one value of {name} at a time, found another in {beside} of {rows} rows");
+                let why = "several trains, or sources, which need a column that tells them apart";
+                return Err(row::refused(&self.path, format!("{expected}: {why}{remedy}")));
+            }
             (self.layout.signal, self.layout.value) = (Some(signal), Some(value));
             (self.signals, self.headers) = (Some(signals), headers);
         }
@@ -145,11 +176,15 @@ impl SourceFile {
 
     /// The decimal sign of the first texts: cells of a sheet, or values of JSON, may be texts as the fields of a CSV
     /// are.
-    fn decimal(&self) -> Result<char, ReadError> {
+    fn decimal(&self, named: &[String]) -> Result<char, ReadError> {
         let (mut texts, mut left) = (Vec::new(), DECIDING);
+        // Versions and addresses have points, too.
+        let is_read = |index: usize| self.headers.get(index).is_some_and(|header| named_or_known(header, named));
+        let any = !(0..self.headers.len()).any(is_read);
         self.joined(&mut |event| {
             if let Event::Row(_, fields) = event {
-                texts.extend(fields.iter().filter_map(|field| match field {
+                let read = fields.iter().enumerate().filter(|(index, _)| any || is_read(*index));
+                texts.extend(read.filter_map(|(_, field)| match field {
                     RowField::Text(text) => Some(text.clone()),
                     RowField::Empty | RowField::Number(_) => None,
                 }));

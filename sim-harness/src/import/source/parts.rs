@@ -19,7 +19,8 @@ const THOUSANDTHS: &str =
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
     of: Meaning,
-    indices: [usize; 3],
+    /// Hour, minute and second, year, month and day, or a time of whole seconds.
+    indices: Vec<usize>,
     thousandths: Option<usize>,
 }
 
@@ -51,8 +52,11 @@ fn find(headers: &[Header], of: Meaning, names: [&str; 3]) -> Option<Parts> {
         headers.iter().position(is_named)
     };
     let [first, second, third] = names.map(position);
-    let indices = [first?, second?, third?];
     let thousandths = position(THOUSANDTHS).filter(|_| of == Meaning::Time);
+    let [Some(first), Some(second), Some(third)] = [first, second, third] else {
+        return whole_beside(headers, of, thousandths?);
+    };
+    let indices = vec![first, second, third];
     let others =
         headers.iter().enumerate().filter(|(index, _)| !indices.contains(index) && Some(*index) != thousandths);
     let others: Vec<String> = others.map(|(_, header)| header.name.clone()).collect();
@@ -60,9 +64,17 @@ fn find(headers: &[Header], of: Meaning, names: [&str; 3]) -> Option<Parts> {
     (!is_there).then_some(Parts { of, indices, thousandths })
 }
 
+/// A whole time whose thousandths stand in a column of their own.
+fn whole_beside(headers: &[Header], of: Meaning, thousandths: usize) -> Option<Parts> {
+    let names: Vec<String> = headers.iter().map(|header| header.name.clone()).collect();
+    let (_, time) = Meaning::of_names(&names).into_iter().find(|(meaning, _)| *meaning == of)?;
+    let is_number = headers[time].unit.is_some();
+    (time != thousandths && !is_number).then(|| Parts { of, indices: vec![time], thousandths: Some(thousandths) })
+}
+
 impl Parts {
     fn columns(&self) -> impl Iterator<Item = usize> {
-        self.indices.into_iter().chain(self.thousandths)
+        self.indices.iter().copied().chain(self.thousandths)
     }
 
     /// The field of the column that they make: `9:34:56.250`, `2025-1-31`; empty where a part is missing.
@@ -72,9 +84,28 @@ impl Parts {
             RowField::Text(text) => Some(text.trim().to_owned()),
             RowField::Empty => None,
         };
-        let [Some(first), Some(second), Some(third)] = self.indices.map(part) else { return RowField::Empty };
+        if let [time] = self.indices[..] {
+            let field = row.get(time).cloned().unwrap_or(RowField::Empty);
+            return self
+                .thousandths
+                .and_then(part)
+                .map_or(field.clone(), |thousandths| with_thousandths(field, &thousandths));
+        }
+        let [Some(first), Some(second), Some(third)] = [0, 1, 2].map(|at| part(*self.indices.get(at)?)) else {
+            return RowField::Empty;
+        };
         let sign = if self.of == Meaning::Date { '-' } else { ':' };
         let behind = self.thousandths.and_then(part).map_or(String::new(), |thousandths| format!(":{thousandths}"));
         RowField::Text(format!("{first}{sign}{second}{sign}{third}{behind}"))
     }
+}
+
+/// `10:00:00` and `250` are `10:00:00.250`; a time that has its fraction, no seconds or an offset stays as it is.
+fn with_thousandths(field: RowField, thousandths: &str) -> RowField {
+    let RowField::Text(time) = &field else { return field };
+    let Some(number) = thousandths.parse::<u32>().ok().filter(|number| *number < 1000) else { return field };
+    let end = time.rfind(|c: char| c.is_ascii_digit()).map_or(0, |last| last + 1);
+    let colons = time.matches(':').count();
+    let is_whole = colons == 2 && !time.contains(['.', ',', '+']);
+    if is_whole { RowField::Text(format!("{}.{number:03}{}", &time[..end], &time[end..])) } else { field }
 }

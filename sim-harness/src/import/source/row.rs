@@ -19,6 +19,8 @@ pub enum Event<'a> {
     Row(u64, &'a [RowField]),
     /// Something that is no row: line, what was expected and found.
     Bad(u64, String),
+    /// A value that is left out: line, why, what was expected and found.
+    Lost(u64, &'static str, String),
     /// The row that comes next has fewer or more fields than the header: line, how many the header and it have.
     Ragged(u64, (usize, usize)),
     /// The rows of another sheet begin.
