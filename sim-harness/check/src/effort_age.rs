@@ -22,8 +22,9 @@ use rundown_files::statistics::{median_of, spread};
 
 /// A window is at least so long, s.
 const WINDOW_S: f64 = 4.0;
-/// Ages that are tried, s; of rows far apart, twice their distance.
-const MOST_S: f64 = 12.0;
+/// Ages that are tried, s, and where rows are far apart, in their distances. The last few are not told from larger ones.
+const MOST_S: f64 = 17.0;
+const MOST_ROWS: f64 = 2.7;
 /// Fewer windows of a moving train say nothing.
 const LEAST_WINDOWS: usize = 60;
 /// Efforts that change by less within the ages that are tried may follow a gradient. Holding the speed over 10 permille
@@ -203,7 +204,7 @@ pub(crate) fn of_run(run: Asked<'_>, reading: Reading) -> Option<Age> {
 }
 
 fn of_changes(Asked { rows, step_s, line }: Asked<'_>, reading: Reading, least: LeastChange) -> Option<Age> {
-    let most_s = MOST_S.max(2.0 * step_s);
+    let most_s = MOST_S.max(MOST_ROWS * step_s);
     let stretches = stretches(rows, step_s);
     let windows = windows(&stretches, line, most_s + step_s, least);
     if windows.len() < LEAST_WINDOWS {

@@ -76,24 +76,24 @@ fn an_effort_of_the_age_of_the_speed_is_left_alone() {
     }
 }
 
-/// A freight train that powers with 0.06 N/kg or coasts: three runs of rows 10 s apart, with means that are so many
-/// rows late.
-fn freight(seed: u32, late: usize) -> Vec<Recording> {
+/// A freight train that powers with 0.06 N/kg or coasts: three runs, with means that are so many rows late.
+fn freight(seed: u32, late: usize, step_s: u32) -> Vec<Recording> {
     let run = |number: u32| {
         let (mut location_m, mut speed_mps, mut powers) = (0.0, 15.0 + f64::from((seed + number) % 4), true);
         let (mut efforts, mut rows) = (vec![0.0; late], Vec::new());
-        for row in 0..900 {
+        for row in 0..9000 / step_s {
             let mut sum = 0.0;
-            for _ in 0..10 {
-                powers = if powers { speed_mps < 22.0 } else { speed_mps < 16.0 - f64::from(row % 3) };
+            for _ in 0..step_s {
+                let slowest_mps = 16.0 - f64::from(row % 3);
+                powers = if powers { speed_mps < 22.0 } else { speed_mps < slowest_mps };
                 let effort = if powers { 0.06 } else { 0.0 };
                 let after_mps = speed_mps + effort - 0.012 - 2e-5 * speed_mps * speed_mps;
                 location_m += 0.5 * (speed_mps + after_mps);
                 (speed_mps, sum) = (after_mps, sum + effort);
             }
-            efforts.push(0.1 * sum);
+            efforts.push(sum / f64::from(step_s));
             rows.push(Sample {
-                time_s: 10.0 * f64::from(row + 1),
+                time_s: f64::from(step_s * (row + 1)),
                 location_m: Some(location_m),
                 speed_mps: Some((36.0 * speed_mps).round() / 36.0),
                 effort_n_per_kg: Some(efforts[row as usize]),
@@ -107,8 +107,8 @@ fn freight(seed: u32, late: usize) -> Vec<Recording> {
 
 #[test]
 fn small_efforts_that_are_late_by_whole_rows_are_moved_by_these() {
-    for (seed, late) in (0..4).flat_map(|seed| [(seed, 0), (seed, 1)]) {
-        let mut recordings = freight(seed, late);
+    for (seed, late, step_s) in (0..4).flat_map(|seed| [(seed, 0, 10), (seed, 1, 10), (seed, 0, 5), (seed, 2, 5)]) {
+        let mut recordings = freight(seed, late, step_s);
         let found = check_for_replay(&mut recordings);
         let finding = find(&found, Kind::EffortLate);
         if late == 0 {
@@ -116,8 +116,9 @@ fn small_efforts_that_are_late_by_whole_rows_are_moved_by_these() {
             continue;
         }
         let finding = finding.unwrap_or_else(|| panic!("{seed} {late}: {:?}", found.notes()));
-        assert!((finding.figure.value - 10.0 * late as f64).abs() < 1.0 && finding.done == Done::PutRight, "{finding}");
-        for (moved, truth) in recordings.iter().zip(freight(seed, 0)) {
+        let late_s = f64::from(step_s) * late as f64;
+        assert!((finding.figure.value - late_s).abs() < 1.0 && finding.done == Done::PutRight, "{finding}");
+        for (moved, truth) in recordings.iter().zip(freight(seed, 0, step_s)) {
             let (moved_rows, lost) = moved.rows.split_at(moved.rows.len() - late);
             let pairs = moved_rows.iter().zip(&truth.rows);
             assert!(pairs.clone().all(|(a, b)| a.effort_n_per_kg == b.effort_n_per_kg), "{seed} {late}");
