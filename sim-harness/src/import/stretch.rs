@@ -120,37 +120,39 @@ impl Stretch {
         put_down(&findings, account);
         self.join_halves(account);
         let (mut last, mut keep, mut elsewhere): (Option<&Sample>, Vec<bool>, u64) = (None, Vec::new(), 0);
+        let mut located = 0;
         for row in &self.rows {
             let is_later = last.is_none_or(|last| row.time_s > last.time_s);
             let apart_m = last.and_then(|last| Some((row.location_m? - last.location_m?).abs()));
             elsewhere += u64::from(!is_later && apart_m.is_some_and(|metres| metres > STOOD_M));
+            located += u64::from(!is_later && apart_m.is_some());
             keep.push(is_later);
             last = if is_later { Some(row) } else { last };
         }
         let left_out = keep.iter().filter(|keep| !**keep).count() as u64;
         self.keep(&keep);
         account.count("rows with a time that was there before, left out", left_out);
-        if 2 * elsewhere > left_out && elsewhere > LEAST_ELSEWHERE {
+        if 2 * elsewhere > located && elsewhere > LEAST_ELSEWHERE {
             account.count(OF_ANOTHER_TRAIN, elsewhere);
         }
     }
 
-    /// Rows of the same time of which one has what the other lacks are one row.
+    /// Rows of the same time of which one has what the other lacks are one row. One that says something else is of
+    /// another train, or comes too often: it stays what it is.
     fn join_halves(&mut self, account: &mut Account) {
-        let mut keep = vec![true; self.rows.len()];
+        let (mut keep, mut first) = (vec![true; self.rows.len()], 0);
         for i in 1..self.rows.len() {
-            let [before, row] = [self.rows[i - 1], self.rows[i]];
-            let is_half = before.time_s == row.time_s && before.speed_is_computed == row.speed_is_computed;
-            let adds = COLUMNS[1..].iter().filter(|column| (column.get)(&row).is_some());
-            let is_new = adds.clone().all(|column| (column.get)(&before).is_none()) && adds.clone().count() > 0;
-            if is_half && is_new {
-                for column in adds {
-                    (column.get)(&row).into_iter().for_each(|value| (column.set)(&mut self.rows[i - 1], value));
-                }
-                // What comes behind may be a third part.
-                self.rows[i] = Sample { line: row.line, ..self.rows[i - 1] };
-                self.altitudes_m[i] = self.altitudes_m[i - 1].or(self.altitudes_m[i]);
-                keep[i - 1] = false;
+            let [before, row] = [self.rows[first], self.rows[i]];
+            if before.time_s != row.time_s || before.speed_is_computed != row.speed_is_computed {
+                first = i;
+                continue;
+            }
+            let read: Vec<_> = COLUMNS[1..].iter().filter_map(|one| Some((one, (one.get)(&row)?))).collect();
+            let is_new = !read.is_empty() && read.iter().all(|(one, _)| (one.get)(&before).is_none());
+            if is_new {
+                read.iter().for_each(|(one, value)| (one.set)(&mut self.rows[first], *value));
+                self.altitudes_m[first] = self.altitudes_m[first].or(self.altitudes_m[i]);
+                keep[i] = false;
             }
         }
         let joined = keep.iter().filter(|keep| !**keep).count() as u64;

@@ -239,8 +239,12 @@ fn a_speed_that_no_name_tells_is_taken_by_its_unit() {
 #[test]
 fn a_limit_is_no_speed_and_the_note_has_the_line_that_takes_another_column() {
     let folder = Folder::new();
-    let (said, _) = imported(&folder, "t [s],x [m],Limit [km/h],Abiadura", |_| 100.0);
-    assert!(said.err.contains("\"Limit [km/h]\" has the unit of a speed without being one"), "{said:?}");
+    let (said, _) = imported(&folder, "t [s],x [m],Muga [km/h],Abiadura", |_| 100.0);
+    assert!(said.err.contains("\"Muga [km/h]\" has the unit of a speed without being one"), "{said:?}");
+    // One that says what it is needs no test: in this one it follows the speed.
+    let folder = Folder::new();
+    let (said, _) = imported(&folder, "t [s],x [m],target_speed [km/h],Abiadura", |v| 3.6 * v);
+    assert!(said.err.contains("columns.speed = { name = \"Abiadura\" }"), "{said:?}");
     let folder = Folder::new();
     let (said, _) = imported(&folder, "t [s],x [m],Abiadura,Status", |v| 3.6 * v);
     assert_eq!(said.code, Some(0), "{said:?}");

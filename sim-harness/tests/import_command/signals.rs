@@ -262,6 +262,68 @@ fn rows_of_one_time_with_other_readings_are_one_row() {
 }
 
 #[test]
+fn a_speed_that_is_written_twice_in_a_second_takes_no_location_with_it() {
+    let text = table("t [s],odometer [m],speed [km/h]", &drive(&STOPS_M, 25.0), |t, x, v| {
+        format!("{t},,{:.1}\n{t},,{:.1}\n{t},{x:.1},", 3.6 * v, 3.6 * v + 0.1)
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv"]);
+    assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
+    // The same in a table of signals; and no several trains.
+    let text = table("t [s],tag,value", &drive(&STOPS_M, 25.0), |t, x, v| {
+        let speed = |more: f64| format!("{t},speed [km/h],{:.1}", 3.6 * v + more);
+        format!("{}\n{}\n{t},odometer [m],{x:.1}", speed(0.0), speed(0.1))
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv"]);
+    assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
+}
+
+#[test]
+fn two_trains_with_a_row_for_each_reading_are_said() {
+    let text = table("t [s],odometer [m],speed [km/h]", &drive(&STOPS_M, 25.0), |t, x, v| {
+        let kmh = 3.6 * v;
+        format!("{t},{x:.1},\n{t},,{kmh:.1}\n{t},{:.1},\n{t},,{:.1}", x + 9000.0, kmh + 1.0)
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    let said = folder.rundown(&["import", "a.csv"]);
+    assert!(said.out.contains("another train?"), "{}{}", said.out, said.err);
+}
+
+#[test]
+fn a_train_number_holds_for_its_vehicle() {
+    let text = table("t [s],vehicle,tag,value", &drive(&STOPS_M, 25.0), |t, x, v| {
+        let of = |vehicle: u32, x: f64| {
+            let number =
+                if t % 50.0 == 0.0 { format!("\n{t},{vehicle},train,{}", 10 * vehicle) } else { String::new() };
+            format!("{t},{vehicle},odometer [m],{x:.1}\n{t},{vehicle},speed [km/h],{:.1}{number}", 3.6 * v)
+        };
+        format!("{}\n{}", of(94, x), of(95, x + 30_000.0))
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv"]);
+    for (number, from) in [("940", 0.0), ("950", 30_000.0)] {
+        let made = csv(&folder, &format!("runs/a_{number}_01.csv"));
+        assert_eq!((made.len(), made[0][1]), (usual().len(), from));
+    }
+}
+
+#[test]
+fn the_unit_of_a_signal_is_the_first_that_it_may_have_and_a_state_of_the_train_is_no_quality() {
+    let text = table("t [s],tag,value,unit,status", &drive(&STOPS_M, 25.0), |t, x, v| {
+        let unit = if t < 20.0 { "%" } else { "km/h" };
+        let status = if t < 300.0 { "error" } else { "driving" };
+        format!("{t},odometer,{x:.1},m,{status}\n{t},speed,{:.1},{unit},{status}", 3.6 * v)
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    let said = folder.done(&["import", "a.csv"]);
+    let (made, usual) = (csv(&folder, "runs/a_01.csv"), usual());
+    assert_eq!(made[20..], usual[20..]);
+    assert!(made[..20].iter().all(|row| row[2].is_nan()));
+    assert!(said.err.contains("not used: \"status\""), "{}", said.err);
+}
+
+#[test]
 fn thousandths_of_a_second_may_have_a_column_of_their_own() {
     let text = table("Time;ms;odometer [m];speed [km/h]", &drive(&STOPS_M, 25.0), |t, x, v| {
         format!("2025-03-03 {};250;{x:.1};\n2025-03-03 {};750;;{:.1}", clock(t), clock(t), 3.6 * v)

@@ -22,8 +22,8 @@ pub(super) const ALIKE: f64 = 0.2;
 pub(super) const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
 const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 
-/// Clocks that are set, and midnights, are fewer than one step in so many.
-const MANY_BACK: usize = 20;
+/// More steps back of the clock than this share are those of a file with the newest row first.
+const NEWEST_FIRST: f64 = 0.9;
 /// Where a row has it.
 const SPEED: usize = 2;
 
@@ -91,12 +91,12 @@ fn of_trains(rows: &[WrittenRow]) -> Vec<Vec<&WrittenRow>> {
     trains.into_values().collect()
 }
 
-/// Rows of one train. The newest may be written first, or one sheet hold another signal than the next.
+/// Rows of one train. The newest may be written first.
 fn passings(rows: &[&WrittenRow], columns: &Columns) -> Vec<Passing> {
     let mut passings = joined(rows, columns);
     let back = passings.windows(2).filter(|pair| pair[1].time < pair[0].time).count();
-    if MANY_BACK * back > passings.len() {
-        passings.sort_by(|a, b| a.time.total_cmp(&b.time));
+    if back as f64 > NEWEST_FIRST * passings.len() as f64 {
+        passings.reverse();
     }
     passings
 }

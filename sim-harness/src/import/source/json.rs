@@ -5,6 +5,7 @@
 
 use super::csv;
 use super::row::{self, Each, Event, Header, RowField};
+use super::tags;
 use rundown_files::refusal::ReadError;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -142,15 +143,10 @@ pub fn headers(path: &Path) -> Result<Vec<Header>, ReadError> {
     if names.is_empty() {
         return Err(row::refused(path, format!("expected objects, found none in the first {SNIFFED} lines")));
     }
-    Ok(names
-        .iter()
-        .map(|name| {
-            // `gps.lat` is a latitude.
-            let mut header = Header::new(name.rsplit('.').next().unwrap_or(name));
-            header.written.clone_from(name);
-            header
-        })
-        .collect())
+    // `gps.lat` is a latitude.
+    let mut headers: Vec<Header> = names.iter().map(|name| Header::new(name)).collect();
+    tags::name(&mut headers);
+    Ok(headers)
 }
 
 pub fn rows(path: &Path, headers: &[Header], each: &mut Each) -> Result<(), ReadError> {

@@ -3,6 +3,7 @@
 mod csv;
 mod gpx;
 mod heading;
+mod joined_rows;
 mod json;
 mod nmea;
 mod parquet;
@@ -10,6 +11,8 @@ mod parts;
 pub mod row;
 mod sheet;
 mod signals;
+mod tags;
+mod thousandths;
 mod unpacked;
 
 use super::mapping::{SAY_IT, line};
@@ -23,6 +26,8 @@ use sheet::Sheets;
 use signals::{SignalColumns, Signals};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+pub use tags::is_else;
+use thousandths::Thousandths;
 pub use unpacked::{are_equal, name as unpacked_name};
 
 /// Rows that decide the decimal sign.
@@ -37,6 +42,7 @@ pub struct SourceFile {
     pub headers: Vec<Header>,
     /// Those of the file.
     written: Vec<Header>,
+    thousandths: Option<Thousandths>,
     signals: Option<Signals>,
     parts: Vec<Parts>,
     /// Of a workbook.
@@ -118,9 +124,11 @@ impl SourceFile {
             SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
         let (path, headers) = (path.to_owned(), written.clone());
-        let mut source = Self { path, layout, headers, written, signals: None, parts: Vec::new(), sheets };
+        let mut source =
+            Self { path, layout, headers, written, thousandths: None, signals: None, parts: Vec::new(), sheets };
         let is_of_standard = matches!(format, SourceFormat::Gpx | SourceFormat::Nmea);
         if !is_of_standard {
+            source.find_thousandths()?;
             source.find_signals(named)?;
         }
         source.parts = parts::join(&mut source.headers);
@@ -137,7 +145,36 @@ impl SourceFile {
         let unused = signals.unused.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
         let unused = if unused.is_empty() { unused } else { format!("; not used: {unused}") };
         let count = signals.count;
-        Some(format!("each row has one of {count} signals (column {column:?}); those of one time are one row{unused}"))
+        let quality = signals.columns.quality().map_or_else(String::new, |quality| {
+            format!("; {:?} says which values are bad", self.written[quality].written)
+        });
+        Some(format!(
+            "each row has one of {count} signals (column {column:?}); those of one time are one row{quality}{unused}"
+        ))
+    }
+
+    /// That thousandths of a second are read, where they are.
+    pub fn words_of_thousandths(&self) -> Option<String> {
+        let column = &self.written[self.thousandths?.column].written;
+        Some(format!("column {column:?} has the thousandths of a second of the times: steps are more even with them"))
+    }
+
+    /// Whether a column has thousandths of the times. It is nothing else then.
+    fn find_thousandths(&mut self) -> Result<(), ReadError> {
+        let Some(found) = Thousandths::find(&self.written) else { return Ok(()) };
+        let mut seen = Vec::new();
+        self.as_written(&mut |event| {
+            if let Event::Row(_, row) = event {
+                seen.extend(found.seconds(row));
+            }
+            seen.len() < DECIDING
+        })?;
+        if Thousandths::are_part(&seen) {
+            self.thousandths = Some(found);
+            self.headers[found.column].name.clear();
+            self.written[found.column].name.clear();
+        }
+        Ok(())
     }
 
     /// That each row may have one, where it is not read so.
@@ -156,7 +193,7 @@ impl SourceFile {
             });
         };
         let ([signal, value], is_stated) = (columns.names(&self.written), self.layout.signal.is_some());
-        let found = columns.read(&self.written, named, is_stated, |each| self.as_written(each))?;
+        let found = columns.read(&self.written, named, is_stated, |each| self.timed(each))?;
         if let Some((signals, headers)) = found {
             if let Some((name, beside, rows)) = &signals.beside {
                 let remedy = signals.unused.first().map_or_else(String::new, |unused| {
@@ -179,12 +216,12 @@ impl SourceFile {
     fn decimal(&self, named: &[String]) -> Result<char, ReadError> {
         let (mut texts, mut left) = (Vec::new(), DECIDING);
         // Versions and addresses have points, too.
-        let is_read = |index: usize| self.headers.get(index).is_some_and(|header| named_or_known(header, named));
-        let any = !(0..self.headers.len()).any(is_read);
+        let are_read: Vec<bool> = self.headers.iter().map(|header| named_or_known(header, named)).collect();
+        let any = !are_read.contains(&true);
         self.joined(&mut |event| {
             if let Event::Row(_, fields) = event {
-                let read = fields.iter().enumerate().filter(|(index, _)| any || is_read(*index));
-                texts.extend(read.filter_map(|(_, field)| match field {
+                let read = fields.iter().zip(&are_read).filter(|(_, is_read)| any || **is_read);
+                texts.extend(read.filter_map(|(field, _)| match field {
                     RowField::Text(text) => Some(text.clone()),
                     RowField::Empty | RowField::Number(_) => None,
                 }));
@@ -218,11 +255,26 @@ impl SourceFile {
         })
     }
 
+    /// Rows with all of their times.
+    fn timed(&self, each: &mut Each) -> Result<(), ReadError> {
+        let Some(thousandths) = self.thousandths else { return self.as_written(each) };
+        let mut whole: Vec<RowField> = Vec::new();
+        self.as_written(&mut |event| match event {
+            Event::Row(number, row) => {
+                whole.clear();
+                whole.extend_from_slice(row);
+                thousandths.put_in(&mut whole);
+                each(Event::Row(number, &whole))
+            }
+            other => each(other),
+        })
+    }
+
     /// Rows of all signals.
     fn joined(&self, each: &mut Each) -> Result<(), ReadError> {
         match &self.signals {
-            Some(signals) => signals.rows(each, |each| self.as_written(each)),
-            None => self.as_written(each),
+            Some(signals) => joined_rows::join(signals, each, |each| self.timed(each)),
+            None => self.timed(each),
         }
     }
 

@@ -2,6 +2,7 @@
 //! together into one more column.
 
 use super::row::{Header, RowField};
+use super::thousandths;
 use crate::import::meaning::{Meaning, plain};
 
 /// What each part is called, in the order in which they are written.
@@ -11,16 +12,11 @@ const TIME: [&str; 3] = [
     "second|seconds|sec|ss|s|sek|sekunde|sekunden|seconde|secondes|segundo|segundos|secondo|secondi",
 ];
 const DATE: [&str; 3] = ["year|yyyy|jahr|annee|ano|anno", "month|monat|mois|mes|mese", "day|dd|tag|jour|dia|giorno"];
-/// Beside hour, minute and second.
-const THOUSANDTHS: &str =
-    "millisecond|milliseconds|millis|msec|ms|millisekunde|millisekunden|milliseconde|milisegundo|millisecondo";
-
 /// Columns that are one, by their indices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
     of: Meaning,
-    /// Hour, minute and second, year, month and day, or a time of whole seconds.
-    indices: Vec<usize>,
+    indices: [usize; 3],
     thousandths: Option<usize>,
 }
 
@@ -38,10 +34,13 @@ pub fn join(headers: &mut Vec<Header>) -> Vec<Parts> {
     parts
 }
 
-/// A name of a part.
-pub fn is_part(header: &Header) -> bool {
-    let mut names = TIME.iter().chain(&DATE).chain([&THOUSANDTHS]).flat_map(|names| names.split('|'));
-    names.any(|name| name == plain(&header.written))
+/// Columns that are parts of one.
+pub fn columns(headers: &[Header]) -> Vec<usize> {
+    let found = [(Meaning::Time, TIME), (Meaning::Date, DATE)].into_iter();
+    found
+        .filter_map(|(of, names)| find(headers, of, names))
+        .flat_map(|part| part.columns().collect::<Vec<_>>())
+        .collect()
 }
 
 fn find(headers: &[Header], of: Meaning, names: [&str; 3]) -> Option<Parts> {
@@ -52,11 +51,8 @@ fn find(headers: &[Header], of: Meaning, names: [&str; 3]) -> Option<Parts> {
         headers.iter().position(is_named)
     };
     let [first, second, third] = names.map(position);
-    let thousandths = position(THOUSANDTHS).filter(|_| of == Meaning::Time);
-    let [Some(first), Some(second), Some(third)] = [first, second, third] else {
-        return whole_beside(headers, of, thousandths?);
-    };
-    let indices = vec![first, second, third];
+    let indices = [first?, second?, third?];
+    let thousandths = position(thousandths::NAMES).filter(|_| of == Meaning::Time);
     let others =
         headers.iter().enumerate().filter(|(index, _)| !indices.contains(index) && Some(*index) != thousandths);
     let others: Vec<String> = others.map(|(_, header)| header.name.clone()).collect();
@@ -64,17 +60,9 @@ fn find(headers: &[Header], of: Meaning, names: [&str; 3]) -> Option<Parts> {
     (!is_there).then_some(Parts { of, indices, thousandths })
 }
 
-/// A whole time whose thousandths stand in a column of their own.
-fn whole_beside(headers: &[Header], of: Meaning, thousandths: usize) -> Option<Parts> {
-    let names: Vec<String> = headers.iter().map(|header| header.name.clone()).collect();
-    let (_, time) = Meaning::of_names(&names).into_iter().find(|(meaning, _)| *meaning == of)?;
-    let is_number = headers[time].unit.is_some();
-    (time != thousandths && !is_number).then(|| Parts { of, indices: vec![time], thousandths: Some(thousandths) })
-}
-
 impl Parts {
     fn columns(&self) -> impl Iterator<Item = usize> {
-        self.indices.iter().copied().chain(self.thousandths)
+        self.indices.into_iter().chain(self.thousandths)
     }
 
     /// The field of the column that they make: `9:34:56.250`, `2025-1-31`; empty where a part is missing.
@@ -84,28 +72,9 @@ impl Parts {
             RowField::Text(text) => Some(text.trim().to_owned()),
             RowField::Empty => None,
         };
-        if let [time] = self.indices[..] {
-            let field = row.get(time).cloned().unwrap_or(RowField::Empty);
-            return self
-                .thousandths
-                .and_then(part)
-                .map_or(field.clone(), |thousandths| with_thousandths(field, &thousandths));
-        }
-        let [Some(first), Some(second), Some(third)] = [0, 1, 2].map(|at| part(*self.indices.get(at)?)) else {
-            return RowField::Empty;
-        };
+        let [Some(first), Some(second), Some(third)] = self.indices.map(part) else { return RowField::Empty };
         let sign = if self.of == Meaning::Date { '-' } else { ':' };
         let behind = self.thousandths.and_then(part).map_or(String::new(), |thousandths| format!(":{thousandths}"));
         RowField::Text(format!("{first}{sign}{second}{sign}{third}{behind}"))
     }
-}
-
-/// `10:00:00` and `250` are `10:00:00.250`; a time that has its fraction, no seconds or an offset stays as it is.
-fn with_thousandths(field: RowField, thousandths: &str) -> RowField {
-    let RowField::Text(time) = &field else { return field };
-    let Some(number) = thousandths.parse::<u32>().ok().filter(|number| *number < 1000) else { return field };
-    let end = time.rfind(|c: char| c.is_ascii_digit()).map_or(0, |last| last + 1);
-    let colons = time.matches(':').count();
-    let is_whole = colons == 2 && !time.contains(['.', ',', '+']);
-    if is_whole { RowField::Text(format!("{}.{number:03}{}", &time[..end], &time[end..])) } else { field }
 }

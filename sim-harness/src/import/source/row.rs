@@ -6,8 +6,9 @@ use rundown_files::refusal::{Place, ReadError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum RowField {
+    #[default]
     Empty,
     Text(String),
     Number(f64),
