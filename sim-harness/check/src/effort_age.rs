@@ -22,7 +22,8 @@ use rundown_files::statistics::{median_of, spread};
 
 /// A window is at least so long, s.
 const WINDOW_S: f64 = 4.0;
-/// Ages that are tried, s, and where rows are far apart, in their distances. The last few are not told from larger ones.
+/// Ages that are tried, s, and where rows are far apart, in their distances. The last few are not
+/// distinguished from larger ones.
 const MOST_S: f64 = 17.0;
 const MOST_ROWS: f64 = 2.7;
 /// Fewer windows of a moving train say nothing.

@@ -141,7 +141,7 @@ impl Stretch {
     /// another train, or comes too often: it stays what it is.
     fn join_halves(&mut self, account: &mut Account) {
         let (mut keep, mut first) = (vec![true; self.rows.len()], 0);
-        for i in 1..self.rows.len() {
+        for (i, keep) in keep.iter_mut().enumerate().skip(1) {
             let [before, row] = [self.rows[first], self.rows[i]];
             if before.time_s != row.time_s || before.speed_is_computed != row.speed_is_computed {
                 first = i;
@@ -152,7 +152,7 @@ impl Stretch {
             if is_new {
                 read.iter().for_each(|(one, value)| (one.set)(&mut self.rows[first], *value));
                 self.altitudes_m[first] = self.altitudes_m[first].or(self.altitudes_m[i]);
-                keep[i] = false;
+                *keep = false;
             }
         }
         let joined = keep.iter().filter(|keep| !**keep).count() as u64;

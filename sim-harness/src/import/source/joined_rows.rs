@@ -61,7 +61,7 @@ impl<'a> OpenRows<'a> {
         let Some(name) = text(row.get(signals.columns.signal)) else {
             return each(Event::Bad(line, "expected the name of a signal, found none".to_owned()));
         };
-        let value = row.get(signals.columns.value).filter(|value| **value != RowField::Empty);
+        let value = row.get(signals.columns.value);
         let (Some(index), Some(value)) = (signals.index.get(&name).copied(), value) else { return true };
         let ReadSignal { unit: expected, is_known, .. } = &signals.read[index];
         if *is_known && let Some(quality) = signals.columns.called_bad(row) {
@@ -69,7 +69,7 @@ impl<'a> OpenRows<'a> {
         }
         // Another unit than that of the header stands behind the value.
         let value = match signals.columns.unit.and_then(|unit| text(row.get(unit))) {
-            Some(unit) if Some(&unit) != expected.as_ref() => {
+            Some(unit) if Some(&unit) != expected.as_ref() && *value != RowField::Empty => {
                 text(Some(value)).map_or(RowField::Empty, |value| RowField::Text(format!("{value} {unit}")))
             }
             _ => value.clone(),
@@ -77,7 +77,7 @@ impl<'a> OpenRows<'a> {
         let field = &mut self.row(line, row, index)[signals.shared.len() + index];
         if *field == RowField::Empty {
             *field = value;
-        } else if *field != value && *is_known {
+        } else if *field != value && value != RowField::Empty && *is_known {
             let [first, second] = [&*field, &value].map(|field| text(Some(field)).unwrap_or_default());
             let message = format!("expected one value of {name} at a time, found {first} and {second}");
             return each(Event::Lost(line, BESIDE, message));

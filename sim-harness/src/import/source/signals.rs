@@ -169,8 +169,8 @@ impl SignalColumns {
         [Some(self.signal), Some(self.value), self.unit, self.quality]
     }
 
-    /// Columns that rows of one time share: time, date, unit, run and those that the mapping names; and which of them has
-    /// the unit.
+    /// Columns that rows of one time share: time, date, unit, run and those that the mapping names; and which of them
+    /// has the unit.
     fn shared(&self, headers: &[Header], named: &[String]) -> (Vec<usize>, Option<usize>) {
         let is_own = |index: usize| self.own().contains(&Some(index));
         let names = headers.iter().enumerate().map(|(i, header)| if is_own(i) { "" } else { &header.name }.to_owned());

@@ -1,4 +1,5 @@
-//! Names with paths, as of signals, `VEH1.TRC.SpeedAct`, or of keys in objects, `gps.lat`: the last part says what it is.
+//! Names with paths, as of signals, `VEH1.TRC.SpeedAct`, or of keys in objects, `gps.lat`: the last part says what it
+//! is.
 //!
 //! A name that is known as it stands goes first. Of several tags with the same last part those count that have most of
 //! their path in common with the place or the speed, as those of one vehicle have; what two tags of one vehicle say is
@@ -7,8 +8,8 @@
 use super::row::Header;
 use crate::import::meaning::{Meaning, plain};
 
-/// Parts of a path or a name that make another thing of what stands beside them: what is asked for, what is allowed, and
-/// what else moves.
+/// Parts of a path or a name that make another thing of what stands beside them: what is asked for, what is allowed,
+/// and what else moves.
 const ELSE: &str = "set|setpoint|soll|sollwert|target|ziel|limit|max|maximum|min|minimum|permitted|allowed|zulassig|demand|\
                     demanded|required|ref|reference|cmd|command|desired|ceiling|advised|advisory|recommended|vorgabe|\
                     vmax|vsoll|vzul|vlim|vset|vtarget|vziel|sollgeschwindigkeit|zielgeschwindigkeit|vorgabegeschwindigkeit|\
