@@ -207,7 +207,7 @@ fn out_of_sample(
         return Ok((Evaluation::default(), Vec::new()));
     };
     let context = &Context { conditions: findings.conditions, ..*given };
-    Ok((evaluate(context, &findings, &named, &of(true))?, named))
+    Ok((evaluate(context, &findings, &named, [&training, &of(true)])?, named))
 }
 
 /// An analysis without what is no more than chance.

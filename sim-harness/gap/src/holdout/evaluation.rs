@@ -12,6 +12,7 @@ use crate::holdout::{journey::Journey, powered::powered, travelled::travelled};
 use crate::named::Named;
 use crate::noise::calibrate::Calibrated;
 use rundown::model::effects::{EffectError, Effects};
+use std::collections::BTreeMap;
 
 /// What the hold-out runs say.
 #[derive(Default)]
@@ -22,15 +23,15 @@ pub struct Evaluation {
     pub p_values: Option<[f64; 2]>,
 }
 
-/// Tries the effects that `found` has by name on other runs. `context`: that of the findings.
+/// Tries the effects that `found` has by name, of the `training` runs, on other runs. `context`: that of the findings.
 pub fn evaluate(
     context: &Context<'_>,
     found: &Findings,
     trained: &[Named],
-    tested: &[Run],
+    [training, tested]: [&[Run]; 2],
 ) -> Result<Evaluation, EffectError> {
-    // Which of the hold-out runs an effect of some runs acts in, only the run itself can say: the choice that fits it
-    // better, one bit a run.
+    // Which of the hold-out runs an effect of some runs acts in, their units say, where it acts in all runs of some; else
+    // only the run itself can say: the choice that fits it better, one bit a run.
     let (always, sometimes): (Vec<Named>, Vec<Named>) =
         trained.iter().cloned().partition(|named| named.runs.is_empty());
     let without = effects(&always)?;
@@ -56,7 +57,7 @@ pub fn evaluate(
     let mut compared = plain;
     if !sometimes.is_empty() {
         let acting = compare(&with)?;
-        acts = acting_in(&compared, &acting, tested.len());
+        acts = of_units(&sometimes, training, tested).unwrap_or_else(|| acting_in(&compared, &acting, tested.len()));
         let chosen = compared.into_iter().zip(acting);
         compared = chosen.map(|(plain, acting)| if acts[plain.run] { acting } else { plain }).collect();
     }
@@ -82,16 +83,34 @@ pub fn evaluate(
     Ok(Evaluation { journeys, p_values: p_values(context, found, &renamed, tested, &rows), compared })
 }
 
+/// In which runs the effects act that act in all training runs of some units and in none of the others; none where they
+/// are not all of these, or the training runs do not know a unit.
+fn of_units(sometimes: &[Named], training: &[Run], tested: &[Run]) -> Option<Vec<bool>> {
+    let runs = &sometimes.first()?.runs;
+    if sometimes.iter().any(|named| named.runs != *runs) {
+        return None;
+    }
+    let mut acts_in: BTreeMap<&str, bool> = BTreeMap::new();
+    for run in training {
+        let acts = runs.contains(&run.name);
+        let unit = run.recorded.unit.as_str();
+        if unit.is_empty() || *acts_in.entry(unit).or_insert(acts) != acts {
+            return None;
+        }
+    }
+    tested.iter().map(|run| acts_in.get(run.recorded.unit.as_str()).copied()).collect()
+}
+
 /// In which runs the effects of some runs act.
 fn acting_in(plain: &[Compared], acting: &[Compared], runs: usize) -> Vec<bool> {
     let of_run = |compared: &[Compared], run: usize, of: fn(&Compared) -> f64| {
         let of_run = compared.iter().filter(|c| c.run == run);
         of_run.map(of).sum::<f64>()
     };
-    let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps);
+    let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps / c.variance);
     // A driver may by chance demand what a limit leaves: where that foresees the powering phases as well as a share of
     // his own, the limit acts.
-    let chance = |run| of_run(plain, run, |c| if c.time_s == 0.0 { c.floor } else { 0.0 });
+    let chance = |run| of_run(plain, run, |c| if c.time_s == 0.0 { c.floor / c.variance } else { 0.0 });
     (0..runs).map(|run| error(acting, run) < error(plain, run) + chance(run)).collect()
 }
 
@@ -112,4 +131,39 @@ fn p_values(
     let p_value = |rows: &[Row]| evidence(context, rows, &calibrated).1;
     let after = repaired(&context.believed, named, tested, rows);
     Some([p_value(rows), p_value(&after)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::runs::Recorded;
+    use rundown::model::direction::Direction;
+    use rundown::model::effects::{DraggingBrake, Effect};
+
+    fn runs(units: &[&str], from: usize) -> Vec<Run> {
+        let of_unit = |(index, unit): (usize, &&str)| Run {
+            name: format!("r{}", from + index),
+            direction: Direction::Up,
+            day: None,
+            samples: Vec::new(),
+            recorded: Recorded { unit: (*unit).to_owned(), ..Recorded::default() },
+        };
+        units.iter().enumerate().map(of_unit).collect()
+    }
+
+    fn acts(training: [&str; 4], dragging: &[usize], tested: &[&str]) -> Option<Vec<bool>> {
+        let mut named =
+            Named::plain(Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 4e-3 }), Vec::new(), 30.0, 1e-3);
+        named.runs = dragging.iter().map(|index| format!("r{index}")).collect();
+        of_units(&[named], &runs(&training, 0), &runs(tested, 4))
+    }
+
+    #[test]
+    fn what_acts_in_all_runs_of_a_unit_acts_in_its_others() {
+        let of_c = Some(vec![false, true, false]);
+        assert_eq!(acts(["A", "C", "B", "C"], &[1, 3], &["B", "C", "A"]), of_c);
+        assert_eq!(acts(["A", "C", "B", "C"], &[1], &["B", "C", "A"]), None, "in one of its two");
+        assert_eq!(acts(["A", "C", "B", "C"], &[1, 3], &["D"]), None, "another unit");
+        assert_eq!(acts(["", "C", "", "C"], &[1, 3], &["C"]), None);
+    }
 }
