@@ -198,10 +198,13 @@ fn a_repair_that_makes_things_worse_is_reported_everywhere() {
     answer.found.gap.after = 2.0 * answer.found.gap.before;
     let (json, screen, html) = told(&answer);
     assert_eq!(json["gap"]["worse_than_before"], true);
-    assert!(caveats(&json)[0].starts_with("Worse than before"));
+    let of_none = caveats(&json)[0];
+    assert!(of_none.starts_with("Worse than before") && of_none.ends_with("the repaired model is the described one."));
     assert!(screen.contains("worse than before") && html.contains("Worse than before"));
     // Nine effects are more than a board takes: there is no frame, so there is no file.
     let wind = Named::plain(Effect::SteadyWind(SteadyWind { wind_mps: 1.0 }), Vec::new(), 9.0, 30.0);
+    answer.found.named = vec![wind.clone()];
+    assert!(caveats(&answer.json())[0].contains("Do not use the repaired model"));
     answer.found.named = vec![wind; 9];
     let error = Files::render(&answer, true).unwrap_err();
     assert!(error.to_string().starts_with("effect.frame: "), "{error}");

@@ -371,6 +371,10 @@ settings! {
         slippery_gain: f64 = 0.5, /// Gain of log-likelihood below which a run says nothing of bad days. Judgement.
         least_factor_sd: f64 = 0.005, /// Standard deviation of a factor of adhesion, at least. Judgement: half of what the sensor differs by.
         low_kmh: f64 = 75.0, /// What may as well act above this speed is no matter of starting, km/h. Judgement.
+        less_power: f64 = 0.05, /// Less than the described power by this share, beside all of the effort, is reported. Judgement: shares differ by 0.01 where nothing is wrong.
+        largest: f64 = 0.95, /// Quantile of the shares that counts for the largest. Judgement: few are strays.
+        shown_intervals: usize = 20, /// Least intervals that show it. Judgement.
+        shown_runs: usize = 5, /// And runs. Judgement: a few drivers are not all.
         most_slippery: f64 = 0.6, /// More than this share of the runs are no bad days but the train. Judgement.
     }
     /// Is there a gap at all?

@@ -16,6 +16,7 @@ use crate::named::Named;
 use crate::naming::names::may_be_none;
 use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
+use crate::traction::less_power::less_power;
 use crate::wording::{listed, section};
 use rundown::model::effects::Effect;
 use rundown_check::gradients::{SeenBy, SmallErrors};
@@ -37,10 +38,14 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     let told = found.nuisances.iter().filter(|nuisance| nuisance.told);
     notes.extend(told.map(Nuisance::sentence));
     notes.extend(found.findings.headwind.as_ref().map(measured_wind));
+    let is_limited = found.findings.limit(&answer.config.search).is_some();
+    let less = less_power(&found.findings.powering, &answer.config.traction).filter(|_| !is_limited);
+    notes.extend(less.map(|less| less.sentence()));
     if found.gap.is_worse(config) {
         notes.push(worse(answer));
     }
-    notes.extend(found.touched.and_then(|touched| touched.denying(config)).map(denied));
+    let touched = found.touched.filter(|_| !found.named.is_empty());
+    notes.extend(touched.and_then(|touched| touched.denying(config)).map(denied));
     if runs <= least {
         notes.push(format!(
             "{} at hand, none held out: an analysis needs {least}, so nothing here was tried out of sample.",
@@ -181,7 +186,10 @@ fn worse(answer: &Answer) -> String {
     let step_s = median(answer.input.runs.iter().map(usual_step_s)).unwrap_or(0.0);
     let is_guessed =
         found.findings.measured && found.findings.effort == EffortReading::Momentary && step_s >= config.fast_s;
-    let meaning = if is_guessed {
+    let meaning = if found.named.is_empty() {
+        "Those are of the training runs alone; all runs show none, and the repaired model is the described one"
+            .to_owned()
+    } else if is_guessed {
         format!(
             "Of momentary efforts {step_s:.0} s apart the simulation guesses what is between two of them, so that this says little: \
              the p-value with the effects in the model says more"

@@ -16,7 +16,7 @@
 //! | `low_adhesion` | the factor times the largest effort below a speed, in some runs |
 //!
 //! Compared by marginal likelihood, the shares integrated out. The rival of `low_adhesion` is a driver who moves the
-//! handle within a phase, too ([`habit`]).
+//! handle within a phase, too ([`habit`]). Less power everywhere is reported, not named ([`less_power`]).
 
 pub mod adhesion;
 pub mod edges;
@@ -24,6 +24,7 @@ pub mod exceeded;
 pub mod habit;
 pub mod halves;
 pub mod hypotheses;
+pub mod less_power;
 pub mod limit;
 pub mod powering;
 pub mod scale;

@@ -7,7 +7,7 @@ use rundown::model::train::Train;
 use rundown_files::sample::Sample;
 
 /// An interval of steady power: a part of a powering phase.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SteadyPower {
     pub run: usize,
     pub location_m: f64,
