@@ -30,8 +30,8 @@ pub fn evaluate(
     trained: &[Named],
     [training, tested]: [&[Run]; 2],
 ) -> Result<Evaluation, EffectError> {
-    // Which of the hold-out runs an effect of some runs acts in, their units say, where it acts in all runs of some; else
-    // only the run itself can say: the choice that fits it better, one bit a run.
+    // Which of the hold-out runs an effect of some runs acts in, their units say, where it acts in all runs of some;
+    // else only the run itself can say: the choice that fits it better, one bit a run.
     let (always, sometimes): (Vec<Named>, Vec<Named>) =
         trained.iter().cloned().partition(|named| named.runs.is_empty());
     let without = effects(&always)?;

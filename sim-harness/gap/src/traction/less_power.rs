@@ -61,7 +61,7 @@ mod tests {
     fn found([effort, power]: [f64; 2], runs: usize) -> Option<f64> {
         let interval = |run: usize, i: usize| {
             let by_power = i >= 5;
-            let demanded = if run % 3 == 0 { 0.8_f64 } else { 1.0 };
+            let demanded = if run.is_multiple_of(3) { 0.8_f64 } else { 1.0 };
             let ratio = demanded.min(if by_power { power } else { effort }) + 0.004 * (i as f64).sin();
             let speed_mps = 5.0 + 2.0 * i as f64;
             SteadyPower { run, speed_mps, ratio, by_power, number: 0, ..SteadyPower::default() }
