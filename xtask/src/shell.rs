@@ -25,10 +25,10 @@ pub fn run(command: &mut Command) -> Result<(), String> {
     }
 }
 
-/// The same beside another command: what it prints goes to a file, and is printed whole at its end.
+/// Runs a command while another one runs: what it prints goes to a file, and is printed whole at its end.
 pub fn run_aside(command: &mut Command) -> Result<(), String> {
     let line = shown(command);
-    let path = target().join("beside.log");
+    let path = target().join("ignored-tests.log");
     println!("$ {line} > {}", path.display());
     let failed = |error: std::io::Error| format!("`{line}` could not be started: {error}");
     let log = std::fs::File::create(&path).map_err(failed)?;

@@ -22,10 +22,10 @@ use rundown_files::statistics::{median_of, spread};
 
 /// A window is at least so long, s.
 const WINDOW_S: f64 = 4.0;
-/// Ages that are tried, s, and where rows are far apart, in their distances. The last few are not
-/// distinguished from larger ones.
-const MOST_S: f64 = 17.0;
-const MOST_ROWS: f64 = 2.7;
+/// Ages up to this are tried, s; where rows are far apart, up to so many rows. The two largest steps of the search are
+/// never an answer: the true age may be beyond them.
+const MOST_S: f64 = 12.0;
+const MOST_ROWS: f64 = 3.0;
 /// Fewer windows of a moving train say nothing.
 const LEAST_WINDOWS: usize = 60;
 /// Efforts that change by less within the ages that are tried may follow a gradient. Holding the speed over 10 permille

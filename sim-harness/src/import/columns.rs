@@ -3,7 +3,7 @@
 use super::clock::{ClockKind, DateOrder};
 use super::mapping::{ColumnMapping, SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
-use super::source::is_else;
+use super::source::is_of_another;
 use super::source::row::Header;
 use super::units::{self, Unit};
 use jiff::tz::TimeZone;
@@ -163,7 +163,7 @@ fn by_unit_alone(meaning: Meaning, headers: &[Header], of: &BTreeMap<Meaning, Co
         return None;
     }
     let mut candidates = unused(headers, of).filter_map(|(index, header)| {
-        let unit = header.unit_of(meaning).filter(|_| !is_else(&header.written))?;
+        let unit = header.unit_of(meaning).filter(|_| !is_of_another(&header.written))?;
         Some(Column::new(index, headers, Some(unit), How::UnitAlone))
     });
     let only = candidates.next()?;
@@ -284,7 +284,7 @@ impl Columns {
     /// used.
     pub fn remedy(&self, meaning: Meaning, headers: &[Header]) -> String {
         let left: Vec<&Header> = unused(headers, &self.of).map(|(_, header)| header).collect();
-        let mut may_be = left.iter().filter(|header| !is_else(&header.written));
+        let mut may_be = left.iter().filter(|header| !is_of_another(&header.written));
         let likely = may_be.clone().find(|header| header.unit_of(meaning).is_some()).or(may_be.next()).or(left.first());
         let Some(likely) = likely else { return String::new() };
         format!(

@@ -2,7 +2,7 @@
 
 use super::account::{Account, ROWS_TOO_SHORT};
 use super::mapping::RunCuts;
-use super::speeds::STANDS_MPS;
+use super::speeds::{FASTEST_MPS, STANDS_MPS};
 use super::stretch::{Stretch, fix};
 use super::{geo, speeds};
 use rundown_check::finding::{Done, Finding, Kind};
@@ -17,8 +17,6 @@ const WALKS_MPS: f64 = 1.5;
 /// locations adds to the way.
 const ONE_UNIT: Range<f64> = 0.8..1.3;
 const LEAST_WAY_M: f64 = 500.0;
-/// No train runs faster for a whole run, m/s.
-const FASTEST_MPS: f64 = 140.0;
 /// A shorter standing is none at a station, s.
 pub const STOP_S: f64 = 10.0;
 /// What is kept of a long standing on both sides of a cut, s.

@@ -21,7 +21,7 @@ use exchanged::mostly;
 use kind::kind_of;
 use rundown_files::refusal::ReadError;
 use std::collections::BTreeMap;
-use stretches::{FASTEST_MPS, LEAST_ALIKE, Stretches, Tried, ratio_of, stretches};
+use stretches::{LEAST_ALIKE, OF_TRAINS_MPS, Stretches, Tried, ratio_of, stretches};
 use written::{WrittenRow, is_plain, unit_behind, value};
 
 /// Rows of a file that are looked at.
@@ -338,7 +338,7 @@ fn contradiction(columns: &Columns, ratio: f64, stretches: &Stretches) -> String
             } else {
                 columns.unit(Meaning::Speed).map_or(1.0, |unit| unit.to_si(stretches.fastest))
             };
-            (ratio - 1.0).abs() < NEAR && FASTEST_MPS.contains(&mps)
+            (ratio - 1.0).abs() < NEAR && OF_TRAINS_MPS.contains(&mps)
         })
         .map(|(meaning, unit)| line([(meaning, columns.header(meaning), format!("unit = {:?}", unit.name))]))
         .collect();

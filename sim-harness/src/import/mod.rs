@@ -341,7 +341,7 @@ impl ImportOrder {
                         format!("{}:{line}: {message}", source.path.display())
                     });
                 }
-                Event::Lost(line, what, message) => {
+                Event::LeftOut(line, what, message) => {
                     account.place(what, || format!("{}:{line}: {message}", source.path.display()));
                 }
                 Event::Ragged(line, fields) => converter.ragged(line, fields, account),

@@ -8,6 +8,10 @@ use rundown_files::sample::Sample;
 /// A train that is slower stands, m/s, as long as no location is further off, m.
 pub const STANDS_MPS: f64 = 0.3;
 const STAYS_M: f64 = 60.0;
+/// A location further away than so many rows is none of this place.
+const SEARCHED: usize = 1000;
+/// No train runs faster, m/s.
+pub const FASTEST_MPS: f64 = 140.0;
 
 /// Row by row.
 pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
@@ -18,7 +22,7 @@ pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
         let [(a, a_mps), (b, b_mps)] = [pair[0], pair[1]];
         let long_s = rows[b].time_s - rows[a].time_s;
         let is_near = (f64::MIN_POSITIVE..=MOST_MEAN_S).contains(&long_s);
-        if is_near || a_mps.max(b_mps) < STANDS_MPS && stays(rows, [a, b]) {
+        if is_near || long_s > 0.0 && a_mps.max(b_mps) < STANDS_MPS && stays(rows, [a, b]) {
             for i in a + 1..b {
                 let share = ((rows[i].time_s - rows[a].time_s) / long_s).clamp(0.0, 1.0);
                 speeds[i] = Some(a_mps + share * (b_mps - a_mps));
@@ -37,8 +41,8 @@ pub fn at_rows(rows: &[Sample]) -> Vec<Option<f64>> {
 /// No location from before row `a` to behind row `b` is elsewhere.
 fn stays(rows: &[Sample], [a, b]: [usize; 2]) -> bool {
     let is_located = |row: &Sample| row.location_m.is_some();
-    let from = rows[..=a].iter().rposition(is_located).unwrap_or(a);
-    let to = rows[b..].iter().position(is_located).map_or(b, |behind| b + behind);
+    let from = rows[..=a].iter().rev().take(SEARCHED).position(is_located).map_or(a, |before| a - before);
+    let to = rows[b..].iter().take(SEARCHED).position(is_located).map_or(b, |behind| b + behind);
     let located = rows[from..=to].iter().filter_map(|row| row.location_m);
     let (low, high) = located.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)));
     (0.0..STAYS_M).contains(&(high - low))

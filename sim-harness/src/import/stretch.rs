@@ -148,7 +148,9 @@ impl Stretch {
                 continue;
             }
             let read: Vec<_> = COLUMNS[1..].iter().filter_map(|one| Some((one, (one.get)(&row)?))).collect();
-            let is_new = !read.is_empty() && read.iter().all(|(one, _)| (one.get)(&before).is_none());
+            let adds_altitude = self.altitudes_m[i].is_some() && self.altitudes_m[first].is_none();
+            let is_new =
+                read.iter().all(|(one, _)| (one.get)(&before).is_none()) && (adds_altitude || !read.is_empty());
             if is_new {
                 read.iter().for_each(|(one, value)| (one.set)(&mut self.rows[first], *value));
                 self.altitudes_m[first] = self.altitudes_m[first].or(self.altitudes_m[i]);

@@ -78,7 +78,7 @@ fn columns_of_signals_may_be_named() {
     assert!(folder.read("runs/runs.csv").contains("94"), "a vehicle is no unit of a signal");
     let said = layout("Waz").rundown(&["import", "--mapping", "m.toml", "a.csv"]);
     assert_eq!(said.code, Some(6));
-    assert!(said.err.contains("layout: expected one of Zeit [s], Was, Wieviel, unit, found \"Waz\""), "{}", said.err);
+    assert!(said.err.contains("layout: expected two of Zeit [s], Was, Wieviel, unit, found \"Waz\""), "{}", said.err);
 }
 
 /// A table of speed, odometer and what else there is, spoilt once; the run that comes of it.
@@ -343,6 +343,63 @@ fn numbers_that_are_no_readings_do_not_decide_the_decimal_sign() {
     let folder = Folder::new().with("a.csv", &text);
     folder.done(&["import", "a.csv"]);
     assert!(csv(&folder, "runs/a_01.csv").iter().zip(usual()).all(|(made, usual)| made[2] == usual[2]));
+}
+
+#[test]
+fn times_and_columns_with_a_unit_decide_the_decimal_sign() {
+    let german = |value: f64| format!("{value:.1}").replace('.', ",");
+    for (header, time, speed) in [
+        ("Zeit [s];Weg [m];v [km/h]", true, false),
+        ("Zeit [s];Weg [m];Tempo [km/h]", false, true),
+        ("Zeit [s];Weg [m];Geschw. [km/h]", false, true),
+    ] {
+        let text = table(header, &drive(&STOPS_M, 25.0), |t, x, v| {
+            let time = if time { german(t + 0.5) } else { format!("{t}") };
+            let kmh = if speed { german(3.6 * v) } else { format!("{:.0}", 3.6 * v) };
+            format!("{time};{x:.0};{kmh}")
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        folder.done(&["import", "a.csv"]);
+        let (made, usual) = (csv(&folder, "runs/a_01.csv"), usual());
+        assert_eq!((made.len(), made[20][0]), (usual.len(), 20.0), "{header}");
+        near(made[30][2], usual[30][2], 0.5);
+    }
+}
+
+#[test]
+fn a_preamble_of_names_and_values_is_none() {
+    let rows = drive(&STOPS_M, 25.0);
+    let text = table("t [s];s [m];Rapidity [km/h]", &rows, |t, x, v| format!("{t};{x:.1};{:.1}", 3.6 * v));
+    let folder = Folder::new().with("a.csv", &format!("Parameter;Wert\nLok;94\n{text}"));
+    folder.done(&["import", "a.csv"]);
+    assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
+}
+
+#[test]
+fn parts_of_a_time_may_be_in_an_object_and_an_effort_may_be_of_an_engine() {
+    let text = table("", &drive(&STOPS_M, 25.0), |t, x, v| {
+        let (hour, minute, second) = (9 + t as u64 / 3600, t as u64 / 60 % 60, t as u64 % 60);
+        let time = format!("{{\"hour\": {hour}, \"minute\": {minute}, \"second\": {second}}}");
+        let engine = format!("{{\"tractive_effort\": {:.3}, \"speed\": 1500}}", 0.01 * v);
+        format!("{{\"time\": {time}, \"odo_m\": {x:.1}, \"speed_kmh\": {:.1}, \"engine\": {engine}}}", 3.6 * v)
+    });
+    let folder = Folder::new().with("a.jsonl", text.trim_start());
+    folder.done(&["import", "a.jsonl"]);
+    let (made, usual) = (csv(&folder, "runs/a_01.csv"), usual());
+    for (made, usual) in made.iter().zip(&usual) {
+        assert_eq!(made[..3], usual[..]);
+        near(made[3], 0.01 * made[2] / 3.6, 0.001);
+    }
+}
+
+#[test]
+fn a_unit_of_the_location_alone_is_no_vehicle() {
+    let text = table("t [s];signal;value;unit", &drive(&STOPS_M, 25.0), |t, x, v| {
+        format!("{t};odometer;{x:.1};m\n{t};speed [km/h];{:.1};", 3.6 * v)
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv"]);
+    assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::analysis::apply;
 use crate::candidate::ShowsIn;
 use crate::candidates;
+use crate::config::HoldoutConfig;
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::evidence;
 use crate::explained::repaired;
@@ -57,7 +58,8 @@ pub fn evaluate(
     let mut compared = plain;
     if !sometimes.is_empty() {
         let acting = compare(&with)?;
-        acts = of_units(&sometimes, training, tested).unwrap_or_else(|| acting_in(&compared, &acting, tested.len()));
+        acts = of_units(&sometimes, training, tested)
+            .unwrap_or_else(|| acting_in([&compared, &acting], tested.len(), &context.config.holdout));
         let chosen = compared.into_iter().zip(acting);
         compared = chosen.map(|(plain, acting)| if acts[plain.run] { acting } else { plain }).collect();
     }
@@ -83,34 +85,40 @@ pub fn evaluate(
     Ok(Evaluation { journeys, p_values: p_values(context, found, &renamed, tested, &rows), compared })
 }
 
-/// In which runs the effects act that act in all training runs of some units and in none of the others; none where they
-/// are not all of these, or the training runs do not know a unit.
+/// One run of a unit is no matter of the unit: it may be of a day.
+const LEAST_OF_UNIT: usize = 2;
+
+/// In which runs the effects act that act in all training runs of some units, two or more each, and in none of the
+/// others; none where they are not all of these, or the training runs do not know a unit.
 fn of_units(sometimes: &[Named], training: &[Run], tested: &[Run]) -> Option<Vec<bool>> {
     let runs = &sometimes.first()?.runs;
     if sometimes.iter().any(|named| named.runs != *runs) {
         return None;
     }
-    let mut acts_in: BTreeMap<&str, bool> = BTreeMap::new();
+    // Of each unit how many runs there are, and in how many of them they act.
+    let mut of_units: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
     for run in training {
-        let acts = runs.contains(&run.name);
-        let unit = run.recorded.unit.as_str();
-        if unit.is_empty() || *acts_in.entry(unit).or_insert(acts) != acts {
-            return None;
-        }
+        let [all, acting] = of_units.entry(&run.recorded.unit).or_default();
+        *all += 1;
+        *acting += usize::from(runs.contains(&run.name));
     }
-    tested.iter().map(|run| acts_in.get(run.recorded.unit.as_str()).copied()).collect()
+    let is_decided = |[all, acting]: &[usize; 2]| *acting == 0 || (acting == all && *all >= LEAST_OF_UNIT);
+    if of_units.contains_key("") || !of_units.values().all(is_decided) {
+        return None;
+    }
+    tested.iter().map(|run| of_units.get(run.recorded.unit.as_str()).map(|[_, acting]| *acting > 0)).collect()
 }
 
 /// In which runs the effects of some runs act.
-fn acting_in(plain: &[Compared], acting: &[Compared], runs: usize) -> Vec<bool> {
+fn acting_in([plain, acting]: [&[Compared]; 2], runs: usize, config: &HoldoutConfig) -> Vec<bool> {
     let of_run = |compared: &[Compared], run: usize, of: fn(&Compared) -> f64| {
         let of_run = compared.iter().filter(|c| c.run == run);
-        of_run.map(of).sum::<f64>()
+        of_run.map(|c| c.weight(config) * of(c)).sum::<f64>()
     };
-    let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps / c.variance);
+    let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps);
     // A driver may by chance demand what a limit leaves: where that foresees the powering phases as well as a share of
     // his own, the limit acts.
-    let chance = |run| of_run(plain, run, |c| if c.time_s == 0.0 { c.floor / c.variance } else { 0.0 });
+    let chance = |run| of_run(plain, run, |c| if c.time_s == 0.0 { c.floor } else { 0.0 });
     (0..runs).map(|run| error(acting, run) < error(plain, run) + chance(run)).collect()
 }
 
@@ -165,5 +173,6 @@ mod tests {
         assert_eq!(acts(["A", "C", "B", "C"], &[1], &["B", "C", "A"]), None, "in one of its two");
         assert_eq!(acts(["A", "C", "B", "C"], &[1, 3], &["D"]), None, "another unit");
         assert_eq!(acts(["", "C", "", "C"], &[1, 3], &["C"]), None);
+        assert_eq!(acts(["A", "C", "B", "D"], &[1], &["C"]), None, "a single run");
     }
 }

@@ -45,6 +45,13 @@ pub struct Compared {
     pub variance: f64,
 }
 
+impl Compared {
+    /// What the speed counts for: by how well a perfect model would foresee it.
+    pub fn weight(&self, config: &HoldoutConfig) -> f64 {
+        1.0 / self.variance.max(config.least_sd_mps.powi(2))
+    }
+}
+
 /// Root mean squares over speeds compared, and the share of the gap that is gone: each counts by how well a perfect
 /// model would foresee it.
 pub fn gap(compared: &[Compared], config: &HoldoutConfig) -> Share {
@@ -86,12 +93,7 @@ fn of_runs<'a>(compared: impl Iterator<Item = &'a Compared>, config: &HoldoutCon
     let mut runs: BTreeMap<usize, Squares> = BTreeMap::new();
     for c in compared {
         let of_run = runs.entry(c.run).or_default();
-        *of_run = of_run.and(&Squares::weighed(
-            c.before_mps,
-            c.after_mps,
-            c.floor,
-            1.0 / c.variance.max(config.least_sd_mps.powi(2)),
-        ));
+        *of_run = of_run.and(&Squares::weighed(c.before_mps, c.after_mps, c.floor, c.weight(config)));
     }
     runs.into_values().collect()
 }

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 /// What trains give of the described power, where they give all of the effort.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LessPower {
-    /// Of the share of the effort.
+    /// Beside the share of the effort: what both are too large by is the column's.
     pub share: f64,
     /// Where the power begins to limit, km/h.
     pub above_kmh: f64,
@@ -30,10 +30,12 @@ pub fn less_power(powering: &[Vec<SteadyPower>], config: &TractionConfig) -> Opt
         quantile(&sorted(all.iter().map(|power| power.ratio)), config.largest).filter(|_| are_many)
     };
     let [by_power, by_effort] = [true, false].map(of);
-    let share = largest(&by_power)? / largest(&by_effort)?;
+    let [power, effort] = [largest(&by_power)?, largest(&by_effort)?];
+    let share = power / effort.max(1.0);
     let above_kmh = 3.6 * quantile(&sorted(by_power.iter().map(|power| power.speed_mps)), 1.0 - config.largest)?;
     let (intervals, runs) = (by_power.len(), runs(&by_power));
-    (share < 1.0 - config.less_power).then_some(LessPower { share, above_kmh, intervals, runs })
+    let is_less = |share: f64| share < 1.0 - config.less_power;
+    (is_less(share) && is_less(power) && !is_less(effort)).then_some(LessPower { share, above_kmh, intervals, runs })
 }
 
 fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
@@ -46,7 +48,7 @@ impl LessPower {
     /// For a reader.
     pub fn sentence(&self) -> String {
         format!(
-            "Where the described power limits, above {:.0} km/h, trains give {:.2} of it at most ({} intervals of {} runs), though below they give the described tractive effort: max_power_w is that much smaller, or all drivers demand less there. No name has that, and what is simulated still has the described power.",
+            "Where the described power limits, above {:.0} km/h, trains give at most {:.2} of it ({} intervals of {} runs), though below they give all of the described tractive effort: max_power_w is that much smaller, or all drivers demand less there. No name has that, and what is simulated still has the described power.",
             self.above_kmh, self.share, self.intervals, self.runs
         )
     }
@@ -64,7 +66,7 @@ mod tests {
             let demanded = if run.is_multiple_of(3) { 0.8_f64 } else { 1.0 };
             let ratio = demanded.min(if by_power { power } else { effort }) + 0.004 * (i as f64).sin();
             let speed_mps = 5.0 + 2.0 * i as f64;
-            SteadyPower { run, speed_mps, ratio, by_power, number: 0, ..SteadyPower::default() }
+            SteadyPower { run, speed_mps, ratio, by_power, ..SteadyPower::default() }
         };
         let powering: Vec<Vec<SteadyPower>> =
             (0..runs).map(|run| (0..12).map(|i| interval(run, i)).collect()).collect();
@@ -77,6 +79,8 @@ mod tests {
         assert!((share - 0.85).abs() < 0.01, "{share}");
         assert_eq!(found([1.0, 1.0], 10), None);
         assert_eq!(found([0.9, 0.9], 10), None, "another scale of both");
+        assert_eq!(found([0.9, 0.75], 10), None, "less of both");
+        assert_eq!(found([1.2, 1.0], 10), None, "all of the power");
         assert_eq!(found([1.0, 0.85], 3), None, "too few runs");
     }
 }

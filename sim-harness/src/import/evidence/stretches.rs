@@ -2,6 +2,7 @@
 
 use super::super::columns::Columns;
 use super::super::meaning::Meaning;
+use super::super::speeds::FASTEST_MPS;
 use super::super::units::{self, Unit};
 use super::ratios::{Passing, longest, ratios, usual};
 use super::written::WrittenRow;
@@ -19,7 +20,7 @@ const LEAST_STRETCHES: usize = 4;
 pub(super) const LEAST_ALIKE: f64 = 0.8;
 pub(super) const ALIKE: f64 = 0.2;
 /// What trains do, m/s, and how often recorders write, s.
-pub(super) const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
+pub(super) const OF_TRAINS_MPS: std::ops::Range<f64> = 2.0..FASTEST_MPS;
 const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 
 /// More steps back of the clock than this share are those of a file with the newest row first.
@@ -163,7 +164,7 @@ impl Stretches {
             for length in units(Meaning::Location, "m") {
                 for speed in units(Meaning::Speed, "m/s") {
                     let factor = length.factor() / (speed.factor() * time.factor());
-                    let of_trains = FASTEST_MPS.contains(&speed.to_si(self.fastest));
+                    let of_trains = OF_TRAINS_MPS.contains(&speed.to_si(self.fastest));
                     if unknown.is_empty() || (of_trains && STEP_S.contains(&time.to_si(self.step))) {
                         tried.push((factor * self.ratio, [time, length, speed]));
                     }

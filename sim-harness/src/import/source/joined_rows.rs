@@ -1,7 +1,7 @@
 //! Rows of one signal each as rows of all: those of one time become one.
 
 use super::row::{Each, Event, RowField};
-use super::signals::{ReadSignal, Signals, key, text};
+use super::signals::{ReadSignal, Signals, key};
 use std::collections::{HashMap, VecDeque};
 
 /// So many times may be open at once: a recorder that writes one signal after the other does so for a day or less.
@@ -39,7 +39,7 @@ pub fn join<E>(signals: &Signals, each: &mut Each, rows: impl FnOnce(&mut Each) 
             Event::Sheet(name) => open.close(0, each) && each(Event::Sheet(name)),
             // How many fields a row should have is no matter of the columns that come out.
             Event::Ragged(..) => true,
-            lost @ (Event::Bad(..) | Event::Lost(..)) => each(lost),
+            lost @ (Event::Bad(..) | Event::LeftOut(..)) => each(lost),
         };
         goes_on
     })?;
@@ -58,19 +58,19 @@ impl<'a> OpenRows<'a> {
     /// Takes a row of the file; false: no more of them.
     fn take(&mut self, line: u64, row: &[RowField], each: &mut Each) -> bool {
         let signals = self.signals;
-        let Some(name) = text(row.get(signals.columns.signal)) else {
+        let Some(name) = row.get(signals.columns.signal).and_then(RowField::text) else {
             return each(Event::Bad(line, "expected the name of a signal, found none".to_owned()));
         };
         let value = row.get(signals.columns.value);
         let (Some(index), Some(value)) = (signals.index.get(&name).copied(), value) else { return true };
         let ReadSignal { unit: expected, is_known, .. } = &signals.read[index];
         if *is_known && let Some(quality) = signals.columns.called_bad(row) {
-            return each(Event::Lost(line, CALLED_BAD, format!("expected a good value of {name}, found {quality}")));
+            return each(Event::LeftOut(line, CALLED_BAD, format!("expected a good value of {name}, found {quality}")));
         }
         // Another unit than that of the header stands behind the value.
-        let value = match signals.columns.unit.and_then(|unit| text(row.get(unit))) {
+        let value = match signals.columns.unit.and_then(|unit| row.get(unit)?.text()) {
             Some(unit) if Some(&unit) != expected.as_ref() && *value != RowField::Empty => {
-                text(Some(value)).map_or(RowField::Empty, |value| RowField::Text(format!("{value} {unit}")))
+                value.text().map_or(RowField::Empty, |value| RowField::Text(format!("{value} {unit}")))
             }
             _ => value.clone(),
         };
@@ -78,9 +78,9 @@ impl<'a> OpenRows<'a> {
         if *field == RowField::Empty {
             *field = value;
         } else if *field != value && value != RowField::Empty && *is_known {
-            let [first, second] = [&*field, &value].map(|field| text(Some(field)).unwrap_or_default());
+            let [first, second] = [&*field, &value].map(|field| field.text().unwrap_or_default());
             let message = format!("expected one value of {name} at a time, found {first} and {second}");
-            return each(Event::Lost(line, BESIDE, message));
+            return each(Event::LeftOut(line, BESIDE, message));
         }
         signals.are_blocks || self.close(OPEN, each)
     }
@@ -133,7 +133,7 @@ impl<'a> OpenRows<'a> {
     /// Fills in the names that hold in this row. Before the first of them that one holds, unless vehicles take turns.
     fn hold(&mut self, row: &mut [RowField]) {
         let Signals { shared, vehicle, read, .. } = self.signals;
-        let vehicle = vehicle.and_then(|at| text(row.get(at)));
+        let vehicle = vehicle.and_then(|at| row.get(at)?.text());
         let held = read.iter().enumerate().filter(|(_, signal)| signal.is_held);
         for (index, signal) in held {
             let key = (index, vehicle.clone().unwrap_or_default());
@@ -173,7 +173,7 @@ mod tests {
         };
         let columns = SignalColumns::find(&headers, &Layout::default()).unwrap();
         let (signals, headers) = columns.read(&headers, &[], false, give).unwrap().unwrap();
-        assert_eq!(headers.len(), 3);
+        assert!(headers.len() >= 3);
         let (mut out, mut is_early) = (Vec::new(), false);
         let mut each = |event: Event| {
             if let Event::Row(_, row) = event {
@@ -190,8 +190,13 @@ mod tests {
     fn long_tables_are_streamed_unless_one_signal_ends_before_another_begins() {
         let times = 2 * OPEN + 10;
         let both = (0..times).flat_map(|time| [("speed", time), ("location", time)]);
-        let (rows, is_early) = joined(&both.collect::<Vec<_>>());
+        let both: Vec<_> = both.collect();
+        let (rows, is_early) = joined(&both);
         assert!(is_early && rows.len() == times);
+        // Others that are there at one end only do not matter.
+        let others = |name| [(name, 1), (name, 2)];
+        let (_, is_early) = joined(&[&others("version")[..], &both, &others("fault")].concat());
+        assert!(is_early);
         let blocks = ["speed", "location"].iter().flat_map(|name| (0..times).map(move |time| (*name, time)));
         let (in_blocks, is_early) = joined(&blocks.collect::<Vec<_>>());
         assert!(!is_early && in_blocks == rows);

@@ -9,6 +9,7 @@ mod nmea;
 mod parquet;
 mod parts;
 pub mod row;
+mod seen_signals;
 mod sheet;
 mod signals;
 mod tags;
@@ -26,7 +27,7 @@ use sheet::Sheets;
 use signals::{SignalColumns, Signals};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-pub use tags::is_else;
+pub use tags::is_of_another;
 use thousandths::Thousandths;
 pub use unpacked::{are_equal, name as unpacked_name};
 
@@ -92,10 +93,9 @@ fn format_of(path: &Path) -> Result<SourceFormat, ReadError> {
 /// A column of numbers that are read.
 fn named_or_known(header: &Header, named: &[String]) -> bool {
     let meaning = Meaning::of_names(std::slice::from_ref(&header.name));
-    let is_number = |(meaning, _): &(Meaning, usize)| {
-        !matches!(meaning, Meaning::Time | Meaning::Date | Meaning::Unit | Meaning::Run)
-    };
-    meaning.iter().any(is_number) || named.iter().any(|name| name.trim() == header.written)
+    let is_number = |(meaning, _): &(Meaning, usize)| !matches!(meaning, Meaning::Date | Meaning::Unit | Meaning::Run);
+    let has_unit = || Meaning::ALL.iter().any(|meaning| header.unit_of(*meaning).is_some());
+    meaning.iter().any(is_number) || has_unit() || named.iter().any(|name| name.trim() == header.written)
 }
 
 impl SourceFile {
@@ -162,12 +162,13 @@ impl SourceFile {
     /// Whether a column has thousandths of the times. It is nothing else then.
     fn find_thousandths(&mut self) -> Result<(), ReadError> {
         let Some(found) = Thousandths::find(&self.written) else { return Ok(()) };
-        let mut seen = Vec::new();
+        let (mut seen, mut left) = (Vec::new(), DECIDING);
         self.as_written(&mut |event| {
             if let Event::Row(_, row) = event {
                 seen.extend(found.seconds(row));
+                left -= 1;
             }
-            seen.len() < DECIDING
+            left > 0
         })?;
         if Thousandths::are_part(&seen) {
             self.thousandths = Some(found);
@@ -186,16 +187,20 @@ impl SourceFile {
     fn find_signals(&mut self, named: &[String]) -> Result<(), ReadError> {
         let Some(columns) = SignalColumns::find(&self.written, &self.layout) else {
             let stated = self.layout.signal.iter().chain(&self.layout.value);
-            let missing = stated.filter(|name| !self.written.iter().any(|header| header.written == name.trim()));
-            return missing.clone().next().map_or(Ok(()), |name| {
-                let names: Vec<&str> = self.written.iter().map(|header| header.written.as_str()).collect();
-                Err(row::refused(&self.path, format!("layout: expected one of {}, found {name:?}", names.join(", "))))
-            });
+            let is_missing = |name: &&String| !self.written.iter().any(|header| header.written == name.trim());
+            let found = match stated.clone().find(is_missing) {
+                Some(missing) => format!("{missing:?}"),
+                None if stated.count() > 0 => "only one of signal and value".to_owned(),
+                None => return Ok(()),
+            };
+            let names: Vec<&str> = self.written.iter().map(|header| header.written.as_str()).collect();
+            let expected = names.join(", ");
+            return Err(row::refused(&self.path, format!("layout: expected two of {expected}, found {found}")));
         };
         let ([signal, value], is_stated) = (columns.names(&self.written), self.layout.signal.is_some());
         let found = columns.read(&self.written, named, is_stated, |each| self.timed(each))?;
         if let Some((signals, headers)) = found {
-            if let Some((name, beside, rows)) = &signals.beside {
+            if let Some((name, beside, rows)) = &signals.mixed {
                 let remedy = signals.unused.first().map_or_else(String::new, |unused| {
                     let columns = line([(Meaning::Unit, unused.as_str(), String::new())]);
                     format!("; is it {}? {SAY_IT}: {columns}", signals.unused.join(" or "))

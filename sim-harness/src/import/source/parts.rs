@@ -12,6 +12,7 @@ const TIME: [&str; 3] = [
     "second|seconds|sec|ss|s|sek|sekunde|sekunden|seconde|secondes|segundo|segundos|secondo|secondi",
 ];
 const DATE: [&str; 3] = ["year|yyyy|jahr|annee|ano|anno", "month|monat|mois|mes|mese", "day|dd|tag|jour|dia|giorno"];
+
 /// Columns that are one, by their indices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
@@ -22,9 +23,7 @@ pub struct Parts {
 
 /// Makes of parts a column each at the end of `headers`; none where a column has the whole.
 pub fn join(headers: &mut Vec<Header>) -> Vec<Parts> {
-    let found =
-        [(Meaning::Time, TIME), (Meaning::Date, DATE)].into_iter().filter_map(|(of, names)| find(headers, of, names));
-    let parts: Vec<Parts> = found.collect();
+    let parts = found(headers);
     for part in &parts {
         let written: Vec<String> = part.columns().map(|index| headers[index].written.clone()).collect();
         // A part is nothing else: `s` is no location, and `day` no date.
@@ -36,17 +35,21 @@ pub fn join(headers: &mut Vec<Header>) -> Vec<Parts> {
 
 /// Columns that are parts of one.
 pub fn columns(headers: &[Header]) -> Vec<usize> {
-    let found = [(Meaning::Time, TIME), (Meaning::Date, DATE)].into_iter();
-    found
-        .filter_map(|(of, names)| find(headers, of, names))
-        .flat_map(|part| part.columns().collect::<Vec<_>>())
-        .collect()
+    found(headers).iter().flat_map(|part| part.columns().collect::<Vec<_>>()).collect()
+}
+
+fn found(headers: &[Header]) -> Vec<Parts> {
+    let all = [(Meaning::Time, TIME), (Meaning::Date, DATE)].into_iter();
+    all.filter_map(|(of, names)| find(headers, of, names)).collect()
 }
 
 fn find(headers: &[Header], of: Meaning, names: [&str; 3]) -> Option<Parts> {
     let position = |names: &str| {
         let is_named = |header: &Header| {
-            names.split('|').any(|name| name == plain(&header.written) || name == plain(&header.name))
+            // A key in an object has the names of the objects before it.
+            let last = header.written.rsplit('.').next().unwrap_or_default();
+            let spelled = [header.written.as_str(), &header.name, last].map(plain);
+            names.split('|').any(|name| spelled.iter().any(|spelled| name == spelled))
         };
         headers.iter().position(is_named)
     };

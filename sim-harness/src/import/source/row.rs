@@ -1,6 +1,7 @@
 //! What every source gives: a header, then rows of fields.
 
 use crate::import::meaning::Meaning;
+use crate::import::number;
 use crate::import::units::{self, Unit};
 use rundown_files::refusal::{Place, ReadError};
 use serde::{Deserialize, Serialize};
@@ -14,6 +15,28 @@ pub enum RowField {
     Number(f64),
 }
 
+impl RowField {
+    /// As a text; none where there is nothing in it.
+    pub fn text(&self) -> Option<String> {
+        match self {
+            Self::Empty => None,
+            Self::Text(text) => Some(text.trim().to_owned()).filter(|text| !text.is_empty()),
+            Self::Number(number) => Some(number.to_string()),
+        }
+    }
+
+    /// As a number, whatever the decimal sign.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Empty => None,
+            Self::Number(number) => Some(*number),
+            Self::Text(text) => {
+                number::parse(text, if text.contains(',') { ',' } else { '.' }).map(|(number, _)| number)
+            }
+        }
+    }
+}
+
 /// What comes out of a file, line by line.
 #[derive(Debug)]
 pub enum Event<'a> {
@@ -21,7 +44,7 @@ pub enum Event<'a> {
     /// Something that is no row: line, what was expected and found.
     Bad(u64, String),
     /// A value that is left out: line, why, what was expected and found.
-    Lost(u64, &'static str, String),
+    LeftOut(u64, &'static str, String),
     /// The row that comes next has fewer or more fields than the header: line, how many the header and it have.
     Ragged(u64, (usize, usize)),
     /// The rows of another sheet begin.

@@ -2,10 +2,9 @@
 
 use super::parts;
 use super::row::{Each, Event, Header, Layout, RowField};
-use super::tags::{self, is_else, meaning_of};
+use super::seen_signals::{SeenSignal, SeenSignals};
+use super::tags::{self, is_of_another, meaning_of};
 use crate::import::meaning::{Meaning, plain};
-use crate::import::number;
-use crate::import::units;
 use std::collections::HashMap;
 
 /// What the columns of such a table are called, the more usual names first.
@@ -32,12 +31,6 @@ const GOOD_CODE: f64 = 192.0;
 const MOST_SIGNALS: usize = 100_000;
 /// Of more than these only those are read of which the name, or the unit, is known.
 const MOST_READ: usize = 200;
-/// Several trains or sources share their names where more values than this share stand beside another one of the same
-/// signal and time, and are off by more than this share of all that the signal goes: one that is read several times
-/// within the second that is written is not.
-const MOST_BESIDE: f64 = 0.05;
-const FAR_BESIDE: f64 = 0.03;
-
 /// How the rows of such a table become rows of all signals.
 #[derive(Clone, Debug)]
 pub struct Signals {
@@ -54,7 +47,7 @@ pub struct Signals {
     /// One signal begins where another one has ended: nothing is complete before the end.
     pub are_blocks: bool,
     /// Values of one time are those of several trains or sources: of which signal, how many, and of how many.
-    pub beside: Option<(String, usize, usize)>,
+    pub mixed: Option<(String, usize, usize)>,
     /// Names of columns that are not used.
     pub unused: Vec<String>,
 }
@@ -84,11 +77,20 @@ pub struct SignalColumns {
     has_words: bool,
 }
 
-/// How many names of a row are those of signal and value, where both are there: all that a mapping may name are
+/// How many names of a row are those of signal and value, where both stand beside a time: all that a mapping may name are
 /// signals then.
 pub fn known_in(row: &[String], named: &[String]) -> usize {
     let is_there = |names: &str| row.iter().any(|text| is_one_of(names, text));
-    if is_there(SIGNAL) && is_there(VALUE) { 2 + 4 * named.len() } else { 0 }
+    let has_time = || {
+        let headers: Vec<Header> = row.iter().map(|text| Header::new(text)).collect();
+        let is_time = |header: &Header| is_of_time(header) || named.iter().any(|name| name.trim() == header.written);
+        headers.iter().any(is_time) || !parts::columns(&headers).is_empty()
+    };
+    if is_there(SIGNAL) && is_there(VALUE) && has_time() { 2 + 4 * named.len() } else { 0 }
+}
+
+fn is_of_time(header: &Header) -> bool {
+    matches!(meaning_of(&header.name), Some(Meaning::Time | Meaning::Date))
 }
 
 /// That a table may have one signal in each row, where a column is called so.
@@ -107,33 +109,13 @@ fn is_one_of(names: &str, text: &str) -> bool {
 /// Speed or place, by the unit.
 fn is_of_motion(header: &Header) -> bool {
     let is_of = |meaning: &Meaning| header.unit_of(*meaning).is_some();
-    [Meaning::Speed, Meaning::Location].iter().any(is_of) && !is_else(&header.written)
-}
-
-/// A field as a text; none where there is nothing in it.
-pub fn text(field: Option<&RowField>) -> Option<String> {
-    match field? {
-        RowField::Empty => None,
-        RowField::Text(text) => Some(text.trim().to_owned()).filter(|text| !text.is_empty()),
-        RowField::Number(number) => Some(number.to_string()),
-    }
+    [Meaning::Speed, Meaning::Location].iter().any(is_of) && !is_of_another(&header.written)
 }
 
 /// What a row shares with others of its time.
 pub fn key(shared: &[usize], row: &[RowField]) -> String {
-    let field = |index: &usize| text(row.get(*index)).unwrap_or_default();
+    let field = |index: &usize| row.get(*index).and_then(RowField::text).unwrap_or_default();
     shared.iter().map(field).collect::<Vec<_>>().join("\u{1f}")
-}
-
-/// A number, whatever the decimal sign.
-fn number_of(field: &RowField) -> Option<f64> {
-    match field {
-        RowField::Number(number) => Some(*number),
-        RowField::Text(text) => {
-            number::parse(text, if text.contains(',') { ',' } else { '.' }).map(|(number, _)| number)
-        }
-        RowField::Empty => None,
-    }
 }
 
 impl SignalColumns {
@@ -170,7 +152,7 @@ impl SignalColumns {
     }
 
     /// Columns that rows of one time share: time, date, unit, run and those that the mapping names; and which of them
-    /// has the unit.
+    /// has the unit. None where no column has a time.
     fn shared(&self, headers: &[Header], named: &[String]) -> (Vec<usize>, Option<usize>) {
         let is_own = |index: usize| self.own().contains(&Some(index));
         let names = headers.iter().enumerate().map(|(i, header)| if is_own(i) { "" } else { &header.name }.to_owned());
@@ -183,6 +165,10 @@ impl SignalColumns {
             !is_own(*index) && (has_meaning || is_named() || parts.contains(index))
         };
         let shared: Vec<usize> = (0..headers.len()).filter(is_shared).collect();
+        let is_time = |index: &usize| is_of_time(&headers[*index]) || parts.contains(index);
+        if named.is_empty() && !shared.iter().any(is_time) {
+            return (Vec::new(), None);
+        }
         let vehicle = meanings.iter().find(|(meaning, _)| *meaning == Meaning::Unit);
         let vehicle = vehicle.and_then(|(_, index)| shared.iter().position(|shared| shared == index));
         (shared, vehicle)
@@ -196,12 +182,20 @@ impl SignalColumns {
     /// What the column of quality says against a value.
     pub fn called_bad(&self, row: &[RowField]) -> Option<String> {
         let quality = row.get(self.quality?)?;
-        let text = text(Some(quality))?;
-        let is_bad = match number_of(quality) {
+        let text = quality.text()?;
+        let is_bad = match quality.number() {
             Some(code) => self.has_codes && code < GOOD_CODE,
             None => self.has_words && is_one_of(BAD_WORDS, &text),
         };
         is_bad.then_some(text)
+    }
+
+    /// How the column of quality says what is good.
+    fn see_quality(&mut self, row: &[RowField]) {
+        let Some(quality) = self.quality.and_then(|quality| row.get(quality)) else { return };
+        self.has_codes = self.has_codes || quality.number().is_some_and(|code| code >= GOOD_CODE);
+        let is_good = || quality.text().is_some_and(|quality| is_one_of(GOOD_WORDS, &quality));
+        self.has_words = self.has_words || is_good();
     }
 
     /// How the table is read, and its columns then. `rows` gives those of the file; `named` are columns of the mapping,
@@ -219,10 +213,26 @@ impl SignalColumns {
         if shared[1].0.is_empty() {
             return Ok(None);
         }
-        let (seen, is_measured) = self.seen(&shared.each_ref().map(|(shared, _)| shared.as_slice()), rows)?;
+        let mut seen = SeenSignals::default();
+        rows(&mut |event| {
+            if let Event::Row(_, row) = event
+                && let Some(name) = row.get(self.signal).and_then(RowField::text)
+            {
+                self.see_quality(row);
+                let unit = self.unit.and_then(|unit| row.get(unit)?.text());
+                let keys = shared.each_ref().map(|(shared, _)| key(shared, row));
+                seen.see(name, row.get(self.value), unit, keys);
+            }
+            seen.all.len() <= MOST_SIGNALS
+        })?;
+        let is_measured = seen.is_measured;
+        self.unit = self.unit.filter(|_| is_measured);
+        let mut seen = seen.all;
         if seen.len() < 2 || seen.len() > MOST_SIGNALS {
             return Ok(None);
         }
+        // Whatever comes first, two files of one recorder have one header.
+        seen.sort_by(|a, b| a.name.cmp(&b.name));
         let mut columns: Vec<Header> = seen.iter().map(|signal| Header::new(&signal.name)).collect();
         tags::name(&mut columns);
         for (header, signal) in columns.iter_mut().zip(&seen) {
@@ -238,14 +248,13 @@ impl SignalColumns {
         let count = seen.len();
         let read = seen.into_iter().zip(columns).filter(|(_, header)| count <= MOST_READ || is_known(header));
         let (seen, columns): (Vec<SeenSignal>, Vec<Header>) = read.unzip();
-        let meaning = usize::from(!is_measured);
-        let (shared, vehicle) = shared[meaning].clone();
+        let (shared, vehicle) = shared[usize::from(!is_measured)].clone();
         let moves = |header: &Header| {
             matches!(meaning_of(&header.name), Some(Meaning::Speed | Meaning::Location | Meaning::Latitude))
         };
-        let of_motion = seen.iter().zip(&columns).filter(|(_, header)| moves(header));
-        let beside = of_motion.filter_map(|(signal, _)| signal.far_beside(meaning)).next();
-        let many = seen.iter().filter(|signal| signal.rows > 1);
+        let of_motion = seen.iter().zip(&columns).filter(|(_, header)| moves(header)).map(|(signal, _)| signal);
+        let mixed = of_motion.clone().find_map(|signal| signal.far_beside(!is_measured));
+        let many = of_motion.filter(|signal| signal.rows > 1);
         let first_end = many.clone().map(|signal| signal.ends[1]).min();
         let are_blocks = many.map(|signal| signal.ends[0]).max() > first_end;
         let index = seen.iter().enumerate().map(|(index, signal)| (signal.name.clone(), index)).collect();
@@ -262,101 +271,7 @@ impl SignalColumns {
         };
         let read = seen.into_iter().zip(&columns).map(of_signal).collect();
         let headers = shared.iter().map(|shared| headers[*shared].clone()).chain(columns).collect();
-        let signals = Signals { columns: self, shared, vehicle, index, read, count, are_blocks, beside, unused };
+        let signals = Signals { columns: self, shared, vehicle, index, read, count, are_blocks, mixed, unused };
         Ok(Some((signals, headers)))
-    }
-
-    /// The signals of the file, and whether the column of units has units of measure; one that has none is none.
-    fn seen<E>(
-        &mut self,
-        shared: &[&[usize]; 2],
-        rows: impl FnOnce(&mut Each) -> Result<(), E>,
-    ) -> Result<(Vec<SeenSignal>, bool), E> {
-        let mut signals: Vec<SeenSignal> = Vec::new();
-        let mut index: HashMap<String, usize> = HashMap::new();
-        let (mut number, mut is_measured) = (0_usize, false);
-        rows(&mut |event| {
-            if let Event::Row(_, row) = event
-                && let Some(name) = text(row.get(self.signal))
-            {
-                let unit = self.unit.and_then(|unit| text(row.get(unit)));
-                is_measured |= unit.as_deref().is_some_and(|unit| units::by_name(Meaning::Speed, unit).is_some());
-                if let Some(quality) = self.quality.and_then(|quality| row.get(quality)) {
-                    self.has_codes |= number_of(quality).is_some_and(|code| code >= GOOD_CODE);
-                    self.has_words |= text(Some(quality)).is_some_and(|quality| is_one_of(GOOD_WORDS, &quality));
-                }
-                let at = *index.entry(name.clone()).or_insert_with(|| {
-                    signals.push(SeenSignal { name, ends: [number; 2], ..SeenSignal::default() });
-                    signals.len() - 1
-                });
-                signals[at].see(number, row.get(self.value), unit, &shared.map(|shared| key(shared, row)));
-                number += 1;
-            }
-            signals.len() <= MOST_SIGNALS
-        })?;
-        if !is_measured {
-            self.unit = None;
-        }
-        Ok((signals, is_measured))
-    }
-}
-
-/// A signal of the file.
-#[derive(Default)]
-struct SeenSignal {
-    name: String,
-    /// In the order in which they come.
-    units: Vec<String>,
-    /// The first value.
-    value: RowField,
-    /// The least and the largest number.
-    range: Option<[f64; 2]>,
-    /// The first and last of its rows, and how many there are.
-    ends: [usize; 2],
-    rows: usize,
-    last: RowField,
-    /// What its last row shares with others, if the column of units has units of measure, and if it has vehicles; and
-    /// how far values are from another one that they stand beside.
-    keys: [String; 2],
-    beside: [Vec<f64>; 2],
-}
-
-impl SeenSignal {
-    fn see(&mut self, number: usize, value: Option<&RowField>, unit: Option<String>, keys: &[String; 2]) {
-        self.ends[1] = number;
-        self.rows += 1;
-        if let Some(unit) = unit.filter(|unit| !self.units.contains(unit)) {
-            self.units.push(unit);
-        }
-        let Some(value) = value.filter(|value| **value != RowField::Empty) else { return };
-        let read = number_of(value);
-        for ((before, key), beside) in self.keys.iter().zip(keys).zip(&mut self.beside) {
-            if before == key && self.last != *value {
-                beside.push(read.zip(number_of(&self.last)).map_or(0.0, |(a, b)| (a - b).abs()));
-            }
-        }
-        if let Some(read) = read {
-            let [low, high] = self.range.unwrap_or([read; 2]);
-            self.range = Some([low.min(read), high.max(read)]);
-        }
-        if self.value == RowField::Empty {
-            self.value = value.clone();
-        }
-        (self.keys, self.last) = (keys.clone(), value.clone());
-    }
-
-    /// The first unit that a signal with this name may have.
-    fn unit(&self, name: &str) -> Option<String> {
-        let fits = |unit: &&String| meaning_of(name).is_some_and(|meaning| units::by_name(meaning, unit).is_some());
-        self.units.iter().find(fits).or(self.units.first()).cloned()
-    }
-
-    /// Its name, how many values stand beside another one, and its rows, where many do, far from it.
-    fn far_beside(&self, meaning: usize) -> Option<(String, usize, usize)> {
-        let beside = &self.beside[meaning];
-        let [low, high] = self.range?;
-        let mean = beside.iter().sum::<f64>() / beside.len().max(1) as f64;
-        let is_far = beside.len() as f64 > MOST_BESIDE * self.rows as f64 && mean > FAR_BESIDE * (high - low);
-        is_far.then(|| (self.name.clone(), beside.len(), self.rows))
     }
 }

@@ -8,13 +8,17 @@
 use super::row::Header;
 use crate::import::meaning::{Meaning, plain};
 
-/// Parts of a path or a name that make another thing of what stands beside them: what is asked for, what is allowed,
-/// and what else moves.
-const ELSE: &str = "set|setpoint|soll|sollwert|target|ziel|limit|max|maximum|min|minimum|permitted|allowed|zulassig|demand|\
-                    demanded|required|ref|reference|cmd|command|desired|ceiling|advised|advisory|recommended|vorgabe|\
-                    vmax|vsoll|vzul|vlim|vset|vtarget|vziel|sollgeschwindigkeit|zielgeschwindigkeit|vorgabegeschwindigkeit|\
-                    hochstgeschwindigkeit|maxima|maximale|massima|consigne|cible|limite|consigna|objetivo|obiettivo|dest|destination|next|last|wind|fan|engine|motor|\
-                    door|blower|compressor|pump|rotor|luefter|lufter|turbine|camera";
+/// Words in a path or a name that make a speed or a location another one than that of the train: what is asked for, what
+/// is allowed, and what else moves.
+const OTHERS: &str = "set|setpoint|soll|sollwert|target|ziel|limit|max|maximum|min|minimum|permitted|allowed|zulassig|\
+                      demand|demanded|required|ref|reference|cmd|command|desired|ceiling|advised|advisory|recommended|\
+                      vorgabe|vmax|vsoll|vzul|vlim|vset|vtarget|vziel|sollgeschwindigkeit|zielgeschwindigkeit|\
+                      vorgabegeschwindigkeit|hochstgeschwindigkeit|maxima|maximale|massima|consigne|cible|limite|\
+                      consigna|objetivo|obiettivo|dest|destination|next|last|wind|fan|engine|motor|door|blower|\
+                      compressor|pump|rotor|luefter|lufter|turbine|camera";
+
+/// So many speeds are compared with as many places.
+const MOST_PAIRED: usize = 200;
 
 /// A tag of which the last part, or all, is known.
 struct Tag {
@@ -29,10 +33,10 @@ pub fn meaning_of(name: &str) -> Option<Meaning> {
     Meaning::of_names(&[name.to_owned()]).first().map(|(meaning, _)| *meaning)
 }
 
-/// It is asked for or allowed, or of another thing: no reading of the train.
-pub fn is_else(name: &str) -> bool {
+/// A speed or a location of this name is asked for or allowed, or of another thing: none of the train.
+pub fn is_of_another(name: &str) -> bool {
     let words = plain(&apart(name));
-    words.split(' ').any(|word| ELSE.split('|').any(|other| other == word))
+    words.split(' ').any(|word| OTHERS.split('|').any(|other| other == word))
 }
 
 /// `SpeedAct` as `Speed Act`.
@@ -52,9 +56,7 @@ impl Tag {
         if let Some(meaning) = meaning_of(&whole.name) {
             return Some(Self { path: Vec::new(), header: whole.clone(), meaning });
         }
-        if is_else(&whole.written) {
-            return None;
-        }
+        let is_of_another = is_of_another(&whole.written);
         // Before a unit: it may have a slash.
         let name = if whole.unit.is_some() { &whole.name } else { &whole.written };
         let parts: Vec<&str> = name.split(['.', '/', '\\', ':', '|']).map(str::trim).collect();
@@ -66,7 +68,8 @@ impl Tag {
         let spelled = [(*last, ""), (&apart(last), ""), (&of_two, ""), (of_number, number)];
         spelled.into_iter().find_map(|(name, number)| {
             let mut header = Header::new(name);
-            let meaning = meaning_of(&header.name)?;
+            let moves = |meaning: &Meaning| matches!(meaning, Meaning::Speed | Meaning::Location);
+            let meaning = meaning_of(&header.name).filter(|meaning| !(is_of_another && moves(meaning)))?;
             header.unit = whole.unit.clone().or(header.unit);
             header.written.clone_from(&whole.written);
             let path = before.iter().chain([&number]).filter(|part| !part.is_empty());
@@ -102,7 +105,8 @@ pub fn name(headers: &mut [Header]) {
     let place = [Meaning::Location, Meaning::Latitude].into_iter().find(|meaning| !of(*meaning).is_empty());
     let (speeds, places) = (of(Meaning::Speed), place.map(of).unwrap_or_default());
     let or_none = |found: &[usize]| -> Vec<Option<usize>> {
-        if found.is_empty() { vec![None] } else { found.iter().copied().map(Some).collect() }
+        let some = found.iter().take(MOST_PAIRED).copied().map(Some);
+        if found.is_empty() { vec![None] } else { some.collect() }
     };
     let tag = |index: Option<usize>| index.and_then(|index| tags[index].as_ref());
     let places_or_none = or_none(&places);

@@ -46,16 +46,18 @@ impl Thousandths {
         seen.len() > 1 && unevenness(1.0) <= unevenness(0.0)
     }
 
-    /// Puts them into the time: `10:00:00` and `250` are `10:00:00.250`. One that has its fraction, no seconds or an
-    /// offset stays as it is.
+    /// Puts them into the time: `10:00:00` and `250` are `10:00:00.250`. One that has its fraction, or no seconds, stays
+    /// as it is.
     pub fn put_in(&self, row: &mut [RowField]) {
         let Some(thousandths) = row.get(self.column).and_then(number) else { return };
         let Some(RowField::Text(time)) = row.get_mut(self.time) else { return };
-        let end = time.rfind(|c: char| c.is_ascii_digit()).map_or(0, |last| last + 1);
-        let seconds = time.rfind(':').map_or("", |last| &time[last..]);
-        let is_whole = time.matches(':').count() == 2 && !seconds.contains(['.', ',', '+', '-']);
-        if is_whole {
-            time.insert_str(end, &format!(".{thousandths:03}"));
+        let Some((colon, _)) = time.match_indices(':').nth(1) else { return };
+        let seconds = &time[colon + 1..];
+        let digits = seconds.find(|c: char| !c.is_ascii_digit()).unwrap_or(seconds.len());
+        let has_fraction = seconds[digits..].starts_with(['.', ',', ':'])
+            && seconds[digits + 1..].starts_with(|c: char| c.is_ascii_digit());
+        if digits > 0 && !has_fraction {
+            time.insert_str(colon + 1 + digits, &format!(".{thousandths:03}"));
         }
     }
 }
@@ -85,7 +87,8 @@ mod tests {
             ("2025-01-31T10:00:07Z", "2025-01-31T10:00:07.040Z"),
             ("1:00:07 PM", "1:00:07.040 PM"),
             ("10:00:07.5", "10:00:07.5"),
-            ("2025-01-31T10:00:07+01:00", "2025-01-31T10:00:07+01:00"),
+            ("2025-01-31T10:00:07+01:00", "2025-01-31T10:00:07.040+01:00"),
+            ("1:00:07 p.m.", "1:00:07.040 p.m."),
             ("10:00", "10:00"),
         ] {
             let mut row = row(time, 40.0);
