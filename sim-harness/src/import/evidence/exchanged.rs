@@ -1,7 +1,7 @@
 //! Latitude and longitude under each other's name.
 
 use super::ratios::usual;
-use super::stretches::{FASTEST_MPS, pieces};
+use super::stretches::{OF_TRAINS_MPS, pieces};
 use super::written::WrittenRow;
 use super::{NEAR, SeenRows};
 use crate::import::columns::Columns;
@@ -82,7 +82,7 @@ impl SeenRows {
         }
         // Of a location without a unit its speed decides that first.
         let (fastest, _) = usual(&pieces(&self.rows, columns)).filter(|_| by == Meaning::Speed)?;
-        let of_trains = units::candidates(by).iter().filter(|unit| FASTEST_MPS.contains(&unit.to_si(fastest)));
+        let of_trains = units::candidates(by).iter().filter(|unit| OF_TRAINS_MPS.contains(&unit.to_si(fastest)));
         let tried: Vec<(&Unit, [f64; 2])> =
             of_trains.filter_map(|unit| Some((unit, self.ways(columns, *unit)?))).collect();
         let is_named_rightly = tried.iter().any(|(_, [named, _])| (named - 1.0).abs() < NEAR);

@@ -77,8 +77,8 @@ pub struct SignalColumns {
     has_words: bool,
 }
 
-/// How many names of a row are those of signal and value, where both stand beside a time: all that a mapping may name are
-/// signals then.
+/// How many names of a row are those of signal and value, where both stand beside a time: all that a mapping may name
+/// are signals then.
 pub fn known_in(row: &[String], named: &[String]) -> usize {
     let is_there = |names: &str| row.iter().any(|text| is_one_of(names, text));
     let has_time = || {

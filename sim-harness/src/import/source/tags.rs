@@ -8,8 +8,8 @@
 use super::row::Header;
 use crate::import::meaning::{Meaning, plain};
 
-/// Words in a path or a name that make a speed or a location another one than that of the train: what is asked for, what
-/// is allowed, and what else moves.
+/// Words in a path or a name that make a speed or a location another one than that of the train: what is asked for,
+/// what is allowed, and what else moves.
 const OTHERS: &str = "set|setpoint|soll|sollwert|target|ziel|limit|max|maximum|min|minimum|permitted|allowed|zulassig|\
                       demand|demanded|required|ref|reference|cmd|command|desired|ceiling|advised|advisory|recommended|\
                       vorgabe|vmax|vsoll|vzul|vlim|vset|vtarget|vziel|sollgeschwindigkeit|zielgeschwindigkeit|\
