@@ -46,8 +46,8 @@ impl Thousandths {
         seen.len() > 1 && unevenness(1.0) <= unevenness(0.0)
     }
 
-    /// Puts them into the time: `10:00:00` and `250` are `10:00:00.250`. One that has its fraction, or no seconds, stays
-    /// as it is.
+    /// Puts them into the time: `10:00:00` and `250` are `10:00:00.250`. One that has its fraction, or no seconds,
+    /// stays as it is.
     pub fn put_in(&self, row: &mut [RowField]) {
         let Some(thousandths) = row.get(self.column).and_then(number) else { return };
         let Some(RowField::Text(time)) = row.get_mut(self.time) else { return };
