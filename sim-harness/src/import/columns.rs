@@ -174,11 +174,6 @@ fn quoted<'a>(headers: impl Iterator<Item = &'a Header>) -> String {
     headers.map(|header| format!("{:?}", header.written)).collect::<Vec<_>>().join(", ")
 }
 
-/// What its name says.
-fn meaning_of(header: &Header) -> Option<Meaning> {
-    Meaning::of_names(std::slice::from_ref(&header.name)).first().map(|(meaning, _)| *meaning)
-}
-
 /// Columns without a meaning.
 fn unused<'a>(headers: &'a [Header], of: &'a BTreeMap<Meaning, Column>) -> impl Iterator<Item = (usize, &'a Header)> {
     headers.iter().enumerate().filter(|(index, _)| !of.values().any(|column| column.index == *index))
@@ -244,7 +239,7 @@ impl Columns {
         quoted(
             unused(headers, &self.of)
                 .map(|(_, header)| header)
-                .filter(|header| meaning_of(header).is_none() && !header.name.is_empty()),
+                .filter(|header| Meaning::of_name(&header.name).is_none() && !header.name.is_empty()),
         )
     }
 
@@ -271,7 +266,8 @@ impl Columns {
     pub fn outranked(&self, headers: &[Header]) -> Vec<String> {
         let by_name = |meaning: Meaning| {
             let taken = self.of.get(&meaning)?;
-            let of_name = |header: &&Header| meaning_of(header) == Some(meaning) && header.written != taken.header;
+            let of_name =
+                |header: &&Header| Meaning::of_name(&header.name) == Some(meaning) && header.written != taken.header;
             let others = quoted(unused(headers, &self.of).map(|(_, header)| header).filter(of_name));
             let key = meaning.key();
             (!others.is_empty())

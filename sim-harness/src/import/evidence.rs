@@ -68,13 +68,14 @@ impl SeenRows {
                 let at = |index: Option<usize>| index.and_then(|index| fields.get(index));
                 let value = |index| value(at(index), columns.decimal);
                 // Another unit than that of the column may stand behind a value.
-                let in_unit = |(meaning, index): (Meaning, Option<usize>)| {
-                    let behind = unit_behind(meaning, at(index), columns.decimal);
-                    let factor = behind.zip(columns.unit(meaning)).map_or(1.0, |(a, b)| a.factor() / b.factor());
-                    value(index).map(|value| factor * value)
+                let behind: [Option<Unit>; 5] =
+                    std::array::from_fn(|i| unit_behind(EXPECTED[i], at(numbers[i]), columns.decimal));
+                let in_unit = |i: usize| {
+                    let factor = behind[i].zip(columns.unit(EXPECTED[i])).map_or(1.0, |(a, b)| a.factor() / b.factor());
+                    value(numbers[i]).map(|value| factor * value)
                 };
                 let (time, date) = (at(numbers[0]).and_then(text), at(date).and_then(text));
-                let mut read = std::array::from_fn(|i| in_unit((EXPECTED[i], numbers[i])));
+                let mut read = std::array::from_fn(in_unit);
                 // `31 January` is no number.
                 read[0] = read[0].filter(|_| at(numbers[0]).is_some_and(|field| is_plain(field, columns.decimal)));
                 for position in 3..5 {
@@ -88,8 +89,8 @@ impl SeenRows {
                     row.leave_out_sign();
                 }
                 self.rows.push(row);
-                for (meaning, index) in EXPECTED.into_iter().zip(numbers) {
-                    if let Some(unit) = unit_behind(meaning, at(index), columns.decimal) {
+                for (meaning, unit) in EXPECTED.into_iter().zip(behind) {
+                    if let Some(unit) = unit {
                         self.behind.entry(meaning).or_insert(unit);
                     }
                 }

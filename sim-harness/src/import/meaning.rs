@@ -137,6 +137,12 @@ impl Meaning {
         self.words().position(|word| word == name)
     }
 
+    /// What a column of this name, without its unit, holds.
+    pub fn of_name(name: &str) -> Option<Self> {
+        let name = plain(name);
+        Self::ALL.into_iter().find(|meaning| meaning.rank(&name).is_some())
+    }
+
     /// The column of each meaning among these names without their units; a column has one meaning, the more usual name
     /// wins.
     pub fn of_names(names: &[String]) -> Vec<(Self, usize)> {

@@ -112,11 +112,8 @@ impl<'a> Converter<'a> {
             }
             *mps >= 0.0
         });
-        let word = |meaning| match self.columns.index(meaning).and_then(|index| fields.get(index)) {
-            Some(RowField::Text(text)) => text.trim().to_owned(),
-            Some(RowField::Number(number)) => number.to_string(),
-            _ => String::new(),
-        };
+        let word =
+            |meaning| self.columns.index(meaning).and_then(|index| fields.get(index)?.text()).unwrap_or_default();
         // A log of an earlier import.
         sample.speed_is_computed = word(Meaning::SpeedIsComputed).parse().is_ok_and(|yes: f64| yes != 0.0);
         let unit = self.columns.unit_name.clone().unwrap_or_else(|| word(Meaning::Unit));

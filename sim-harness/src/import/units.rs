@@ -172,11 +172,8 @@ pub fn split(header: &str) -> (String, Option<String>) {
         for (at, _) in header.match_indices(separator) {
             let (name, unit) = (&header[..at], &header[at + separator.len()..]);
             let spelled = unit.replace('_', " ");
-            let of_name = Meaning::of_names(&[name.to_owned()]);
-            let fits = |unit: &str| match of_name.first() {
-                Some((meaning, _)) => by_name(*meaning, unit).is_some(),
-                None => false,
-            };
+            let of_name = Meaning::of_name(name);
+            let fits = |unit: &str| of_name.is_some_and(|meaning| by_name(meaning, unit).is_some());
             if fits(&spelled) || fits(unit) {
                 return (name.to_owned(), Some(spelled));
             }

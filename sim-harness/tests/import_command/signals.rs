@@ -2,13 +2,19 @@
 
 use super::*;
 
+/// A file of this text, and the runs that come of it.
+fn imported(text: &str) -> Folder {
+    let folder = Folder::new().with("a.csv", text);
+    folder.done(&["import", "a.csv"]);
+    folder
+}
+
 /// The same drive as a usual table.
 fn usual() -> Vec<Vec<f64>> {
     let text = table("time [s],location [m],speed [km/h]", &drive(&STOPS_M, 25.0), |t, x, v| {
         format!("{t},{x:.1},{:.1}", 3.6 * v)
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     csv(&folder, "runs/a_01.csv")
 }
 
@@ -55,8 +61,7 @@ fn signals_with_times_of_their_own_say_their_units_together() {
     let text = table("Timestamp [s];Signal;Value", &drive(&STOPS_M, 25.0), |t, x, v| {
         format!("{t};Odometer;{x:.1}\n{:.2};Speed;{:.1}", t + 0.03, 2.236_94 * v)
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     let mapping = folder.read("runs/import.toml");
     assert!(mapping.contains("unit = \"m\"") && mapping.contains("unit = \"mph\""), "{mapping}");
     let made = csv(&folder, "runs/a_01.csv");
@@ -111,8 +116,7 @@ fn most_of_the_values_may_be_in_another_unit_than_the_first() {
         let location = if t < 60.0 { format!("{x:.1},m") } else { format!("{:.4},km", 1e-3 * x) };
         format!("{t},odometer,{location}\n{t},speed,{:.1},km/h", 3.6 * v)
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
 }
 
@@ -194,8 +198,7 @@ fn the_number_of_a_train_holds_until_the_next_one_is_written() {
         let number = if t % 50.0 == 20.0 { format!("\n{t};train number;4711") } else { String::new() };
         format!("{t};odometer [m];{x:.1}\n{t};speed [km/h];{:.1}{number}", 3.6 * v)
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     assert_eq!(csv(&folder, "runs/a_4711_01.csv"), usual());
 }
 
@@ -266,16 +269,14 @@ fn a_speed_that_is_written_twice_in_a_second_takes_no_location_with_it() {
     let text = table("t [s],odometer [m],speed [km/h]", &drive(&STOPS_M, 25.0), |t, x, v| {
         format!("{t},,{:.1}\n{t},,{:.1}\n{t},{x:.1},", 3.6 * v, 3.6 * v + 0.1)
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
     // The same in a table of signals; and no several trains.
     let text = table("t [s],tag,value", &drive(&STOPS_M, 25.0), |t, x, v| {
         let speed = |more: f64| format!("{t},speed [km/h],{:.1}", 3.6 * v + more);
         format!("{}\n{}\n{t},odometer [m],{x:.1}", speed(0.0), speed(0.1))
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
 }
 
@@ -300,8 +301,7 @@ fn a_train_number_holds_for_its_vehicle() {
         };
         format!("{}\n{}", of(94, x), of(95, x + 30_000.0))
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     for (number, from) in [("940", 0.0), ("950", 30_000.0)] {
         let made = csv(&folder, &format!("runs/a_{number}_01.csv"));
         assert_eq!((made.len(), made[0][1]), (usual().len(), from));
@@ -328,8 +328,7 @@ fn thousandths_of_a_second_may_have_a_column_of_their_own() {
     let text = table("Time;ms;odometer [m];speed [km/h]", &drive(&STOPS_M, 25.0), |t, x, v| {
         format!("2025-03-03 {};250;{x:.1};\n2025-03-03 {};750;;{:.1}", clock(t), clock(t), 3.6 * v)
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     let made = csv(&folder, "runs/a_01.csv");
     assert!((0..20).all(|i| made[2 * i + 1][0] - made[2 * i][0] == 0.5), "{:?}", &made[..3]);
 }
@@ -340,8 +339,7 @@ fn numbers_that_are_no_readings_do_not_decide_the_decimal_sign() {
         let kmh = format!("{:.1}", 3.6 * v).replace('.', ",");
         format!("{t};{x:.0};{kmh};3.7;10.25")
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     assert!(csv(&folder, "runs/a_01.csv").iter().zip(usual()).all(|(made, usual)| made[2] == usual[2]));
 }
 
@@ -358,8 +356,7 @@ fn times_and_columns_with_a_unit_decide_the_decimal_sign() {
             let kmh = if speed { german(3.6 * v) } else { format!("{:.0}", 3.6 * v) };
             format!("{time};{x:.0};{kmh}")
         });
-        let folder = Folder::new().with("a.csv", &text);
-        folder.done(&["import", "a.csv"]);
+        let folder = imported(&text);
         let (made, usual) = (csv(&folder, "runs/a_01.csv"), usual());
         assert_eq!((made.len(), made[20][0]), (usual.len(), 20.0), "{header}");
         near(made[30][2], usual[30][2], 0.5);
@@ -397,8 +394,7 @@ fn a_unit_of_the_location_alone_is_no_vehicle() {
     let text = table("t [s];signal;value;unit", &drive(&STOPS_M, 25.0), |t, x, v| {
         format!("{t};odometer;{x:.1};m\n{t};speed [km/h];{:.1};", 3.6 * v)
     });
-    let folder = Folder::new().with("a.csv", &text);
-    folder.done(&["import", "a.csv"]);
+    let folder = imported(&text);
     assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
 }
 
@@ -420,8 +416,7 @@ fn units_are_found_of_trains_that_take_turns_and_of_rows_newest_first() {
     let newest: Vec<(f64, f64, f64)> = rows.iter().rev().copied().collect();
     let newest = table("t [s],odometer,speed", &newest, |t, x, v| format!("{t},{x:.1},{:.1}", 3.6 * v));
     for text in [turns, newest] {
-        let folder = Folder::new().with("a.csv", &text);
-        folder.done(&["import", "a.csv"]);
+        let folder = imported(&text);
         assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
     }
 }
@@ -435,8 +430,7 @@ fn kilometres_and_metres_on_both_sides_of_a_plus_are_a_location() {
             let kmh = format!("{:.1}", 3.6 * v).replace('.', &decimal.to_string());
             format!("{t}{delimiter}{}+{metres}{delimiter}{kmh}", (x / 1000.0).floor())
         });
-        let folder = Folder::new().with("a.csv", &text);
-        folder.done(&["import", "a.csv"]);
+        let folder = imported(&text);
         assert_eq!(csv(&folder, "runs/a_01.csv"), usual());
     }
 }

@@ -40,22 +40,11 @@ pub(super) fn acting(named: &Named, runs: &[Run]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::runs::Recorded;
-    use rundown::model::direction::Direction;
+    use crate::data::runs::tests::of_unit;
     use rundown::model::effects::{DraggingBrake, Effect};
 
-    fn run(index: usize, unit: &str) -> Run {
-        Run {
-            name: format!("r{index}"),
-            direction: Direction::Up,
-            day: Some(20_000.0 + index as f64),
-            samples: Vec::new(),
-            recorded: Recorded { unit: unit.to_owned(), ..Recorded::default() },
-        }
-    }
-
     fn said(units: [&str; 4], acts: &[usize]) -> String {
-        let runs: Vec<Run> = units.iter().enumerate().map(|(index, unit)| run(index, unit)).collect();
+        let runs: Vec<Run> = units.iter().enumerate().map(|(index, unit)| of_unit(index, unit)).collect();
         let effect = Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 4e-3 });
         let mut named = Named::plain(effect, Vec::new(), 30.0, 1e-3);
         named.runs = acts.iter().map(|index| format!("r{index}")).collect();

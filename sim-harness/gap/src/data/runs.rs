@@ -65,3 +65,19 @@ pub fn without_gain(runs: &[Run], gain: f64) -> Vec<Run> {
     }
     runs
 }
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// Run `r{index}` of this unit, without samples.
+    pub fn of_unit(index: usize, unit: &str) -> Run {
+        Run {
+            name: format!("r{index}"),
+            direction: Direction::Up,
+            day: Some(20_000.0 + index as f64),
+            samples: Vec::new(),
+            recorded: Recorded { unit: unit.to_owned(), ..Recorded::default() },
+        }
+    }
+}

@@ -144,19 +144,11 @@ fn p_values(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::runs::Recorded;
-    use rundown::model::direction::Direction;
+    use crate::data::runs::tests::of_unit;
     use rundown::model::effects::{DraggingBrake, Effect};
 
     fn runs(units: &[&str], from: usize) -> Vec<Run> {
-        let of_unit = |(index, unit): (usize, &&str)| Run {
-            name: format!("r{}", from + index),
-            direction: Direction::Up,
-            day: None,
-            samples: Vec::new(),
-            recorded: Recorded { unit: (*unit).to_owned(), ..Recorded::default() },
-        };
-        units.iter().enumerate().map(of_unit).collect()
+        (from..).zip(units).map(|(index, unit)| of_unit(index, unit)).collect()
     }
 
     fn acts(training: [&str; 4], dragging: &[usize], tested: &[&str]) -> Option<Vec<bool>> {

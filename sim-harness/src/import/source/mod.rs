@@ -95,7 +95,7 @@ fn named_or_known(header: &Header, named: &[String]) -> bool {
     let meaning = Meaning::of_names(std::slice::from_ref(&header.name));
     let is_number = |(meaning, _): &(Meaning, usize)| !matches!(meaning, Meaning::Date | Meaning::Unit | Meaning::Run);
     let has_unit = || Meaning::ALL.iter().any(|meaning| header.unit_of(*meaning).is_some());
-    meaning.iter().any(is_number) || has_unit() || named.iter().any(|name| name.trim() == header.written)
+    meaning.iter().any(is_number) || has_unit() || header.is_among(named)
 }
 
 impl SourceFile {
@@ -123,12 +123,14 @@ impl SourceFile {
             SourceFormat::JsonLines => (plain, json::headers(path)?),
             SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
-        let (path, headers) = (path.to_owned(), written.clone());
-        let mut source =
-            Self { path, layout, headers, written, thousandths: None, signals: None, parts: Vec::new(), sheets };
+        let (path, headers, parts) = (path.to_owned(), Vec::new(), Vec::new());
+        let mut source = Self { path, layout, headers, written, thousandths: None, signals: None, parts, sheets };
         let is_of_standard = matches!(format, SourceFormat::Gpx | SourceFormat::Nmea);
         if !is_of_standard {
             source.find_thousandths()?;
+        }
+        source.headers.clone_from(&source.written);
+        if !is_of_standard {
             source.find_signals(named)?;
         }
         source.parts = parts::join(&mut source.headers);
@@ -172,7 +174,6 @@ impl SourceFile {
         })?;
         if Thousandths::are_part(&seen) {
             self.thousandths = Some(found);
-            self.headers[found.column].name.clear();
             self.written[found.column].name.clear();
         }
         Ok(())

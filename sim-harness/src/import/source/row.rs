@@ -105,6 +105,11 @@ impl Header {
         Self { written: written.trim().trim_start_matches('\u{feff}').to_owned(), name, unit }
     }
 
+    /// It is one of those of a mapping.
+    pub fn is_among(&self, named: &[String]) -> bool {
+        named.iter().any(|name| name.trim() == self.written)
+    }
+
     /// The unit of this kind that it names, whatever else: `Geschw. [km/h]`, `tempo_kmh`.
     pub fn unit_of(&self, meaning: Meaning) -> Option<Unit> {
         // Times are in ms, forces in kN.

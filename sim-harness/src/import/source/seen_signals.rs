@@ -1,7 +1,6 @@
 //! The signals of a table that has one in each row, as they are seen in its rows.
 
 use super::row::{Header, RowField};
-use super::tags::meaning_of;
 use crate::import::meaning::Meaning;
 use crate::import::units;
 use std::collections::HashMap;
@@ -55,7 +54,7 @@ impl SeenSignals {
         signal.rows += 1;
         self.rows += 1;
         if let Some(unit) = unit.filter(|unit| !signal.units.contains(unit)) {
-            let meaning = meaning_of(&Header::new(&signal.name).name);
+            let meaning = Meaning::of_name(&Header::new(&signal.name).name);
             let may_have = |meaning: Meaning| units::by_name(meaning, &unit).is_some();
             self.is_measured |=
                 may_have(Meaning::Speed) || meaning == Some(Meaning::Location) && may_have(Meaning::Location);
@@ -88,7 +87,8 @@ impl SeenSignal {
 
     /// The first unit that a signal with this name may have.
     pub fn unit(&self, name: &str) -> Option<String> {
-        let fits = |unit: &&String| meaning_of(name).is_some_and(|meaning| units::by_name(meaning, unit).is_some());
+        let fits =
+            |unit: &&String| Meaning::of_name(name).is_some_and(|meaning| units::by_name(meaning, unit).is_some());
         self.units.iter().find(fits).or(self.units.first()).cloned()
     }
 

@@ -3,7 +3,7 @@
 use super::parts;
 use super::row::{Each, Event, Header, Layout, RowField};
 use super::seen_signals::{SeenSignal, SeenSignals};
-use super::tags::{self, is_of_another, meaning_of};
+use super::tags::{self, is_of_another};
 use crate::import::meaning::{Meaning, plain};
 use std::collections::HashMap;
 
@@ -83,14 +83,14 @@ pub fn known_in(row: &[String], named: &[String]) -> usize {
     let is_there = |names: &str| row.iter().any(|text| is_one_of(names, text));
     let has_time = || {
         let headers: Vec<Header> = row.iter().map(|text| Header::new(text)).collect();
-        let is_time = |header: &Header| is_of_time(header) || named.iter().any(|name| name.trim() == header.written);
+        let is_time = |header: &Header| is_of_time(header) || header.is_among(named);
         headers.iter().any(is_time) || !parts::columns(&headers).is_empty()
     };
     if is_there(SIGNAL) && is_there(VALUE) && has_time() { 2 + 4 * named.len() } else { 0 }
 }
 
 fn is_of_time(header: &Header) -> bool {
-    matches!(meaning_of(&header.name), Some(Meaning::Time | Meaning::Date))
+    matches!(Meaning::of_name(&header.name), Some(Meaning::Time | Meaning::Date))
 }
 
 /// That a table may have one signal in each row, where a column is called so.
@@ -130,7 +130,7 @@ impl SignalColumns {
         };
         let (signal, value) = (of(layout.signal.as_ref(), SIGNAL)?, of(layout.value.as_ref(), VALUE)?);
         let is_wide = |header: &Header| {
-            matches!(meaning_of(&header.name), Some(Meaning::Location | Meaning::Speed | Meaning::Latitude))
+            matches!(Meaning::of_name(&header.name), Some(Meaning::Location | Meaning::Speed | Meaning::Latitude))
                 || header.unit_of(Meaning::Speed).is_some()
         };
         let others = headers.iter().enumerate().filter(|(index, _)| ![signal, value].contains(index));
@@ -160,9 +160,8 @@ impl SignalColumns {
         let parts = parts::columns(headers);
         let splits = |meaning: Meaning| matches!(meaning, Meaning::Time | Meaning::Date | Meaning::Run | Meaning::Unit);
         let is_shared = |index: &usize| {
-            let is_named = || named.iter().any(|name| name.trim() == headers[*index].written);
             let has_meaning = meanings.iter().any(|(meaning, at)| at == index && splits(*meaning));
-            !is_own(*index) && (has_meaning || is_named() || parts.contains(index))
+            !is_own(*index) && (has_meaning || headers[*index].is_among(named) || parts.contains(index))
         };
         let shared: Vec<usize> = (0..headers.len()).filter(is_shared).collect();
         let is_time = |index: &usize| is_of_time(&headers[*index]) || parts.contains(index);
@@ -239,8 +238,7 @@ impl SignalColumns {
             header.unit = header.unit.take().or_else(|| signal.unit(&header.name).filter(|_| is_measured));
         }
         let is_known = |header: &Header| {
-            let is_named = named.iter().any(|name| name.trim() == header.written);
-            meaning_of(&header.name).is_some() || is_of_motion(header) || is_named
+            Meaning::of_name(&header.name).is_some() || is_of_motion(header) || header.is_among(named)
         };
         if !is_stated && !columns.iter().any(is_known) {
             return Ok(None);
@@ -250,7 +248,7 @@ impl SignalColumns {
         let (seen, columns): (Vec<SeenSignal>, Vec<Header>) = read.unzip();
         let (shared, vehicle) = shared[usize::from(!is_measured)].clone();
         let moves = |header: &Header| {
-            matches!(meaning_of(&header.name), Some(Meaning::Speed | Meaning::Location | Meaning::Latitude))
+            matches!(Meaning::of_name(&header.name), Some(Meaning::Speed | Meaning::Location | Meaning::Latitude))
         };
         let of_motion = seen.iter().zip(&columns).filter(|(_, header)| moves(header)).map(|(signal, _)| signal);
         let mixed = of_motion.clone().find_map(|signal| signal.far_beside(!is_measured));
@@ -266,7 +264,7 @@ impl SignalColumns {
         let of_signal = |(signal, header): (SeenSignal, &Header)| ReadSignal {
             unit: header.unit.clone().filter(|_| is_measured),
             is_known: is_known(header),
-            is_held: matches!(meaning_of(&header.name), Some(Meaning::Unit | Meaning::Run)),
+            is_held: matches!(Meaning::of_name(&header.name), Some(Meaning::Unit | Meaning::Run)),
             first: signal.value,
         };
         let read = seen.into_iter().zip(&columns).map(of_signal).collect();

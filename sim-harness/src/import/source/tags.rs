@@ -28,11 +28,6 @@ struct Tag {
     meaning: Meaning,
 }
 
-/// What a name means.
-pub fn meaning_of(name: &str) -> Option<Meaning> {
-    Meaning::of_names(&[name.to_owned()]).first().map(|(meaning, _)| *meaning)
-}
-
 /// A speed or a location of this name is asked for or allowed, or of another thing: none of the train.
 pub fn is_of_another(name: &str) -> bool {
     let words = plain(&apart(name));
@@ -53,7 +48,7 @@ fn apart(name: &str) -> String {
 
 impl Tag {
     fn of(whole: &Header) -> Option<Self> {
-        if let Some(meaning) = meaning_of(&whole.name) {
+        if let Some(meaning) = Meaning::of_name(&whole.name) {
             return Some(Self { path: Vec::new(), header: whole.clone(), meaning });
         }
         let is_of_another = is_of_another(&whole.written);
@@ -69,7 +64,7 @@ impl Tag {
         spelled.into_iter().find_map(|(name, number)| {
             let mut header = Header::new(name);
             let moves = |meaning: &Meaning| matches!(meaning, Meaning::Speed | Meaning::Location);
-            let meaning = meaning_of(&header.name).filter(|meaning| !(is_of_another && moves(meaning)))?;
+            let meaning = Meaning::of_name(&header.name).filter(|meaning| !(is_of_another && moves(meaning)))?;
             header.unit = whole.unit.clone().or(header.unit);
             header.written.clone_from(&whole.written);
             let path = before.iter().chain([&number]).filter(|part| !part.is_empty());
@@ -117,14 +112,14 @@ pub fn name(headers: &mut [Header]) {
     };
     let pairs: Vec<[Option<usize>; 2]> = pairs.collect();
     let Some(best) = pairs.iter().map(near).max() else { return };
-    let best: Vec<&[Option<usize>; 2]> = pairs.iter().filter(|pair| near(pair) == best).collect();
-    let chosen = *best[0];
+    let best: Vec<[Option<usize>; 2]> = pairs.into_iter().filter(|pair| near(pair) == best).collect();
+    let chosen = best[0];
     let root = chosen.iter().find_map(|index| tag(*index)?.root());
     let is_chosen = |side: usize| {
-        let is_rival = |pair: &&&[Option<usize>; 2]| {
+        let is_rival = |pair: &[Option<usize>; 2]| {
             pair[side] != chosen[side] && tag(pair[side]).and_then(Tag::root) == tag(chosen[side]).and_then(Tag::root)
         };
-        chosen[side].filter(|_| !best.iter().any(|pair| is_rival(&pair)))
+        chosen[side].filter(|_| !best.iter().any(is_rival))
     };
     let mut named: Vec<usize> = (0..2).filter_map(is_chosen).collect();
     for meaning in Meaning::ALL.into_iter().filter(|meaning| *meaning != Meaning::Speed && Some(*meaning) != place) {
