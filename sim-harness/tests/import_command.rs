@@ -7,6 +7,8 @@ mod common;
 mod formats;
 #[path = "import_command/meaning.rs"]
 mod meaning;
+#[path = "import_command/quality.rs"]
+mod quality;
 #[path = "import_command/signals.rs"]
 mod signals;
 #[path = "import_command/tables.rs"]

@@ -65,6 +65,7 @@ impl Group {
                 .map_err(|missing| doubt.as_ref().map_or(missing.clone(), |doubt| format!("{missing}; {doubt}")))?;
             notes.extend(doubt);
             notes.extend(first.words_of_signals());
+            notes.extend(first.words_of_qualities());
             notes.extend(first.words_of_thousandths());
         }
         let mut seen = SeenRows::default();

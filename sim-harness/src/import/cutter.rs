@@ -1,14 +1,18 @@
 //! Rows as they come, as stretches without a gap.
 
+use super::geo;
 use super::mapping::RunCuts;
 use super::rows::Record;
-use super::stretch::Stretch;
+use super::stretch::{Stretch, fix};
 use rundown_files::sample::Sample;
 
 /// Rows that are held at most before a stretch is cut without another reason.
 const MOST_ROWS: usize = 500_000;
 /// What no row has continued for so many is over.
 const LEFT_ROWS: u64 = 20_000;
+/// One of so many rows has a place, and a train is no further from it one row later, m.
+const BESIDE: usize = 20;
+const ELSEWHERE_M: f64 = 1000.0;
 
 /// Makes stretches of rows as they come. Rows of several units or runs may take turns, as where a fleet writes one
 /// file: each has a stretch of its own until it has not been continued for long.
@@ -95,6 +99,8 @@ impl Cutter {
         let gap_s = record.sample.time_s - last.time_s;
         if gap_s > self.settings.gap_s && !went_on(last, &record.sample) {
             Some(format!("a gap of {gap_s:.0} s"))
+        } else if -gap_s > self.settings.gap_s && is_elsewhere(stretch, &record.sample) {
+            Some(format!("the time goes back by {:.0} s, to another place", -gap_s))
         } else if stretch.rows.len() >= MOST_ROWS {
             Some(format!("{MOST_ROWS} rows without another place to cut"))
         } else {
@@ -123,6 +129,17 @@ impl Cutter {
     pub fn end(self) -> impl Iterator<Item = Stretch> {
         self.held.into_iter().map(|held| held.stretch)
     }
+}
+
+/// A row is none that the train could be at where it was before: rows that a recorder could not send in time stand
+/// behind later ones, where a clock that is set back leaves the train in its place.
+fn is_elsewhere(stretch: &Stretch, row: &Sample) -> bool {
+    let place_m = |before: &Sample| {
+        let located = before.location_m.zip(row.location_m).map(|(a, b)| (b - a).abs());
+        located.or_else(|| Some(geo::distance_m(fix(before)?, fix(row)?)))
+    };
+    let beside = stretch.rows.iter().rev().take(BESIDE).find_map(place_m);
+    beside.is_some_and(|metres| metres > ELSEWHERE_M)
 }
 
 /// Two rows of a moving train that is no further on than half a minute of travel: the clock jumped, the log has no gap.

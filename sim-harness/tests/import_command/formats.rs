@@ -519,3 +519,26 @@ fn text_that_is_packed_is_read_as_it_is() {
     let said = folder.rundown(&["import", "b.csv.zst"]);
     assert!(said.err.contains("expected text, or text packed by gzip, found .zst: unpack it first"), "{}", said.err);
 }
+
+#[test]
+fn minutes_that_are_written_at_the_end_of_the_file_are_a_run_of_their_time() {
+    // Over a day of three runs; what the first of them could not send comes last.
+    let rows = drive(&STOPS_M, 25.0);
+    let end_s = rows.last().unwrap().0;
+    let all: Vec<(f64, f64, f64)> = (0..3)
+        .flat_map(|run| rows.iter().map(move |(t, x, v)| (f64::from(run) * (end_s + 1500.0) + t, *x, *v)))
+        .collect();
+    let (late, in_time): (Vec<_>, Vec<_>) = all.into_iter().partition(|row| (100.0..400.0).contains(&row.0));
+    let line = |t: f64, x: f64, v: f64| format!("2025-03-04T{}Z,{x:.1},{:.1}", clock(21_600.0 + t), 3.6 * v);
+    let text = table("time,location_m,speed_kmh", &[in_time, late].concat(), line);
+    let folder = Folder::new().with("a.csv", &text);
+    let said = folder.done(&["import", "a.csv"]);
+    assert!(said.out.contains("the time goes back by") && said.out.contains("to another place"), "{}", said.out);
+    let index = folder.read("runs/runs.csv");
+    assert_eq!(index.lines().count(), 5, "{index}");
+    assert!(index.contains("2025-03-04T06:01:40Z"), "the run of the late rows begins at its own time: {index}");
+    for name in ["a_01", "a_03"] {
+        let run = csv(&folder, &format!("runs/{name}.csv"));
+        assert!(last(&run)[1] < 12_000.0, "no odometer is joined over what is missing: {:?}", last(&run));
+    }
+}

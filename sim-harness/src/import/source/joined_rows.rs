@@ -1,5 +1,6 @@
 //! Rows of one signal each as rows of all: those of one time become one.
 
+use super::quality::{CALLED_BAD, Quality};
 use super::row::{Each, Event, RowField};
 use super::signals::{ReadSignal, Signals, key};
 use std::collections::{HashMap, VecDeque};
@@ -8,7 +9,6 @@ use std::collections::{HashMap, VecDeque};
 const OPEN: usize = 100_000;
 
 const BESIDE: &str = "values beside another one of the same signal and time, left out";
-const CALLED_BAD: &str = "values that a column calls bad, left out";
 
 /// Rows of which not all signals are there yet, in the order in which they begin.
 struct OpenRows<'a> {
@@ -64,7 +64,8 @@ impl<'a> OpenRows<'a> {
         let value = row.get(signals.columns.value);
         let (Some(index), Some(value)) = (signals.index.get(&name).copied(), value) else { return true };
         let ReadSignal { unit: expected, is_known, .. } = &signals.read[index];
-        if *is_known && let Some(quality) = signals.columns.called_bad(row) {
+        let quality: Option<&Quality> = signals.columns.quality.as_ref();
+        if *is_known && let Some(quality) = quality.and_then(|quality| quality.called_bad(row)) {
             return each(Event::LeftOut(line, CALLED_BAD, format!("expected a good value of {name}, found {quality}")));
         }
         // Another unit than that of the header stands behind the value.

@@ -8,6 +8,7 @@ mod json;
 mod nmea;
 mod parquet;
 mod parts;
+mod quality;
 pub mod row;
 mod seen_signals;
 mod sheet;
@@ -20,6 +21,7 @@ use super::mapping::{SAY_IT, line};
 use super::meaning::Meaning;
 use super::number;
 use parts::Parts;
+use quality::Qualities;
 use row::{Each, Event, Header, Layout, RowField, SourceFormat};
 use rundown_files::refusal::ReadError;
 use rundown_files::run_set::{PACKED, ending};
@@ -45,6 +47,8 @@ pub struct SourceFile {
     written: Vec<Header>,
     thousandths: Option<Thousandths>,
     signals: Option<Signals>,
+    /// Of a table with all readings in one row.
+    qualities: Qualities,
     parts: Vec<Parts>,
     /// Of a workbook.
     pub sheets: Sheets,
@@ -123,8 +127,9 @@ impl SourceFile {
             SourceFormat::JsonLines => (plain, json::headers(path)?),
             SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
-        let (path, headers, parts) = (path.to_owned(), Vec::new(), Vec::new());
-        let mut source = Self { path, layout, headers, written, thousandths: None, signals: None, parts, sheets };
+        let (path, headers, parts, qualities) = (path.to_owned(), Vec::new(), Vec::new(), Qualities::default());
+        let mut source =
+            Self { path, layout, headers, written, thousandths: None, signals: None, qualities, parts, sheets };
         let is_of_standard = matches!(format, SourceFormat::Gpx | SourceFormat::Nmea);
         if !is_of_standard {
             source.find_thousandths()?;
@@ -132,6 +137,7 @@ impl SourceFile {
         source.headers.clone_from(&source.written);
         if !is_of_standard {
             source.find_signals(named)?;
+            source.find_qualities(named)?;
         }
         source.parts = parts::join(&mut source.headers);
         if source.layout.decimal.is_none() && !is_of_standard {
@@ -147,8 +153,8 @@ impl SourceFile {
         let unused = signals.unused.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
         let unused = if unused.is_empty() { unused } else { format!("; not used: {unused}") };
         let count = signals.count;
-        let quality = signals.columns.quality().map_or_else(String::new, |quality| {
-            format!("; {:?} says which values are bad", self.written[quality].written)
+        let quality = signals.columns.quality.as_ref().map_or_else(String::new, |quality| {
+            format!("; {:?} says which values are bad", self.written[quality.column].written)
         });
         Some(format!(
             "each row has one of {count} signals (column {column:?}); those of one time are one row{quality}{unused}"
@@ -159,6 +165,32 @@ impl SourceFile {
     pub fn words_of_thousandths(&self) -> Option<String> {
         let column = &self.written[self.thousandths?.column].written;
         Some(format!("column {column:?} has the thousandths of a second of the times: steps are more even with them"))
+    }
+
+    /// Which columns say what is bad, where each row has all readings.
+    pub fn words_of_qualities(&self) -> Option<String> {
+        let names = self.qualities.columns().map(|column| format!("{:?}", self.written[column].written));
+        let names = names.collect::<Vec<_>>().join(", ");
+        (!names.is_empty()).then(|| format!("which values are bad is read from {names}"))
+    }
+
+    /// Columns that call values of others bad, until each has shown what is good.
+    fn find_qualities(&mut self, named: &[String]) -> Result<(), ReadError> {
+        if self.signals.is_some() {
+            return Ok(());
+        }
+        let mut found = Qualities::find(&self.written, named);
+        if !found.is_empty() {
+            self.timed(&mut |event| {
+                if let Event::Row(_, row) = event {
+                    found.see(row);
+                }
+                !found.are_known()
+            })?;
+            found.forget_unknown();
+        }
+        self.qualities = found;
+        Ok(())
     }
 
     /// Whether a column has thousandths of the times. It is nothing else then.
@@ -280,8 +312,20 @@ impl SourceFile {
     fn joined(&self, each: &mut Each) -> Result<(), ReadError> {
         match &self.signals {
             Some(signals) => joined_rows::join(signals, each, |each| self.timed(each)),
-            None => self.timed(each),
+            None => self.judged(each),
         }
+    }
+
+    /// Rows without the values that a column calls bad.
+    fn judged(&self, each: &mut Each) -> Result<(), ReadError> {
+        if self.qualities.is_empty() {
+            return self.timed(each);
+        }
+        let mut whole: Vec<RowField> = Vec::new();
+        self.timed(&mut |event| match event {
+            Event::Row(line, row) => self.qualities.judge((line, row), &self.written, &mut whole, each),
+            other => each(other),
+        })
     }
 
     /// So many fields are named: nothing may stand behind them.

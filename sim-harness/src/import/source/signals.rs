@@ -1,6 +1,7 @@
 //! Tables that have one signal in each row: time, signal, value. What their columns are, and the signals in them.
 
 use super::parts;
+use super::quality::{self, Quality, is_one_of};
 use super::row::{Each, Event, Header, Layout, RowField};
 use super::seen_signals::{SeenSignal, SeenSignals};
 use super::tags::{self, is_of_another};
@@ -17,15 +18,6 @@ const VALUE: &str = "value|val|wert|messwert|istwert|valeur|valor|valore|reading
                      hodnota|wartosc|varde";
 const UNIT: &str = "unit|units|uom|unit of measure|engineering unit|engineering units|eng unit|eu|dimension|einheit|unite|\
                     unidad|unita|eenheid|jednotka";
-const QUALITY: &str = "quality|signal quality|tag quality|qualitat|qualitaet|qualite|calidad|qualita|kwaliteit|validity|\
-                       valid|gultig|status|state|etat|estado|stato";
-/// What such a column says of a value that is one, and of one that is none: a state of the train has both hardly ever.
-const GOOD_WORDS: &str = "good|ok|valid|true|gut|gultig|bon|bonne|valide|bueno|buono|valido|goed|geldig";
-const BAD_WORDS: &str = "bad|invalid|false|nok|not ok|uncertain|questionable|fault|faulty|error|failed|failure|stale|\
-                         timeout|schlecht|ungultig|gestort|fehler|mauvais|invalide|defaut|malo|invalido|cattivo|\
-                         non valido|slecht|ongeldig";
-/// The least number of a good value where numbers say it, as OPC writes them: bad ones have 0, and doubtful ones 64.
-const GOOD_CODE: f64 = 192.0;
 
 /// More are no names of signals.
 const MOST_SIGNALS: usize = 100_000;
@@ -71,10 +63,7 @@ pub struct SignalColumns {
     pub signal: usize,
     pub value: usize,
     pub unit: Option<usize>,
-    quality: Option<usize>,
-    /// The quality is a number, which good values have from [`GOOD_CODE`] on, or a word.
-    has_codes: bool,
-    has_words: bool,
+    pub quality: Option<Quality>,
 }
 
 /// How many names of a row are those of signal and value, where both stand beside a time: all that a mapping may name
@@ -99,11 +88,6 @@ pub fn hint(headers: &[Header]) -> Option<&'static str> {
     headers.iter().any(is_named).then_some(
         "; where each row has one signal, layout.signal and layout.value in [[source]] name the columns of its name and value",
     )
-}
-
-fn is_one_of(names: &str, text: &str) -> bool {
-    let text = plain(text);
-    names.split('|').any(|name| name == text)
 }
 
 /// Speed or place, by the unit.
@@ -138,8 +122,9 @@ impl SignalColumns {
             return None;
         }
         let free = |index: &usize| ![signal, value].contains(index);
-        let [unit, quality] = [UNIT, QUALITY].map(|names| of(None, names).filter(free));
-        Some(Self { signal, value, unit, quality, has_codes: false, has_words: false })
+        let [unit, quality] = [UNIT, quality::NAMES].map(|names| of(None, names).filter(free));
+        let quality = quality.map(|column| Quality::new(column, &headers[column]));
+        Some(Self { signal, value, unit, quality })
     }
 
     /// Of signal and value.
@@ -148,7 +133,7 @@ impl SignalColumns {
     }
 
     fn own(&self) -> [Option<usize>; 4] {
-        [Some(self.signal), Some(self.value), self.unit, self.quality]
+        [Some(self.signal), Some(self.value), self.unit, self.quality.as_ref().map(|quality| quality.column)]
     }
 
     /// Columns that rows of one time share: time, date, unit, run and those that the mapping names; and which of them
@@ -173,30 +158,6 @@ impl SignalColumns {
         (shared, vehicle)
     }
 
-    /// The column that calls values good and bad.
-    pub fn quality(&self) -> Option<usize> {
-        self.quality.filter(|_| self.has_codes || self.has_words)
-    }
-
-    /// What the column of quality says against a value.
-    pub fn called_bad(&self, row: &[RowField]) -> Option<String> {
-        let quality = row.get(self.quality?)?;
-        let text = quality.text()?;
-        let is_bad = match quality.number() {
-            Some(code) => self.has_codes && code < GOOD_CODE,
-            None => self.has_words && is_one_of(BAD_WORDS, &text),
-        };
-        is_bad.then_some(text)
-    }
-
-    /// How the column of quality says what is good.
-    fn see_quality(&mut self, row: &[RowField]) {
-        let Some(quality) = self.quality.and_then(|quality| row.get(quality)) else { return };
-        self.has_codes = self.has_codes || quality.number().is_some_and(|code| code >= GOOD_CODE);
-        let is_good = || quality.text().is_some_and(|quality| is_one_of(GOOD_WORDS, &quality));
-        self.has_words = self.has_words || is_good();
-    }
-
     /// How the table is read, and its columns then. `rows` gives those of the file; `named` are columns of the mapping,
     /// `is_stated`: a person said that each row has a signal. None where it has none after all.
     pub fn read<E>(
@@ -217,7 +178,9 @@ impl SignalColumns {
             if let Event::Row(_, row) = event
                 && let Some(name) = row.get(self.signal).and_then(RowField::text)
             {
-                self.see_quality(row);
+                if let Some(quality) = &mut self.quality {
+                    quality.see(row);
+                }
                 let unit = self.unit.and_then(|unit| row.get(unit)?.text());
                 let keys = shared.each_ref().map(|(shared, _)| key(shared, row));
                 seen.see(name, row.get(self.value), unit, keys);
@@ -226,6 +189,7 @@ impl SignalColumns {
         })?;
         let is_measured = seen.is_measured;
         self.unit = self.unit.filter(|_| is_measured);
+        self.quality = self.quality.filter(Quality::is_known);
         let mut seen = seen.all;
         if seen.len() < 2 || seen.len() > MOST_SIGNALS {
             return Ok(None);
@@ -256,7 +220,7 @@ impl SignalColumns {
         let first_end = many.clone().map(|signal| signal.ends[1]).min();
         let are_blocks = many.map(|signal| signal.ends[0]).max() > first_end;
         let index = seen.iter().enumerate().map(|(index, signal)| (signal.name.clone(), index)).collect();
-        let used = [Some(self.signal), Some(self.value), self.unit, self.quality()];
+        let used = self.own();
         let is_unused = |(index, header): &(usize, &Header)| {
             !shared.contains(index) && !used.contains(&Some(*index)) && !header.written.is_empty()
         };
