@@ -4,15 +4,13 @@
 use crate::prelude::*;
 use board_tests::described::measurements;
 pub use board_tests::described::with_targets;
-use rundown::coast_ahead::{CoastAhead, Outcome, Steady};
+use rundown::coast_ahead::{CoastAhead, NINETY_PERCENT, Outcome, Steady};
 use rundown_truth::driver::Regime;
 use rundown_truth::motion::Motion;
 use rundown_truth::plan::plan;
 use rundown_truth::sensors::TruthSample;
 use rundown_truth::world::{History, World};
 
-/// Standard deviations of a 90 % interval to either side.
-const NINETY_PERCENT: f64 = 1.645;
 /// Step of the true coast, s.
 const STEP_S: f64 = 0.25;
 
@@ -142,7 +140,7 @@ impl Calibration {
                 (Outcome::Stops { .. }, Some(_)) => sum.wrong[1] += 1.0,
                 (Outcome::Stops { .. }, None) => sum.stands[0] += 1.0,
                 (Outcome::MayStop, _) => sum.stands[1] += 1.0,
-                _ => {}
+                (Outcome::Unknown | Outcome::NoTarget, _) => {}
             }
         }
         sum

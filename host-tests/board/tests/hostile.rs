@@ -26,7 +26,7 @@ const CLOCKS: [(&str, Refusal, Clock); 7] = [
     ),
 ];
 
-/// The run with such a clock from half of it on: by which estimate of the other half, and how many there are.
+/// The log, with this clock from its middle on.
 fn spoilt(log: &[Measurement], clock: Clock) -> Vec<Measurement> {
     let half = log.len() / 2;
     let spoil = |(k, measurement): (usize, &Measurement)| Measurement {

@@ -2,7 +2,7 @@
 
 use crate::data::interval::{Interval, Point};
 use crate::data::{believed::Context, rows::Row};
-use rundown::model::{direction::Direction, effects::Coordinate, line::Line};
+use rundown::model::{direction::Direction, effects::Coordinate, effects::share_inside, line::Line};
 
 /// One column by a law of the line, the row and the point.
 pub fn along(context: &Context<'_>, rows: &[Row], law: impl Fn(&Line<'_>, &Row, &Point) -> f64) -> Vec<f64> {
@@ -15,13 +15,10 @@ pub fn along(context: &Context<'_>, rows: &[Row], law: impl Fn(&Line<'_>, &Row, 
 
 /// Share of the train within a section.
 pub fn share(line: &Line<'_>, front_m: f64, [from_m, to_m]: [f64; 2]) -> f64 {
-    let length_m = line.train.length_m();
-    let tail_m = front_m - line.direction.sign() * length_m;
-    let (low, high) = (front_m.min(tail_m), front_m.max(tail_m));
-    (high.min(to_m) - low.max(from_m)).max(0.0) / length_m
+    share_inside(from_m, to_m, front_m, line.train.length_m(), line.direction)
 }
 
-/// r2 (2 v σ + |w|): air drag by a wind, linearised at `wind_mps`.
+/// r2 (2 v σ + w): air drag by each m/s of a wind along the line, linearised at `wind_mps`, w.
 pub fn wind(context: &Context<'_>, rows: &[Row], wind_mps: f64) -> Vec<f64> {
     let r2 = context.believed.train().davis().r2;
     along(context, rows, |line, _, p| r2 * (2.0 * p.speed_mps * line.direction.sign() + wind_mps))

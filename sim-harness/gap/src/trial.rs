@@ -24,6 +24,8 @@ pub struct Trial {
     pub as_described: Option<f64>,
     /// Where the runs could be halved: the term in both halves, as a multiple of what all runs say.
     pub halves: Vec<Halves>,
+    /// It acts in too few runs, or together with too much else, to be tried.
+    is_impossible: bool,
 }
 
 /// A term in two halves of the runs, as a multiple of what all runs say.
@@ -33,7 +35,7 @@ pub struct Halves {
     pub by: By,
     /// In each of them.
     pub multiples: [Figure; 2],
-    /// From how many runs more than needed their standard deviations are known.
+    /// Degrees of freedom of their standard deviations.
     pub freedom: f64,
 }
 
@@ -120,7 +122,7 @@ impl Halves {
         let [a, b] = self.multiples;
         let CertaintyConfig { halves, halves_apart, .. } = config.certainty;
         let beyond = ((a.value - b.value).abs() - halves_apart).max(0.0) / a.sd.hypot(b.sd);
-        beyond * halves / of_few(halves, self.freedom)
+        beyond * halves / student_quantile(halves, self.freedom)
     }
 }
 
@@ -135,7 +137,7 @@ fn left_of_null(p_value: f64) -> f64 {
 
 /// The quantile of Student's t beside this one of the normal distribution, by its series in 1/freedom. (Cornish and
 /// Fisher 1938.) Below two no difference is sure.
-fn of_few(z: f64, freedom: f64) -> f64 {
+fn student_quantile(z: f64, freedom: f64) -> f64 {
     if freedom < 2.0 {
         return f64::INFINITY;
     }
@@ -150,11 +152,12 @@ fn of_few(z: f64, freedom: f64) -> f64 {
 
 impl Trial {
     /// Of a term that acts in too few runs to be distinguished from chance.
-    pub(crate) const IMPOSSIBLE: Self = Self { p_value: Some(1.0), as_described: None, halves: Vec::new() };
+    pub(crate) const IMPOSSIBLE: Self =
+        Self { p_value: Some(1.0), as_described: None, halves: Vec::new(), is_impossible: true };
 
     /// Of a term that chance makes as much of with this probability.
     pub(crate) fn of(p_value: f64, halves: Vec<Halves>) -> Self {
-        Self { p_value: Some(p_value), as_described: None, halves }
+        Self { p_value: Some(p_value), as_described: None, halves, is_impossible: false }
     }
 
     /// Takes the mean of this p-value and of that `beside` errors of the gradients, which are there with the
@@ -168,7 +171,7 @@ impl Trial {
 
     /// Of what leaves no mean residual; none where the runs cannot be halved.
     pub(crate) fn by_halves(halves: Vec<Halves>) -> Option<Self> {
-        (!halves.is_empty()).then_some(Self { p_value: None, as_described: None, halves })
+        (!halves.is_empty()).then_some(Self { p_value: None, as_described: None, halves, is_impossible: false })
     }
 
     /// It is no chance, and repeats.
@@ -179,7 +182,7 @@ impl Trial {
 
     /// Something may be there, with a name or without: what acts in few runs is not known to be chance.
     pub(crate) fn is_beyond_chance(&self, config: &GapConfig) -> bool {
-        *self == Self::IMPOSSIBLE || self.as_described.or(self.p_value).is_none_or(|p| p <= config.certainty.chance)
+        self.is_impossible || self.as_described.or(self.p_value).is_none_or(|p| p <= config.certainty.chance)
     }
 
     /// It is no chance if the gradients are as described, and may be theirs if they are not.
@@ -245,7 +248,7 @@ mod tests {
     fn halves_of_few_runs_may_differ_by_more() {
         // Exact quantiles of Student's t at the tail of three normal standard deviations.
         for (freedom, exact) in [(4.0, 6.62), (10.0, 3.96), (1e6, 3.0)] {
-            let found = of_few(3.0, freedom);
+            let found = student_quantile(3.0, freedom);
             assert!((found / exact - 1.0).abs() < 0.05, "{freedom}: {found} for {exact}");
         }
         let halves = |b: f64, freedom: f64| {

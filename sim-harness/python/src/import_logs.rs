@@ -138,9 +138,9 @@ impl Preview {
 
     fn __repr__(&self) -> String {
         format!(
-            "<rundown.Preview: {} kinds of files, {} questions>",
-            self.done.found.lines.len(),
-            self.done.found.errors.len()
+            "<rundown.Preview: {}, {}>",
+            counted(self.done.found.lines.len(), "kind of files", "kinds of files"),
+            counted(self.done.found.errors.len(), "question", "questions")
         )
     }
 }

@@ -4,13 +4,12 @@
 //! In: frames in their order. Out: [`Conclusion`], a part of the state. Nothing is known before its frames have come:
 //! then it is `None`.
 
+use super::text::NINETY;
 use rundown_wire::{Cause, CoastAhead, CoastOutcome, Estimate, Learned, Parameters, Regime, Status};
 use serde::Serialize;
 
 /// Speeds at which it is said what was learned, km/h; those of `parameters.csv`.
 pub const SPEEDS_KMH: [f32; 4] = [20.0, 60.0, 100.0, 140.0];
-/// Half of a 90 % interval, standard deviations.
-const NINETY: f32 = 1.645;
 /// A sensor with fewer readings that could not be used is not suspected: every recorder loses some.
 const LEAST_DOUBTS: u32 = 3;
 

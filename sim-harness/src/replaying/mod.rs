@@ -279,15 +279,8 @@ impl Opened {
         } else {
             replay_apart_by(&model, &recordings, tick, done)
         };
-        let mut before_brakes = BeforeBrakes::default();
-        before_brakes.judge(&self.estimator, carried, |name| own.contains_key(name), &mut runs);
-        effort_zero::doubt(&self.estimator, &self.effort_doubts, &mut runs);
-        let mut advice = Advice::default();
-        if let Some(gated) = self.beside_efforts(&own) {
-            advice.foresee(&gated, &recordings, tick, &mut runs);
-        }
-        advice.add(&runs);
-        advice.withhold(&mut runs);
+        let (mut before_brakes, mut advice) = (BeforeBrakes::default(), Advice::default());
+        self.judge(&recordings, &own, &mut runs, (&mut before_brakes, &mut advice));
         summary.notes.extend(advice.notes(&self.estimator, summary.says_gradients()));
         summary.notes.extend(before_brakes.notes());
         let Summary { failed, notes, gradient_doubt, small_errors, .. } = summary;
@@ -309,6 +302,23 @@ impl Opened {
             tables,
             run_pages,
         })
+    }
+
+    /// Judges what runs have taught, and withholds what is not to be published.
+    fn judge(
+        &self,
+        recordings: &[Recording],
+        own: &HashMap<String, Estimator>,
+        runs: &mut [ReplayedRun],
+        (before_brakes, advice): (&mut BeforeBrakes, &mut Advice),
+    ) {
+        before_brakes.judge(&self.estimator, self.request.carried, |name| own.contains_key(name), runs);
+        effort_zero::doubt(&self.estimator, &self.effort_doubts, runs);
+        if let Some(gated) = self.beside_efforts(own) {
+            advice.foresee(&gated, recordings, self.request.tick, runs);
+        }
+        advice.add(runs);
+        advice.withhold(runs);
     }
 
     /// What coasts are asked beside efforts that teach: where the same effects act in all runs.

@@ -5,7 +5,7 @@
 //! [`CHUNK`] at a time.
 
 use super::{Opened, ReplayError, Summary, learned};
-use crate::advice::{Advice, before_brakes::BeforeBrakes, effort_zero};
+use crate::advice::{Advice, before_brakes::BeforeBrakes};
 use crate::output::tables::Table;
 use crate::output::{features, files, json, parameters};
 use rundown::estimator::config::Mode;
@@ -80,14 +80,8 @@ impl Opened {
                 } else {
                     replay_apart_by(&model, &recordings, self.request.tick, &done)
                 };
-                if let Some(gated) = self.beside_efforts(&own) {
-                    advice.foresee(&gated, &recordings, self.request.tick, &mut runs);
-                }
+                self.judge(&recordings, &own, &mut runs, (&mut before_brakes, &mut advice));
                 drop(recordings);
-                before_brakes.judge(&self.estimator, self.request.carried, |name| own.contains_key(name), &mut runs);
-                effort_zero::doubt(&self.estimator, &self.effort_doubts, &mut runs);
-                advice.add(&runs);
-                advice.withhold(&mut runs);
                 summary.count(&runs, self.config.mode);
                 outputs.add(&runs)?;
                 seen(&runs);

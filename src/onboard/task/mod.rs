@@ -412,6 +412,6 @@ fn refusal_of(refused: crate::onboard::auth::Refusal) -> Refusal {
         Auth::Unprovisioned(_) | Auth::NoEpoch(_) => Refusal::Unprovisioned,
         Auth::WrongLength { .. } => Refusal::Malformed,
         Auth::Stale { .. } | Auth::OtherEpoch { .. } => Refusal::Stale,
-        _ => Refusal::WrongMac,
+        Auth::WrongMac => Refusal::WrongMac,
     }
 }

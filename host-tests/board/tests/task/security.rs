@@ -14,7 +14,8 @@ use rundown_wire::{MAX_MESSAGE, Refusal};
 fn what_changes_the_board_must_be_secured() {
     let (description, _) = described();
     let mut board = board();
-    let requests = description.requests(PROVISIONING.train.0);
+    let requests: Vec<Request> = description.requests(PROVISIONING.train.0);
+    assert!(requests.len() > 2);
     for request in requests {
         let message = board.desk.open(request).unwrap();
         let refused = answer(&board.say(&message)).unwrap();
@@ -80,10 +81,7 @@ fn open_messages_make_no_losses_where_measurements_are_secured() {
 fn a_wrong_key_changes_nothing() {
     let (mut board, ..) = running(described());
     let before = board.status();
-    let other = Provisioning {
-        key: rundown::onboard::auth::Key::new(*b"an attacker's key"[..16].first_chunk().unwrap()),
-        ..PROVISIONING
-    };
+    let other = Provisioning { key: rundown::onboard::auth::Key::new([0x5A; 16]), ..PROVISIONING };
     assert!(Signer::new(&other, &before.announcement.unwrap()).is_err());
     // With every byte of a valid message changed once.
     let valid = board.desk.secured(Request::Command(Command::End)).unwrap();
@@ -113,6 +111,7 @@ fn a_recorded_message_is_refused_after_a_restart() {
     board.status();
     let recorded = board.desk.prepare(&description, Direction::Up, Pace::Lockstep).unwrap();
     let mut board = board.restart();
+    assert!(recorded.len() > 2);
     for message in recorded {
         assert_eq!(answer(&board.say(&message)).unwrap().result, Err(Refusal::Stale));
     }

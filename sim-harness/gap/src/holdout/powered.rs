@@ -33,7 +33,7 @@ pub fn powered(
             None => {
                 let given = parts.iter().map(|part| limit(effects, part));
                 let given = given.fold(1.0, f64::min);
-                given.max(0.5 * (1.0 + given))
+                0.5 * (1.0 + given)
             }
         }
     };

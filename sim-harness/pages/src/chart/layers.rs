@@ -18,8 +18,7 @@ impl Layer {
             Self::Threads { lines, .. } => lines.iter().flatten().flatten().map(|p| p.1).collect(),
             Self::Histogram { bins, .. } => bins.iter().map(|(_, count)| *count).chain([0.0]).collect(),
             Self::Cells { cells, .. } => cells.iter().flat_map(|(_, y, _)| [y.start, y.end]).collect(),
-            Self::Verticals { .. } => Vec::new(),
-            Self::Spans { .. } | Self::Bars { .. } | Self::Word { .. } => Vec::new(),
+            Self::Verticals { .. } | Self::Spans { .. } | Self::Bars { .. } | Self::Word { .. } => Vec::new(),
         }
     }
 
@@ -97,7 +96,12 @@ impl Panel {
             Layer::Bars { spans, .. } => !spans.is_empty(),
             Layer::Histogram { bins, .. } => bins.iter().any(|(_, count)| *count > 0.0),
             Layer::Spans { .. } | Layer::Verticals { .. } | Layer::Word { .. } => false,
-            other => other.heights().iter().any(|height| height.is_finite()),
+            Layer::Band { .. }
+            | Layer::Pieces { .. }
+            | Layer::Marks { .. }
+            | Layer::Dots { .. }
+            | Layer::Threads { .. }
+            | Layer::Cells { .. } => layer.heights().iter().any(|height| height.is_finite()),
         };
         !self.layers.iter().any(drawn)
     }

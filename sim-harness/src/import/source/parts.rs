@@ -70,11 +70,7 @@ impl Parts {
 
     /// The field of the column that they make: `9:34:56.250`, `2025-1-31`; empty where a part is missing.
     pub fn field(&self, row: &[RowField]) -> RowField {
-        let part = |index: usize| match row.get(index)? {
-            RowField::Number(number) => Some(number.to_string()),
-            RowField::Text(text) => Some(text.trim().to_owned()),
-            RowField::Empty => None,
-        };
+        let part = |index: usize| row.get(index)?.text();
         let [Some(first), Some(second), Some(third)] = self.indices.map(part) else { return RowField::Empty };
         let sign = if self.of == Meaning::Date { '-' } else { ':' };
         let behind = self.thousandths.and_then(part).map_or(String::new(), |thousandths| format!(":{thousandths}"));

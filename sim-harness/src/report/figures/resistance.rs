@@ -149,6 +149,9 @@ mod tests {
     #[test]
     fn the_curve_shows_the_manufacturer_even_without_an_estimate() {
         let svg = resistance_curve(None, &train(), None).to_svg();
-        assert!(svg.contains("no estimate") && svg.contains("manufacturer"));
+        let (r, g, b) = (colours::MANUFACTURER.0, colours::MANUFACTURER.1, colours::MANUFACTURER.2);
+        let colour = format!("stroke=\"#{r:02X}{g:02X}{b:02X}\"");
+        let drawn = svg.lines().filter(|line| line.starts_with("<polyline") && line.contains(&colour)).count();
+        assert!(svg.contains("no estimate") && drawn > 10, "{drawn} dashes");
     }
 }
