@@ -282,6 +282,7 @@ settings! {
         least_in_section: usize = 5, /// Intervals whose middle lies in a section of which something is said. Judgement.
         longest_share: f64 = 0.4, /// Longest section, as a share of the line. Judgement: more is no matter of place.
         against: f64 = -3.0, /// A part of the rows in which a term makes the fit worse by more contradicts it, log-likelihood. Derived: with a true effect, about one part in a hundred.
+        least_part: f64 = 0.05, /// A part with a smaller share of the information on a term does not contradict it. Judgement: what the noise model lacks is as large there.
         braking_n_per_kg: f64 = -0.02, /// A part contradicts, or supports, by rows with a measured effort above this: drivers brake at the same places in each run, N/kg. Judgement.
         descends_n_per_kg: f64 = 2e-3, /// A line descends where its described slope, mean under the path of an interval, takes more than this off the load, N/kg. Derived: 0.2 permille, the least that is named in a section.
         acting: f64 = 0.1, /// A term acts where it adds more than this share of the most that it adds. Judgement.

@@ -48,12 +48,18 @@ impl Search<'_> {
         if splits.is_empty() && !term.by_place() {
             return true;
         }
-        let gains = self.gains(base, term, beta);
-        let sum = |wanted: &dyn Fn(usize) -> bool| -> f64 {
-            let gains = gains.iter().enumerate();
-            gains.filter(|(i, _)| wanted(*i)).map(|(_, g)| g).sum()
+        let explained = self.explained(base, term, beta);
+        let gains = gains(base, &explained);
+        let over = |of: &DVector<f64>, wanted: &dyn Fn(usize) -> bool| -> f64 {
+            of.iter().enumerate().filter(|(i, _)| wanted(*i)).map(|(_, value)| value).sum()
         };
-        let against = |part: &Part, inside: bool| sum(&|i| part(&self.rows[i], config) == inside) < config.against;
+        let information = explained.component_mul(&explained);
+        // The noise is not known so well that a part which hardly shows the term could deny it.
+        let shows = config.least_part * information.sum();
+        let against = |part: &Part, inside: bool| {
+            let is_inside = |i: usize| part(&self.rows[i], config) == inside;
+            over(&information, &is_inside) > shows && over(&gains, &is_inside) < config.against
+        };
         if splits.iter().any(|p| against(p, true) || against(p, false)) {
             return false;
         }
@@ -69,18 +75,18 @@ impl Search<'_> {
             let line = self.context.believed.line(row.direction);
             extra[i].abs() > config.acting * most && !is_weak(term, row, extra[i], line, config)
         };
-        sum(&strong) > config.enough
+        over(&gains, &strong) > config.enough
     }
 }
 
 impl Search<'_> {
-    /// What each row gains by a term with these coefficients.
-    fn gains(&self, base: &Base, term: &Term, beta: &[f64]) -> DVector<f64> {
+    /// What a term with these coefficients explains of each row, beside a model.
+    fn explained(&self, base: &Base, term: &Term, beta: &[f64]) -> DVector<f64> {
         let mut explained = DVector::zeros(base.residual.len());
         for (column, beta) in self.white(term).iter().zip(beta) {
             explained += base.beside(column) * *beta;
         }
-        base.residual.component_mul(&explained) - 0.5 * explained.component_mul(&explained)
+        explained
     }
 
     /// Whether a term may be light brakes: without an effort column more resistance on a described descent is a driver
@@ -97,9 +103,14 @@ impl Search<'_> {
         let acts = |i: &usize| extra[*i].abs() > config.acting * most;
         let (braked, others): (Vec<usize>, Vec<usize>) =
             (0..extra.len()).filter(acts).partition(|i| is_braked((&self.rows[*i], extra[*i])));
-        let gains = self.gains(base, term, beta);
+        let gains = gains(base, &self.explained(base, term, beta));
         !braked.is_empty() && others.into_iter().map(|i| gains[i]).sum::<f64>() < config.enough
     }
+}
+
+/// What each row gains by what a term explains of it.
+fn gains(base: &Base, explained: &DVector<f64>) -> DVector<f64> {
+    base.residual.component_mul(explained) - 0.5 * explained.component_mul(explained)
 }
 
 /// A driver could have forged what this row shows. `extra`: the resistance that the term adds in it, N/kg.
