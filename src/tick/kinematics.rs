@@ -2,7 +2,9 @@
 //!
 //! In: judged readings. Out: location and speed with their covariance, independent of any resistance. The speed is the
 //! reading; the location is carried on by the mean speed and corrected by the location reading. Without a speed the
-//! last one is carried on; its standard deviation grows by 0.3 m/s² x time, what a driver may do meanwhile.
+//! last one is carried on; its standard deviation grows by 0.3 m/s² x time, what a driver may do meanwhile. The same
+//! acceleration, and its opposite, may lie between two readings that are far apart: a train may have stopped there. Where
+//! nothing but the location is read it is its reading, for what the carried speed misses has one sign.
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;
@@ -12,6 +14,8 @@ use nalgebra::{Matrix2, Vector2};
 
 /// What a driver may do to the speed while nobody reads it, m/s².
 const UNKNOWN_ACCELERATION_MPS2: Real = 0.3;
+/// Rows farther apart may have a stop between them, s.
+pub(crate) const FAR_APART_S: Real = 15.0;
 /// Share by which a distance by speed may be wrong (worn wheels).
 const DISTANCE_SHARE: Real = 0.01;
 
@@ -54,7 +58,8 @@ impl Kinematics {
         location_m: Option<Real>,
         speed_mps: Option<Real>,
     ) {
-        let before_mps = self.speed_mps;
+        let (before_mps, before_variance) = (self.speed_mps, self.speed_variance);
+        let grown = UNKNOWN_ACCELERATION_MPS2 * dt_s;
         let sensor_sd_mps = sensor.speed_sd_mps();
         match speed_mps {
             Some(speed_mps) => {
@@ -63,16 +68,21 @@ impl Kinematics {
             }
             None => {
                 // Bounded: no train is further from its last speed than this.
-                let grown = UNKNOWN_ACCELERATION_MPS2 * dt_s;
-                self.speed_variance = (self.speed_variance + grown * grown).min(900.0);
+                let sd_mps = (libm::sqrt(before_variance) + grown).min(30.0);
+                self.speed_variance = sd_mps * sd_mps;
             }
         }
         let run_m = 0.5 * (before_mps + self.speed_mps) * dt_s;
         self.location_m += sign * run_m;
         let wrong_m = DISTANCE_SHARE * run_m;
-        let reading = if run_m == 0.0 { 0.0 } else { 0.5 * self.speed_variance * dt_s * dt_s };
-        self.location_variance = (self.location_variance + wrong_m * wrong_m + reading).min(1e10);
+        let reading = if run_m == 0.0 { 0.0 } else { 0.25 * (before_variance + self.speed_variance) * dt_s * dt_s };
+        let between_m = if dt_s > FAR_APART_S { 0.125 * grown * dt_s } else { 0.0 };
+        self.location_variance =
+            (self.location_variance + wrong_m * wrong_m + reading + between_m * between_m).min(1e10);
         if let Some(location_m) = location_m {
+            if speed_mps.is_none() {
+                return self.anchor(sensor, location_m);
+            }
             let sensor_variance = sensor.location_sd_m * sensor.location_sd_m;
             let gain = self.location_variance / (self.location_variance + sensor_variance);
             self.location_m += gain * (location_m - self.location_m);
