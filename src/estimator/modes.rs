@@ -19,7 +19,7 @@ use crate::model::resistance::Davis;
 use crate::model::state::{LOCATION, SIZE, SPEED, resistance_sd};
 use crate::tick::effort_reading::MeanEffort;
 use crate::tick::estimate::{Cause, Estimate, Validity};
-use crate::tick::kinematics::{FAR_APART_S, Kinematics};
+use crate::tick::kinematics::Kinematics;
 use crate::tick::learning::{self, Counts, LearningConfig, LeastChange, Tick, davis_of};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Judged;
@@ -35,10 +35,6 @@ const LEAST_COASTS: Real = 0.02;
 const POWERED_SHARE: Real = 0.5;
 /// Below, wheels slip and couplers stretch, m/s.
 const SLOWEST_MEASURED_MPS: Real = 3.0;
-
-/// A train that is slower after rows that are missing has stood meanwhile, as of recorders that leave out standstill,
-/// m/s.
-const SLOW_MPS: Real = 4.0;
 
 /// The paper's loop: one filter over the whole run.
 pub(super) fn paper_tick(
@@ -98,8 +94,7 @@ pub(super) fn learning_tick(
     let read = judged.speed_mps.is_ok();
     let standing = read && now.speed_mps <= 0.25 * config.sensor.speed_quantum_kmh / 3.6;
     if let Ok(speed_mps) = judged.speed_mps {
-        let stood = standing || judged.dt_s > FAR_APART_S && speed_mps < SLOW_MPS;
-        run.hops.observe(&config.short_hops, judged.time_s, speed_mps, stood);
+        run.hops.observe(&config.short_hops, judged.time_s, speed_mps, standing);
     }
     let short_hops = run.hops.pieces(&config.short_hops, judged.time_s);
     let reading = &mut run.effort_reading;

@@ -150,10 +150,12 @@ impl RunState {
     /// Goes on where the snapshot was taken. Field by field in place: a whole run on the stack would be 14 kB.
     ///
     /// # Errors
-    /// [`NoSnapshot`]; the run is idle then.
+    /// [`NoSnapshot`]; the run is idle then, in the same surroundings.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NoSnapshot> {
+        let journey = self.journey;
         if !(plain::read_all(self, bytes) && self.is_sound()) {
-            self.reset();
+            self.journey = journey;
+            self.begin(Gaussian::ZEROED, Column::default(), Direction::Up);
             return Err(NoSnapshot);
         }
         Ok(())
@@ -203,9 +205,11 @@ mod tests {
         let mut run = RunState::idle();
         assert_eq!(run.restore(&bytes), Ok(()));
         run.without_speed_s = 7.0;
+        run.journey.surroundings.temperature_c = Some(-4.0);
         for wrong in [&bytes[..bytes.len() - 1], &[&bytes[..], &[0]].concat()] {
             assert_eq!(run.restore(wrong), Err(NoSnapshot));
             assert_eq!(run.without_speed_s, 0.0);
+            assert_eq!(run.journey.surroundings.temperature_c, Some(-4.0), "they hold until they are replaced");
         }
     }
 

@@ -3,6 +3,9 @@
 use crate::Real;
 use rundown_wire::errors;
 
+/// No line is longer, m.
+pub(crate) const FAR_M: Real = 1e7;
+
 /// Name of a field, for messages.
 #[cfg(not(target_os = "none"))]
 pub type FieldName = &'static str;

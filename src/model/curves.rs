@@ -7,6 +7,7 @@
 //! board has two tracks in RAM: 16 bytes a curve, 0.01 m at 100 km, 1e-6 of the resistance.
 
 use crate::Real;
+use crate::model::bounds::FAR_M;
 use crate::model::table::Table;
 use crate::plain::plain;
 use heapless::Vec;
@@ -106,8 +107,8 @@ impl Table for Curves {
         let before_m = last.map_or(0.0, |last| last.integral_m(last.to_m));
         let from_m = curve.from_m.max(last_end_m);
         // Also refuses NaN.
-        let good = curve.from_m.is_finite()
-            && curve.to_m.is_finite()
+        let good = curve.from_m >= -FAR_M
+            && curve.to_m <= FAR_M
             && curve.from_m >= last_begin_m
             && curve.to_m > curve.from_m
             && curve.radius_m > 0.0;
@@ -159,6 +160,8 @@ mod tests {
             curve(50.0, 90.0, 500.0),
             curve(400.0, 400.0, 500.0),
             curve(400.0, Real::INFINITY, 500.0),
+            curve(400.0, 1e30, 500.0),
+            curve(-3.5e38, 500.0, 500.0),
             curve(Real::NAN, 500.0, 500.0),
             curve(400.0, 500.0, 0.0),
             curve(400.0, 500.0, Real::NAN),

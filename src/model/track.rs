@@ -8,6 +8,7 @@
 //! ```
 
 use crate::Real;
+use crate::model::bounds::FAR_M;
 use crate::model::curves::Curves;
 pub use crate::model::curves::{Curve, MAX_CURVES};
 use crate::model::direction::Direction;
@@ -116,7 +117,7 @@ impl Track {
     pub(crate) fn push(&mut self, gradient: Gradient) -> Result<(), TrackError> {
         let index = self.entries();
         // Also refuses NaN.
-        let plausible = gradient.from_m.is_finite() && gradient.permille.abs() <= 200.0;
+        let plausible = gradient.from_m.abs() <= FAR_M && gradient.permille.abs() <= 200.0;
         if !plausible {
             return Err(TrackError::BadGradient { index });
         }

@@ -168,6 +168,14 @@ impl Board {
         }
     }
 
+    /// Describes train and track, as after a restart.
+    pub fn describe(&mut self, description: &Description) {
+        self.status();
+        for request in description.requests(PROVISIONING.train.0) {
+            self.ask(request).expect("described");
+        }
+    }
+
     /// Describes train and track and begins a run in lockstep.
     pub fn prepare(&mut self, description: &Description, direction: Direction) {
         self.status();

@@ -121,13 +121,15 @@ fn the_senders_counter_wraps_without_a_gap() {
 /// Row 6: the board's own counters. Of a train that waits for its departure, so that the run does not end.
 #[test]
 fn the_boards_counters_wrap_without_a_gap() {
-    let (mut board, _, log) = running(case_study());
+    let (mut board, description, log) = running(case_study());
     let (mut plain, ..) = running(case_study());
     // The tick of a run that began four years ago. A snapshot says at which tick it was taken.
     board.measure(&log[0]);
     plain.measure(&log[0]);
     let mut parts = board.snapshot();
-    board.ask(Request::Command(Command::End)).unwrap();
+    let mut board = board.restart();
+    board.describe(&description);
+    board.ask(Request::Command(Command::Pace(Pace::Lockstep))).unwrap();
     for part in &mut parts {
         part.tick = u32::MAX - 3;
         board.ask(Request::Snapshot(part.clone())).unwrap();

@@ -512,8 +512,8 @@ fn what_cannot_be_believed_is_not_restored_and_the_cause_is_named() {
         persisted.save(&mut store, train).unwrap();
         Persisted::load(&mut store, train, davis).unwrap_err()
     };
-    let heavier = Davis { r0: 6.0 * NOMINAL.r0, ..NOMINAL };
-    assert!(matches!(stored(|_| {}, &heavier), NotRestored::Vehicle(Implausible::Coefficient { name: "r0", .. })));
+    let heavier = Davis { r0: 8.0 * NOMINAL.r0, ..NOMINAL };
+    assert!(matches!(stored(|_| {}, &heavier), NotRestored::Vehicle(Implausible::Resistance { speed_mps: 5.0, .. })));
     assert_eq!(
         stored(|p| p.vehicle.hypotheses[1].covariance[0] = f64::NAN, &NOMINAL),
         NotRestored::Vehicle(Implausible::NotFinite)

@@ -3,12 +3,9 @@
 use super::EffectError;
 use super::error::within;
 use crate::Real;
-use crate::model::bounds::{Range, field_name};
+use crate::model::bounds::{FAR_M, Range, field_name};
 use crate::model::direction::Direction;
 use rundown_wire::EffectKind;
-
-/// No line is longer, m.
-const FAR_M: Real = 1e7;
 
 /// The share (0 to 1) of a train that stands between `from_m` and `to_m`. Its front is at `front_m`, its tail behind in
 /// the direction of travel.

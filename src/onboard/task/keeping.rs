@@ -4,6 +4,7 @@ use super::pieces::Due;
 use super::snapshots::SnapshotBuffer;
 use super::{Room, SLOT, Task};
 use crate::coast_ahead::Steady;
+use crate::estimator::config::Mode;
 use crate::estimator::run_state::RunState;
 use crate::estimator::{Estimator, Taken};
 use crate::onboard::auth::{KeySource, Verifier};
@@ -98,19 +99,21 @@ impl<'a, F: NorFlash, K: KeySource> Task<'a, F, K> {
         let mut persisted = Persisted::ZEROED;
         let loaded = persisted.load_in(store, train);
         let loaded = match loaded {
-            Ok(Some(fallen_back)) => persisted
-                .vehicle_and_effects(&self.estimator.train().davis(), &mut self.vehicle, self.kept_effects)
-                .map(|()| Some(fallen_back)),
-            other => other,
-        };
-        let found = match loaded {
             Ok(Some(fallen_back)) => {
                 self.lifetime = persisted.lifetime;
-                if !self.effects_received {
-                    core::mem::swap(self.estimator.effects_mut(), self.kept_effects);
-                }
-                if fallen_back { Memory::RestoredOlder } else { Memory::Restored }
+                persisted
+                    .vehicle_and_effects(&self.estimator.train().davis(), &mut self.vehicle, self.kept_effects)
+                    .map(|()| Some(fallen_back))
             }
+            other => other,
+        };
+        // A vehicle that is not believed takes nothing else away.
+        if !self.effects_received && matches!(loaded, Ok(Some(_)) | Err(NotRestored::Vehicle(_))) {
+            core::mem::swap(self.estimator.effects_mut(), self.kept_effects);
+        }
+        let found = match loaded {
+            Ok(Some(true)) => Memory::RestoredOlder,
+            Ok(Some(false)) => Memory::Restored,
             Ok(None) => Memory::Empty,
             Err(NotRestored::Refused(Refused::Damaged { .. })) => Memory::Empty,
             Err(NotRestored::Refused(_)) => Memory::Foreign,
@@ -122,10 +125,18 @@ impl<'a, F: NorFlash, K: KeySource> Task<'a, F, K> {
         self.note(Event::Vehicle(self.memory));
     }
 
-    /// Keeps the vehicle; once a run.
+    /// Keeps the vehicle; once a run. What the paper's mode carries from run to run is not kept: it is the end of the
+    /// last run, and would stand in place of what many have taught.
     pub(super) fn keep(&mut self) {
-        self.lifetime.runs = self.lifetime.runs.saturating_add(1);
-        self.write();
+        if self.keeps() {
+            self.lifetime.runs = self.lifetime.runs.saturating_add(1);
+            self.write();
+        }
+    }
+
+    /// The vehicle is one that is kept.
+    pub(super) fn keeps(&self) -> bool {
+        self.estimator.config().mode != Mode::Paper
     }
 
     /// Back to the manufacturer's description, in the flash too.

@@ -246,7 +246,15 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         self.finish(port);
         if self.newest.is_some() {
             self.due = Due::Estimate(0, Origin::Authentic);
-        } else if self.pace == Pace::Clock {
+        } else {
+            self.be_silent(port);
+        }
+    }
+
+    /// A tick of the clock without an estimate.
+    #[inline(never)]
+    fn be_silent(&mut self, port: &mut impl Port) {
+        if self.pace == Pace::Clock {
             self.silent_ticks = self.silent_ticks.saturating_add(1);
             self.send_status(port);
         }

@@ -60,7 +60,10 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
             Due::Nothing => {}
             Due::Estimate(to, origin) => match self.step() {
                 Ok(()) => self.due = Due::Frames,
-                Err(refusal) => self.refuse(to, refusal, origin, port),
+                Err(refusal) => {
+                    self.refuse(to, refusal, origin, port);
+                    self.be_silent(port);
+                }
             },
             Due::Frames => {
                 self.begin_report(port);

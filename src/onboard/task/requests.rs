@@ -76,6 +76,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
                 self.send_snapshot_parts(port);
             }
             Command::Snapshot => return Err(Refusal::NotRunning),
+            Command::Forget if self.train_id.is_none() => return Err(Refusal::NotDescribed),
             Command::Forget if self.running => return Err(Refusal::Running),
             Command::Forget => self.forget(),
             Command::ClearEffects if self.running => return Err(Refusal::Running),
@@ -89,7 +90,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
 
     pub(super) fn begin(&mut self, direction: Direction) {
         // Once, and not with each of their frames.
-        if self.effects_unsaved {
+        if self.effects_unsaved && self.keeps() {
             self.write();
         }
         self.judge_by_description();

@@ -17,6 +17,8 @@ const PARTS_PER_TICK: usize = 2;
 
 /// What a run needs beside [`RunState`](crate::estimator::run_state::RunState); stands before it.
 struct Around {
+    /// Runs that have ended before: a snapshot of one of them would teach twice.
+    runs: u32,
     published: Published,
     moved: bool,
     standing_since_s: Option<Real>,
@@ -24,7 +26,7 @@ struct Around {
 }
 
 plain! {
-    struct Around { published, moved, standing_since_s, coast }
+    struct Around { runs, published, moved, standing_since_s, coast }
 }
 
 /// A snapshot on its way out, or in.
@@ -76,6 +78,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
             return;
         }
         let mut around = Around {
+            runs: self.lifetime.runs,
             published: self.published,
             moved: self.moved,
             standing_since_s: self.standing_since_s,
@@ -141,7 +144,9 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         }
         let mut around = Around::START;
         let run = plain::read(&mut around, whole).ok_or(Refusal::Snapshot)?;
-        self.run.restore(run).map_err(|_| Refusal::Snapshot)?;
+        if around.runs != self.lifetime.runs || self.run.restore(run).is_err() {
+            return Err(Refusal::Snapshot);
+        }
         self.judge_by_description();
         self.running = true;
         self.published = around.published;

@@ -3,6 +3,10 @@
 use board_tests::board::{Board, described, running};
 use board_tests::prelude::*;
 use board_tests::said;
+use rundown::model::effects::{Effect, WarmUp};
+use rundown::model::resistance::Davis;
+use rundown::model::train::TrainDescription;
+use rundown::onboard::uplink::Setting;
 use rundown_wire::{Learned, Memory, Refusal};
 
 #[test]
@@ -64,4 +68,53 @@ fn a_train_counts_as_learned_once_its_runs_say_so_and_until_it_is_forgotten() {
     board.ask(Request::Command(Command::Forget)).unwrap();
     board.prepare(&description, Direction::Up);
     assert_eq!(learned_first(&mut board), Learned::NotYet);
+}
+
+#[test]
+fn what_others_taught_stays_while_the_papers_mode_runs() {
+    let (mut board, description, log) = running(described());
+    log.iter().for_each(|measurement| drop(board.measure(measurement)));
+    let taught = said!(board.end(), RunSummary).unwrap().vehicle_davis;
+    let begin = Request::Command(Command::Begin { direction: Direction::Up, track_id: description.track_id() });
+    board.ask(Request::Setting(Setting::Mode(Mode::Paper))).unwrap();
+    board.ask(begin.clone()).unwrap();
+    log.iter().for_each(|measurement| drop(board.measure(measurement)));
+    assert_ne!(said!(board.end(), RunSummary).unwrap().vehicle_davis, taught, "it has a vehicle of its own");
+    assert_eq!(board.status().records, [1, 0], "which is not kept");
+    board.ask(Request::Setting(Setting::Mode(Mode::Gated))).unwrap();
+    board.ask(begin).unwrap();
+    log[..2].iter().for_each(|measurement| drop(board.measure(measurement)));
+    assert_eq!(said!(board.end(), RunSummary).unwrap().vehicle_davis, taught);
+}
+
+#[test]
+fn a_vehicle_that_is_not_believed_takes_no_effects_away() {
+    let (description, log) = described();
+    let warm = Effect::WarmUp(WarmUp { amplitude: 1e-3, tau_s: 300.0 });
+    let mut board = Board::running(&description);
+    board.end();
+    board.ask(Request::Effect(warm.to_frame())).unwrap();
+    let begin = Request::Command(Command::Begin { direction: Direction::Up, track_id: description.track_id() });
+    board.ask(begin).unwrap();
+    log.iter().for_each(|measurement| drop(board.measure(measurement)));
+    board.end();
+    let mut board = board.restart();
+    let TrainDescription { davis, .. } = description.train;
+    let other = TrainDescription { davis: Davis { r0: 20.0 * davis.r0, ..davis }, ..description.train };
+    board.prepare(&Description { train: other, ..description }, Direction::Up);
+    assert_eq!(board.status().memory, Memory::Implausible);
+    let effects = log.iter().find_map(|measurement| said!(board.measure(measurement), Effects));
+    assert_eq!(effects.unwrap().effects.len(), 1);
+}
+
+#[test]
+fn nothing_is_forgotten_before_the_train_is_described() {
+    let (mut board, description, log) = running(described());
+    log.iter().for_each(|measurement| drop(board.measure(measurement)));
+    board.end();
+    let mut board = board.restart();
+    board.status();
+    assert_eq!(board.ask(Request::Command(Command::Forget)), Err(Refusal::NotDescribed));
+    board.prepare(&description, Direction::Up);
+    assert_eq!(board.status().memory, Memory::Restored);
 }

@@ -2,6 +2,7 @@
 
 use board_tests::board::{answer, described, estimate, running};
 use board_tests::prelude::*;
+use board_tests::said;
 use rundown_wire::{Body, Refusal};
 
 #[test]
@@ -20,6 +21,8 @@ fn by_the_clock_the_newest_measurement_counts() {
     let frames = board.tick();
     assert_eq!(answer(&frames).unwrap().result, Err(Refusal::TimeNotIncreasing));
     assert_eq!(estimate(&frames), None);
+    // Nor is that a reason to fall silent.
+    assert_eq!(said!(frames, Status).map(|status| status.silent_ticks), Some(2));
     // One that follows displaces it.
     assert!(board.measure(&log[0]).is_empty());
     assert!(board.measure(&log[2]).is_empty());

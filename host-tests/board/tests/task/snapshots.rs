@@ -1,6 +1,6 @@
 //! Snapshots: a run goes on where the power went, and no other one does.
 
-use board_tests::board::{Board, PROVISIONING, described, estimate, running};
+use board_tests::board::{Board, described, estimate, running};
 use board_tests::prelude::*;
 use board_tests::said;
 use rundown::onboard::uplink::Setting;
@@ -14,10 +14,7 @@ fn a_brown_out_in_the_middle_of_a_run_loses_nothing() {
         if tick == 60 {
             let snapshot = broken.snapshot();
             broken = broken.restart();
-            broken.status();
-            for request in description.requests(PROVISIONING.train.0) {
-                broken.ask(request).unwrap();
-            }
+            broken.describe(&description);
             broken.ask(Request::Command(Command::Pace(Pace::Lockstep))).unwrap();
             for part in snapshot {
                 broken.ask(Request::Snapshot(part)).unwrap();
@@ -52,10 +49,11 @@ fn a_snapshot_of_another_setup_is_refused() {
 
 #[test]
 fn parts_of_a_snapshot_come_in_order_and_belong_together() {
-    let (mut board, _, log) = running(described());
+    let (mut board, description, log) = running(described());
     board.measure(&log[0]);
     let parts = board.snapshot();
-    board.end();
+    let mut board = board.restart();
+    board.describe(&description);
     assert!(parts.len() > 2);
     assert_eq!(board.ask(Request::Snapshot(parts[1].clone())), Err(Refusal::OutOfOrder), "the second one first");
     assert_eq!(board.ask(Request::Snapshot(parts[0].clone())), Ok(()));
@@ -71,4 +69,22 @@ fn parts_of_a_snapshot_come_in_order_and_belong_together() {
         assert_eq!(board.ask(Request::Snapshot(part.clone())), Ok(()));
     }
     assert!(board.status().running);
+}
+
+#[test]
+fn a_snapshot_of_a_run_that_has_ended_does_not_teach_once_more() {
+    let (mut board, description, log) = running(described());
+    log[..60].iter().for_each(|measurement| drop(board.measure(measurement)));
+    let parts = board.snapshot();
+    board.end();
+    let taken = |board: &mut Board| {
+        let (last, rest) = parts.split_last().unwrap();
+        rest.iter().for_each(|part| board.ask(Request::Snapshot(part.clone())).unwrap());
+        board.ask(Request::Snapshot(last.clone()))
+    };
+    assert_eq!(taken(&mut board), Err(Refusal::Snapshot));
+    // Nor where the power went at the end of the run, and the desk does not know that it has ended.
+    let mut board = board.restart();
+    board.describe(&description);
+    assert_eq!(taken(&mut board), Err(Refusal::Snapshot));
 }
