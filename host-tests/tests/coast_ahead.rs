@@ -128,8 +128,8 @@ fn a_run_that_goes_on_from_a_snapshot_says_the_same() {
     let parts = board.snapshot();
     let rest: Vec<_> = log[half..].iter().map(|measurement| said!(board.measure(measurement), CoastAhead)).collect();
     let mut other = board.restart();
-    other.prepare(&description, Direction::Up);
-    other.ask(Request::Command(Command::End)).unwrap();
+    other.describe(&description);
+    other.ask(Request::Command(Command::Pace(Pace::Lockstep))).unwrap();
     for part in parts {
         other.ask(Request::Snapshot(part)).unwrap();
     }

@@ -2,9 +2,9 @@
 //!
 //! In: judged readings. Out: location and speed with their covariance, independent of any resistance. The speed is the
 //! reading; the location is carried on by the mean speed and corrected by the location reading. Without a speed the
-//! last one is carried on; its standard deviation grows by 0.3 m/s² x time, what a driver may do meanwhile. The same
-//! acceleration, and its opposite, may lie between two readings that are far apart: a train may have stopped there. Where
-//! nothing but the location is read it is its reading, for what the carried speed misses has one sign.
+//! last one is carried on; its standard deviation grows by 0.3 m/s² x time, what a driver may do meanwhile. As much may
+//! lie between two readings that are far apart: a train may have stopped there. Where nothing but the location is read
+//! it is its reading, for what the carried speed misses has one sign.
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;

@@ -11,7 +11,7 @@ use std::ops::RangeInclusive;
 pub struct Row {
     /// Time, s.
     pub time_s: f64,
-    /// Location, growing in the direction of travel, m.
+    /// Location, growing in the direction of travel, m; no number where there is none.
     pub location_m: f64,
     /// Speed reading, m/s.
     pub speed_mps: f64,
@@ -157,8 +157,9 @@ impl Differences {
                 (from, linked) = (None, false);
                 continue;
             }
+            let is_located = row.location_m.is_finite();
             let Some((begin, more)) = from.zip(i.checked_sub(1).and_then(|_| Way::between(part, i))) else {
-                (from, way, linked) = (Some(*row), Way::default(), false);
+                (from, way, linked) = (is_located.then_some(*row), Way::default(), false);
                 from_mps2 = slope_at(part, i);
                 held.clear();
                 continue;
@@ -168,7 +169,7 @@ impl Differences {
             let of = |j: usize| HeldTime { at: self.y.len(), speed_mps: part[j].speed_mps, held_s: half_s * shares[j] };
             held.extend([i - 1, i].map(of).iter().filter(|one| one.held_s > 0.0));
             let dt = row.time_s - begin.time_s;
-            if dt >= PAIR_S {
+            if dt >= PAIR_S && is_located {
                 self.y.push(row.location_m - begin.location_m - way.by_speed_m);
                 self.by_speed.push(way.by_speed_m);
                 self.dt.push(dt);

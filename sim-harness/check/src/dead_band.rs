@@ -23,8 +23,8 @@
 use crate::agreement::Figure;
 use crate::compared::{Row, SLOWEST_MPS, held_shares};
 use crate::effort::least_squares;
+use crate::parts::parts;
 use crate::row_step::usual_step_s;
-use crate::run::parts;
 use crate::smoothed::WayDifference;
 use nalgebra::SVector;
 use rundown_files::sample::Sample;

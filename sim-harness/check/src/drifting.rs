@@ -161,7 +161,9 @@ fn leaps(rows: &[Located]) -> Vec<Leap> {
         let dv_mps = rows[i + AROUND - 1].mps - rows[i - AROUND].mps;
         let is_far = (least_m + MOST_LATE_S * dv_mps.abs()..MOST_LEAP_M).contains(&change_m.abs());
         let at_once_m = (off_m[i] - off_m[i - 1]) * change_m.signum();
-        if is_largest && is_far && at_once_m > AT_ONCE * change_m.abs() {
+        // Between rows that are missing the train has stood, or braked and started.
+        let follows = times[i] - times[i - 1] <= next_row_s(usual_s);
+        if follows && is_largest && is_far && at_once_m > AT_ONCE * change_m.abs() {
             let at_m = rows[i].at_m;
             let way_m = found.last().map(|before| at_m - before.at_m);
             found.push(Leap { behind: i, at_m, off_m: -change_m, mps: rows[i].mps, way_m });

@@ -44,6 +44,7 @@ kinds! {
     TwoDirections "the train goes there and back in one log" => "cut the log where the train turns";
     RoundedSpeed "speeds are rounded to the nearest step";
     TruncatedSpeed "speeds are truncated to the step below";
+    RoundedUpSpeed "speeds are rounded up to the step above";
     SteppedSpeed "speeds have a step; rounded or truncated is not known";
     ComputedSpeed "speeds were computed from the locations, and say nothing beyond them";
     SpeedOffset "the speed is off by the same everywhere: true less read"

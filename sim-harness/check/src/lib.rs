@@ -110,6 +110,7 @@ pub mod lost_seconds;
 pub mod odometer;
 mod of_most;
 pub mod own;
+mod parts;
 pub mod perturbed;
 mod profile;
 mod reach;
@@ -146,7 +147,8 @@ use std::collections::HashSet;
 
 pub use correction::Correction;
 pub use diagnosis::{Check, RecorderCheck};
-pub use run::{RunCheck, parts};
+pub use parts::parts;
+pub use run::RunCheck;
 
 /// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off
 /// by.

@@ -2,14 +2,15 @@
 
 use crate::agreement::{Agreement, Figure};
 use crate::braking::{EachBrake, without_brakes};
-use crate::compared::{Compared, Differences, Row};
+use crate::compared::{Compared, Differences};
 use crate::creep::{Creep, Falls};
 use crate::finding::{Done, Finding, Kind, with_evidence};
+use crate::parts::compared;
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
 use crate::{
     bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, odometer, readings, row_step, spikes,
-    stairs, stuck_locations, stuck_speeds, two_directions, ways, wheel_change,
+    stairs, stuck_locations, stuck_speeds, two_directions, wheel_change,
 };
 use nalgebra::Vector2;
 use rundown_files::recording::Recording;
@@ -254,7 +255,7 @@ impl OfSpeed {
         if step_s > row_step::MOST_MEAN_S {
             return None;
         }
-        let parts = if taken.brakes { parts(&without_brakes(rows), step_s) } else { parts(rows, step_s) };
+        let parts = if taken.brakes { compared(&without_brakes(rows), step_s) } else { compared(rows, step_s) };
         let taken_s2 = taken.second_order_s2;
         let (mut compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(Differences::of(&parts))?)?;
         let turns_mps2 = compared.differences.turns_mps2.clone();
@@ -290,38 +291,7 @@ impl OfSpeed {
 }
 
 pub(crate) fn differences(rows: &[Sample], step_s: f64) -> Differences {
-    Differences::of(&parts(rows, step_s))
-}
-
-/// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as
-/// usual.
-///
-/// `step_s`: usual time between rows, s.
-pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
-    let sign = ways::heading(rows);
-    let longest_s = row_step::longest_step_s(step_s);
-    let mut parts: Vec<Vec<Row>> = vec![Vec::new()];
-    for row in rows {
-        let (Some(location_m), Some(speed_mps)) = (row.location_m, row.speed_mps) else {
-            continue;
-        };
-        let row = Row { time_s: row.time_s, location_m: sign * location_m, speed_mps };
-        let last = parts.last().and_then(|part| part.last()).copied();
-        if let Some(last) = last {
-            let dt = row.time_s - last.time_s;
-            if dt <= 0.0 {
-                continue;
-            }
-            let jump_m = row.location_m - last.location_m - 0.5 * dt * (row.speed_mps + last.speed_mps);
-            if dt > longest_s || jump_m.abs() > 300.0 {
-                parts.push(Vec::new());
-            }
-        }
-        if let Some(part) = parts.last_mut() {
-            part.push(row);
-        }
-    }
-    parts
+    Differences::of(&compared(rows, step_s))
 }
 
 /// Distance by location over distance by speed far from 1, in the whole log or from a line on: the run is not used.

@@ -40,7 +40,21 @@ enum Shown {
     Exact,
     Rounded,
     Truncated,
+    /// To the step above.
+    RoundedUp,
     NotKnown,
+}
+
+impl Shown {
+    /// True less read speed where the step decides it, km/h.
+    fn offset_kmh(self, step_kmh: f64) -> Option<f64> {
+        match self {
+            Self::Rounded => Some(0.0),
+            Self::Truncated => Some(0.5 * step_kmh),
+            Self::RoundedUp => Some(-0.5 * step_kmh),
+            Self::Exact | Self::NotKnown => None,
+        }
+    }
 }
 
 /// An offset of all readings that is put right: it is larger than what places of the location on the train make, and
@@ -59,12 +73,13 @@ fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
     };
     let off = |value: f64| (offset_kmh.value - value).abs();
     let near = |value: f64| off(value) < 2.0 * offset_kmh.sd + NEAR_HALF * step_kmh;
-    let (rounded, truncated) = (0.0, 0.5 * step_kmh);
-    match (near(rounded), near(truncated)) {
-        (true, false) if off(rounded) < CLEARLY * off(truncated) => Shown::Rounded,
-        (false, true) if off(truncated) < CLEARLY * off(rounded) => Shown::Truncated,
-        _ => Shown::NotKnown,
-    }
+    let mut ways = [Shown::Rounded, Shown::Truncated, Shown::RoundedUp];
+    ways.sort_by(|a, b| {
+        let [a, b] = [a, b].map(|way| way.offset_kmh(step_kmh).map_or(f64::INFINITY, off));
+        a.total_cmp(&b)
+    });
+    let [nearest, next] = [ways[0], ways[1]].map(|way| way.offset_kmh(step_kmh).unwrap_or_default());
+    if near(nearest) && !near(next) && off(nearest) < CLEARLY * off(next) { ways[0] } else { Shown::NotKnown }
 }
 
 /// A scale that is known no better says nothing of wheel and offset, of the recorder or of a run: trams that hold one
@@ -226,11 +241,8 @@ impl RecorderCheck {
             order.sort_by(|a, b| day(*a).partial_cmp(&day(*b)).unwrap_or(Ordering::Equal));
         }
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
-        let (offset_mps, offset_is_free) = match shown(self.speed_step_kmh, all.offset_kmh()) {
-            Shown::Rounded => (0.0, false),
-            Shown::Truncated => (0.5 * step_kmh / 3.6, false),
-            Shown::Exact | Shown::NotKnown => (all.values[1], true),
-        };
+        let decided_kmh = shown(self.speed_step_kmh, all.offset_kmh()).offset_kmh(step_kmh);
+        let (offset_mps, offset_is_free) = decided_kmh.map_or((all.values[1], true), |kmh| (kmh / 3.6, false));
         let of_run = |at: &usize| OfRun::at(agreements[*at].as_ref()?, offset_mps);
         let (mut order, of_runs): (Vec<usize>, Vec<OfRun>) =
             order.into_iter().filter_map(|at| Some((at, of_run(&at)?))).unzip();
@@ -277,17 +289,18 @@ impl RecorderCheck {
             Shown::Exact => (None, Done::Said),
             Shown::Rounded => (Some(Kind::RoundedSpeed), Done::Said),
             Shown::Truncated => (Some(Kind::TruncatedSpeed), put_right(!known.truncates)),
+            Shown::RoundedUp => (Some(Kind::RoundedUpSpeed), put_right(!known.truncates)),
             Shown::NotKnown => (Some(Kind::SteppedSpeed), Done::Said),
         };
         if let Some(kind) = kind {
             self.found(kind, Figure { value: step_kmh, sd: 0.0 }, "km/h", done);
         }
-        let offset_mps = if shown == Shown::Truncated { 0.5 * step_kmh / 3.6 } else { 0.0 };
+        let offset_mps = shown.offset_kmh(step_kmh).unwrap_or_default() / 3.6;
         // The offset of a step is 0 or a half of it: what is decided is known, and leaves the scale sharper.
-        let decided = is_vague || matches!(shown, Shown::Rounded | Shown::Truncated);
+        let decided = is_vague || shown.offset_kmh(step_kmh).is_some();
         let beside_locations = match shown {
             _ if is_vague => all.scale_at(0.0),
-            Shown::Rounded | Shown::Truncated => all.scale_at(offset_mps),
+            Shown::Rounded | Shown::Truncated | Shown::RoundedUp => all.scale_at(offset_mps),
             Shown::Exact => all.scale(),
             Shown::NotKnown => between(all.scale(), [0.0, 0.5 * step_kmh / 3.6].map(|offset| all.scale_at(offset))),
         };

@@ -84,6 +84,40 @@ fn truncation_is_found_put_right_and_is_no_wheel() {
 }
 
 #[test]
+fn speeds_that_are_rounded_up_are_found_and_put_right_beside_a_wheel_too() {
+    for (seed, scale) in [(1, 1.0), (2, 1.0), (3, 1.013), (4, 0.987)] {
+        let recorder = Recorder { truncates: true, scale, ..Recorder::default() };
+        let mut runs = recorder.runs(2100 + seed, 6, 5);
+        for speed in runs.iter_mut().flat_map(|run| &mut run.rows).filter_map(|row| row.speed_mps.as_mut()) {
+            *speed += if *speed > 0.0 { 1.0 / 3.6 } else { 0.0 };
+        }
+        let found = check(&mut runs);
+        let finding = simulated::found(&found, Kind::RoundedUpSpeed);
+        assert_eq!((finding.figure.value, finding.done), (1.0, Done::PutRight), "{seed}");
+        assert!((found.recorders[0].scale.unwrap().value - scale).abs() < 0.002, "{seed}: {:?}", all(&found));
+        assert_eq!(kinds(&found).contains(&Kind::SpeedScale), scale != 1.0, "{seed}: {:?}", all(&found));
+        let wrong = [Kind::SpeedOffset, Kind::TruncatedSpeed, Kind::RoundedSpeed];
+        assert!(!kinds(&found).iter().any(|kind| wrong.contains(kind)), "{seed}: {:?}", all(&found));
+    }
+}
+
+#[test]
+fn a_wheel_and_a_late_speed_are_found_where_locations_are_seldom() {
+    for (seed, scale, skew_s) in [(1, 1.01, 0.0), (2, 0.985, 0.0), (3, 1.0, 2.0), (4, 1.0, 0.0)] {
+        let recorder = Recorder { scale, skew_s, quantum_kmh: 0.1, ..Recorder::default() };
+        let mut runs = recorder.runs(2200 + seed, 6, 5);
+        for (i, row) in runs.iter_mut().flat_map(|run| run.rows.iter_mut().enumerate()) {
+            row.location_m = row.location_m.filter(|_| i % 30 == 0);
+        }
+        let found = check(&mut runs);
+        let compared = &found.recorders[0];
+        assert!((compared.scale.unwrap().value - scale).abs() < 0.002, "{seed}: {:?}", all(&found));
+        assert_eq!(kinds(&found).contains(&Kind::SpeedScale), scale != 1.0, "{seed}: {:?}", all(&found));
+        assert_eq!(kinds(&found).contains(&Kind::Skew), skew_s != 0.0, "{seed}: {:?}", all(&found));
+    }
+}
+
+#[test]
 fn a_wheel_is_found_within_two_permille_beside_truncation_and_skew() {
     for (seed, scale) in [(1, 1.013), (2, 0.987), (3, 1.03), (4, 0.955)] {
         for truncates in [false, true] {
