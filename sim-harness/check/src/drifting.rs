@@ -190,3 +190,27 @@ fn bring_back(rows: &mut [Sample], leaps: &[Leap], share: f64) {
         row.location_m = Some(sign * (at_m - off_m));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of 10 s of a train at 20 m/s. Halfway `missing_s` more pass, in which it goes `less_m` less than the speeds
+    /// around say.
+    fn leaps_of(missing_s: f64, less_m: f64) -> usize {
+        let row = |row: usize| {
+            let behind = row >= 20;
+            let time_s = 10.0 * row as f64 + if behind { missing_s } else { 0.0 };
+            let at_m = 20.0 * time_s - if behind { less_m } else { 0.0 } + 0.01 * (row % 3) as f64;
+            Located { row, at_m, mps: 20.0, time_s }
+        };
+        leaps(&(0..40).map(row).collect::<Vec<_>>()).len()
+    }
+
+    #[test]
+    fn a_stop_between_two_rows_is_no_correction() {
+        assert_eq!(leaps_of(0.0, 40.0), 1);
+        assert_eq!(leaps_of(30.0, 40.0), 0);
+        assert_eq!(leaps_of(0.0, 0.0), 0);
+    }
+}
