@@ -549,7 +549,7 @@ words! {
         NotDescribed "not_described",
         /// The time of the measurement is not after the last one.
         TimeNotIncreasing "time_not_increasing",
-        /// The snapshot is damaged, or was taken with another train, track or configuration, or in a run that has ended.
+        /// The snapshot is damaged, or was taken with another train, track or configuration, or in a run that is over.
         Snapshot "snapshot",
         /// The model of this board has no such effect.
         UnknownEffect "unknown_effect",
