@@ -187,6 +187,35 @@ mod tests {
     }
 
     #[test]
+    fn few_rows_that_hardly_show_a_drag_do_not_deny_it_and_many_do() {
+        on_a_hilly_line(30, |context| {
+            let agrees = |held_each: usize| {
+                let row = |i: usize| {
+                    let is_held = i % held_each == 0;
+                    let mut row = Row::coasting(Direction::Up, 500.0 + 1_000.0 * (i % 60) as f64, 30.0);
+                    row.interval.run = i / 60;
+                    row.interval.begin_s = 20.0 * (i % 60) as f64;
+                    row.interval.braked = true;
+                    row.interval.effort_n_per_kg = Some(0.0);
+                    row.interval.speed_mps[1] += if is_held { 0.0 } else { -1.0 };
+                    // Every third run drags, but for rows that hold the speed, which say the opposite.
+                    let drags = if i / 60 % 3 == 0 { 0.01 } else { 0.0 };
+                    row.residual_n_per_kg = if is_held { -drags } else { drags };
+                    row
+                };
+                let rows: Vec<Row> = (0..30 * 60).map(row).collect();
+                let noise = Noise { acceleration_mps2: 0.004, ..Noise::default() };
+                let calibrated = Calibrated::even(noise, rows.len());
+                let search = Search::new(context, &rows, &calibrated, true);
+                let shape = Shape::Runs((0..30).step_by(3).collect());
+                let term = Term { of: candidates::of(EffectKind::DraggingBrake), shape };
+                search.agrees(&search.base(&[]).unwrap(), &term, &[0.01])
+            };
+            assert!(agrees(60) && !agrees(6));
+        });
+    }
+
+    #[test]
     fn with_an_effort_braking_is_weak_and_for_a_length_a_held_speed_too() {
         let (train, track) = (Train::try_new(TrainDescription::CASE_STUDY).unwrap(), track());
         let line = Line { train: &train, track: &track, direction: Direction::Up };
