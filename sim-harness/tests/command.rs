@@ -223,7 +223,7 @@ fn what_spoils_a_whole_replay_is_said_aloud() {
     assert_eq!(
         notes(&folder.replay_on("short.toml", &["run.csv"])),
         "note: 109 of 112 locations of moving trains (97 %) are not on the described track: they go from 41 to 32080 m, the track from 0 to 32 m. \
-         Nothing is known of gradients there; bring the runs onto its chainage with `rundown import --chainage align`, \
+         Nothing is known of gradients there: a replay leaves them out, but for runs that are mostly there; bring the runs onto its chainage with `rundown import --chainage align`, \
          or describe the track from where their locations count, with its whole length_m\n\
          note: nothing was learned about the resistance: it takes 60 s of coasting above 50 km/h in one piece, \
          or 16 s of coasting above 50 km/h after a hop of at most 300 s; the fastest of these runs reached 136 km/h\n"

@@ -33,13 +33,26 @@ impl OffTrack {
         Self { off: 0, locations: 0, least_m, most_m, length_m: track.length_m, beyond_m }
     }
 
+    fn is_off(&self, at_m: f64) -> bool {
+        !(-self.beyond_m..=self.length_m + self.beyond_m).contains(&at_m)
+    }
+
+    /// Takes away what a run did beyond the line, where most of it was on it: without gradients it would teach what is
+    /// not so. Where most was not, the track is of another line, or counted otherwise.
+    pub fn leave_out(&self, rows: &mut Vec<Sample>) {
+        let is_off = |row: &Sample| row.location_m.is_some_and(|at_m| self.is_off(at_m));
+        let off = rows.iter().filter(|row| is_off(row)).count();
+        if 2 * off < rows.len() {
+            rows.retain(|row| !is_off(row));
+        }
+    }
+
     /// Counts the rows of a run.
     pub fn add<'a>(&mut self, rows: impl IntoIterator<Item = &'a Sample>) {
-        let line = -self.beyond_m..=self.length_m + self.beyond_m;
         for row in rows {
             let Some(at) = row.location_m.filter(|_| row.speed_mps.is_some_and(|v| v > MOVING_MPS)) else { continue };
             self.locations += 1;
-            self.off += usize::from(!line.contains(&at));
+            self.off += usize::from(self.is_off(at));
             (self.least_m, self.most_m) = (self.least_m.min(at), self.most_m.max(at));
         }
     }
@@ -60,7 +73,7 @@ impl fmt::Display for OffTrack {
         let Self { off, locations, least_m, most_m, length_m, .. } = self;
         write!(
             f,
-            "{off} of {locations} locations of moving trains ({:.0} %) are not on the described track: they go from {least_m:.0} to {most_m:.0} m, the track from 0 to {length_m:.0} m. Nothing is known of gradients there; bring the runs onto its chainage with `rundown import --chainage align`, or describe the track from where their locations count, with its whole length_m",
+            "{off} of {locations} locations of moving trains ({:.0} %) are not on the described track: they go from {least_m:.0} to {most_m:.0} m, the track from 0 to {length_m:.0} m. Nothing is known of gradients there: a replay leaves them out, but for runs that are mostly there; bring the runs onto its chainage with `rundown import --chainage align`, or describe the track from where their locations count, with its whole length_m",
             100.0 * self.share(),
         )
     }
@@ -79,6 +92,13 @@ mod tests {
         assert_eq!(off.any(), None);
         off.add(&[row(1301.0, 10.0)]);
         assert_eq!(off.any().map(|off| off.share()), Some(0.25));
+        let mut rows = vec![row(500.0, 10.0), row(900.0, 10.0), row(1400.0, 10.0)];
+        off.leave_out(&mut rows);
+        assert_eq!(rows, [row(500.0, 10.0), row(900.0, 10.0)]);
+        let other = vec![row(500.0, 10.0), row(1400.0, 10.0)];
+        let mut rows = other.clone();
+        off.leave_out(&mut rows);
+        assert_eq!(rows, other, "half of it is of another line");
         let said = "1 of 4 locations of moving trains (25 %) are not on the described track: they go from -200 to 1301 m, the track from 0 to 1000 m.";
         assert!(off.to_string().starts_with(said), "{off}");
     }

@@ -268,7 +268,7 @@ impl Opened {
         self.named.extend(recordings.iter().map(|recording| recording.name.clone()));
         summary.notes.extend(self.of_no_run());
         let mut off = self.off_track();
-        recordings.iter().for_each(|recording| off.add(&recording.rows));
+        self.leave_out_beyond(&mut off, &mut recordings);
         summary.first(&off);
         self.doubt_descriptions(&recordings, &mut summary)?;
         let own = self.own_estimators(&recordings)?;
@@ -319,6 +319,16 @@ impl Opened {
         }
         advice.add(runs);
         advice.withhold(runs);
+    }
+
+    /// Counts what was beyond the line, and leaves it out but for replays as recorded.
+    fn leave_out_beyond(&self, off: &mut OffTrack, recordings: &mut [Recording]) {
+        for recording in recordings {
+            off.add(&recording.rows);
+            if !self.request.as_recorded {
+                off.leave_out(&mut recording.rows);
+            }
+        }
     }
 
     /// What coasts are asked beside efforts that teach: where the same effects act in all runs.

@@ -66,8 +66,8 @@ impl Opened {
             let mut summary = Summary { notes: self.first_notes(), ..Summary::default() };
             let mut off = self.off_track();
             while let Some(chunk) = self.next_chunk(CHUNK)? {
-                let recordings = self.diagnosed(chunk, &mut summary).map_err(StreamError::from)?;
-                recordings.iter().for_each(|recording| off.add(&recording.rows));
+                let mut recordings = self.diagnosed(chunk, &mut summary).map_err(StreamError::from)?;
+                self.leave_out_beyond(&mut off, &mut recordings);
                 if summary.runs == 0 {
                     // The descriptions are judged by the first runs: what these teach must rest on the same doubt as
                     // all.

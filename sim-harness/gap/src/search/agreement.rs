@@ -191,7 +191,7 @@ mod tests {
         on_a_hilly_line(30, |context| {
             let agrees = |held_each: usize| {
                 let row = |i: usize| {
-                    let is_held = i % held_each == 0;
+                    let is_held = i.is_multiple_of(held_each);
                     let mut row = Row::coasting(Direction::Up, 500.0 + 1_000.0 * (i % 60) as f64, 30.0);
                     row.interval.run = i / 60;
                     row.interval.begin_s = 20.0 * (i % 60) as f64;
@@ -199,7 +199,7 @@ mod tests {
                     row.interval.effort_n_per_kg = Some(0.0);
                     row.interval.speed_mps[1] += if is_held { 0.0 } else { -1.0 };
                     // Every third run drags, but for rows that hold the speed, which say the opposite.
-                    let drags = if i / 60 % 3 == 0 { 0.01 } else { 0.0 };
+                    let drags = if (i / 60).is_multiple_of(3) { 0.01 } else { 0.0 };
                     row.residual_n_per_kg = if is_held { -drags } else { drags };
                     row
                 };
