@@ -5,15 +5,15 @@ pub use board_tests::described::{NOMINAL, TRAIN, description, measurements, trai
 use rundown_truth::scenario::fleet;
 pub use sim_harness::accuracy_bench::score::{Errors, FleetFigures, JudgedVehicle, davis, regime, replay, resistance};
 
-/// Speeds at which its resistance is judged, km/h.
+/// Speeds at which the resistance of the case study's train is judged, km/h.
 pub const BAND_KMH: [f64; 2] = [20.0, 140.0];
 
-/// An estimator for them.
+/// An estimator of a scenario's train and line.
 pub fn estimator(config: Config, scenario: &Scenario) -> Estimator {
     description(config, scenario).estimator().unwrap()
 }
 
-/// Vehicles: scale of r0, r1, r2 of each; runs of each.
+/// Judges vehicles with these scales of r0, r1, r2, so many runs of each.
 pub fn judge(config: Config, scenario: &Scenario, scales: &[[f64; 3]], runs: usize, seed: u64) -> FleetFigures {
     let mut table = FleetFigures::default();
     let estimator = estimator(config, scenario);

@@ -117,7 +117,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Of these predictions.
+    /// Judges predictions against what the coasts came to.
     pub fn of<'a>(judged: impl IntoIterator<Item = &'a Judged>) -> Self {
         let mut sum = Self::default();
         for one in judged {

@@ -106,8 +106,7 @@ impl Watchdog for DogTimer {
     }
 }
 
-/// Half of the watchdog's time is over: why was written down by the timer; nothing is left to do but to wait for the
-/// reset.
+/// Half of the watchdog's time is over, and the timer has recorded why: waits for the reset.
 // SAFETY: touches nothing.
 #[exception]
 unsafe fn NonMaskableInt() {

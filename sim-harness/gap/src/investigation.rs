@@ -34,7 +34,7 @@ use crate::verdict::{Grounds, Verdict};
 use rundown::model::effects::{Effect, EffectError, EffectKind, Effects};
 use rundown_check::agreement::Figure;
 
-/// What came of it.
+/// What an investigation has found, on all runs and on the hold-out runs.
 #[derive(Clone, Debug)]
 pub struct Investigation {
     /// Analysis of all runs.
@@ -68,7 +68,7 @@ pub struct Investigation {
     pub touched: Option<Touched>,
     /// Indices of the hold-out runs.
     pub held_out: Vec<usize>,
-    /// What it comes to.
+    /// What is said of the gap as a whole.
     pub verdict: Verdict,
 }
 

@@ -6,7 +6,7 @@
 /// The encoding that is taken where a text is neither UTF-8 nor UTF-16.
 pub const ASSUMED: &str = "windows-1252";
 
-/// What helps.
+/// What to do where letters look wrong.
 pub const REMEDY: &str = "it was read as Windows-1252; if letters are wrong, say the code page: source = [{ layout.encoding = \"windows-1250\" }] (or another one)";
 
 /// A sign within a word, a control character, or two different letters beyond ASCII side by side; German `öß` is none.
@@ -15,9 +15,9 @@ pub fn are_strange(text: &str) -> bool {
     let is_foreign = |c: char| c.is_alphabetic() && !c.is_ascii();
     let is_pair = |pair: &[char]| {
         let [a, b] = [pair[0], pair[1]];
-        is_foreign(a) && is_foreign(b) && !a.to_lowercase().eq(b.to_lowercase()) && a != '\u{df}' && b != '\u{df}'
+        is_foreign(a) && is_foreign(b) && !a.to_lowercase().eq(b.to_lowercase()) && a != 'ß' && b != 'ß'
     };
-    let is_sign = |c: char| !c.is_ascii() && !c.is_alphabetic() && c != '\u{b2}' && c != '\u{b0}';
+    let is_sign = |c: char| !c.is_ascii() && !c.is_alphabetic() && c != '²' && c != '°';
     let is_sign_within = |three: &[char]| three[0].is_alphabetic() && is_sign(three[1]) && three[2].is_alphabetic();
     letters.iter().any(|c| ('\u{80}'..='\u{9f}').contains(c))
         || letters.windows(2).any(is_pair)

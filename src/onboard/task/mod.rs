@@ -64,6 +64,8 @@ const MOVING_MPS: Real = 3.0;
 
 /// Refusals that are answered in a second to either kind of message that anybody can send; the line is for estimates.
 const REFUSALS_A_SECOND: u8 = 8;
+/// A sender whose numbers leap by as many has restarted, and lost nothing.
+const LEAST_RESTART: u16 = 1000;
 
 /// Who vouches for a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,7 +209,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         }
     }
 
-    /// What anybody may ask for is limited by the second.
+    /// Allows again what anybody may ask for a few times a second, where the clock shows another one.
     fn begin_second(&mut self, uptime_s: Option<u32>) {
         if uptime_s != Some(self.second) {
             self.second = uptime_s.unwrap_or_default();
@@ -357,8 +359,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         }
         if let Some(last) = self.last_uplink.replace(sequence) {
             let gap = sequence.wrapping_sub(last).wrapping_sub(1);
-            // A sender that restarts is no loss.
-            if gap < 1000 {
+            if gap < LEAST_RESTART {
                 self.missed = self.missed.saturating_add(u32::from(gap));
             }
         }

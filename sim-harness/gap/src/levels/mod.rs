@@ -419,7 +419,7 @@ mod tests {
         );
     }
 
-    /// Of 60 sets.
+    /// In how many of 60 sets a unit or a driver stands out.
     fn false_ones(fleet: &Fleet) -> usize {
         let of_units = |found: Vec<Standout>| found.iter().any(|one| one.level != Level::Day);
         (0..60).filter(|seed| of_units(fleet.found(100 + seed))).count()

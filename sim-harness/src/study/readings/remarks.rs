@@ -14,7 +14,7 @@ pub const TRIED: usize = 20;
 /// "Besides the outliers": this share of the samples at either end.
 const OUTLIERS: f64 = 0.01;
 /// How near the ends of r0 must come to the paper's: a third of its interval.
-const THIRD: f64 = 3.0;
+const MARGIN_SHARE: f64 = 1.0 / 3.0;
 /// Noise of the acceleration, m/s²: small, any of them, and strong.
 pub const SMALL_MPS2: [f64; 4] = [1e-4, 1e-3, 3e-3, 1e-2];
 pub const STRONG_MPS2: [f64; 2] = [0.1, 1.0];
@@ -123,7 +123,7 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
     let likelihoods = || passes.iter().flat_map(|pass| pass.log_likelihood.iter().copied());
     let r0_ends = [OUTLIERS, 1.0 - OUTLIERS]
         .map(|share| quantile(passes.iter().flat_map(|pass| &pass.davis).map(|davis| davis[0]).collect(), share));
-    let margin = (R0_BAND.end() - R0_BAND.start()) / THIRD;
+    let margin = MARGIN_SHARE * (R0_BAND.end() - R0_BAND.start());
     let negative = [10.0, 100.0].map(|factor| negative_with(factor, filter, &again));
     let few = &passes[..passes.len().min(TRIED)];
     let of_r = [
