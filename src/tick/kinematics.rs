@@ -3,8 +3,8 @@
 //! In: judged readings. Out: location and speed with their covariance, independent of any resistance. The speed is the
 //! reading; the location is carried on by the mean speed and corrected by the location reading. Without a speed the
 //! last one is carried on; its standard deviation grows by 0.3 m/s² x time, what a driver may do meanwhile. As much may
-//! lie between two readings that are far apart: a train may have stopped there. Where nothing but the location is read
-//! it is its reading, for what the carried speed misses has one sign.
+//! lie between two readings that are far apart: a train may have stopped there. Where for some
+//! seconds nothing but the location is read it is its reading, for what the carried speed misses has one sign.
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;
@@ -14,6 +14,8 @@ use nalgebra::{Matrix2, Vector2};
 
 /// What a driver may do to the speed while nobody reads it, m/s².
 const UNKNOWN_ACCELERATION_MPS2: Real = 0.3;
+/// A carried speed that may be off by more says nothing beside a location, m/s.
+const MOST_CARRIED_MPS: Real = 1.0;
 /// Rows farther apart may have a stop between them, s.
 const FAR_APART_S: Real = 15.0;
 /// Share by which a distance by speed may be wrong (worn wheels).
@@ -74,7 +76,7 @@ impl Kinematics {
         let reading = if run_m == 0.0 { 0.0 } else { 0.25 * speeds * dt_s * dt_s };
         self.location_variance = self.location_variance + wrong_m * wrong_m + reading;
         if let Some(location_m) = location_m {
-            if speed_mps.is_none() {
+            if speed_mps.is_none() && self.speed_sd_mps > MOST_CARRIED_MPS {
                 return self.anchor(sensor, location_m);
             }
             let sensor_variance = sensor.location_sd_m * sensor.location_sd_m;

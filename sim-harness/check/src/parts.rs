@@ -5,8 +5,10 @@ use crate::row_step::{longest_step_s, usual_step_s};
 use crate::ways;
 use rundown_files::sample::Sample;
 
-/// A location that is off by more is another chainage, m.
+/// A location that is off by more is another chainage, m ...
 const MOST_JUMP_M: f64 = 300.0;
+/// ... beside this share of the way since the one before it, by which no wheel is off.
+const MOST_SHARE: f64 = 0.1;
 
 /// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as
 /// usual.
@@ -62,7 +64,7 @@ pub fn compared(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
             }
             way_m += 0.5 * dt * (speed_mps + last.speed_mps);
             let jump_m = location_m.zip(before_m).map_or(0.0, |(here_m, before_m)| here_m - before_m - way_m);
-            goes_on = dt <= longest_s && jump_m.abs() <= MOST_JUMP_M;
+            goes_on = dt <= longest_s && jump_m.abs() <= MOST_JUMP_M + MOST_SHARE * way_m;
         }
         if !goes_on {
             parts.push(Vec::new());

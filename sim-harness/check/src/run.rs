@@ -255,6 +255,9 @@ impl OfSpeed {
         if step_s > row_step::MOST_MEAN_S {
             return None;
         }
+        // Creep and brakes are seen where differences last no longer than they do.
+        let located = rows.iter().filter(|row| row.location_m.is_some()).copied().collect::<Vec<_>>();
+        let near_s = row_step::usual_step_s(&located);
         let parts = if taken.brakes { compared(&without_brakes(rows), step_s) } else { compared(rows, step_s) };
         let taken_s2 = taken.second_order_s2;
         let (mut compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(Differences::of(&parts))?)?;
@@ -263,19 +266,19 @@ impl OfSpeed {
             compared = compared.without(&turns_mps2.iter().map(|turn| taken_s2.value * turn).collect::<Vec<_>>())?;
         }
         let mut by_creep = Vector2::zeros();
-        let creep = taken.creep.filter(|_| step_s < MOST_NEAR_S);
+        let creep = taken.creep.filter(|_| near_s < MOST_NEAR_S);
         if let Some(creep_m) = creep.and_then(|falls| falls.creep_m(&compared)) {
             by_creep = compared.taken_up(&creep_m).0.xy();
             compared = compared.without(&creep_m)?;
         }
-        let beside = compared.beside(&turns_mps2).filter(|_| step_s < MOST_NEAR_S);
+        let beside = compared.beside(&turns_mps2).filter(|_| near_s < MOST_NEAR_S);
         let correlated = compared.independent().sqrt();
         let second_order_s2 = beside.map(|(left, _)| Figure { sd: left.sd / correlated, ..left });
         let by_second_order = compared.taken_up(&turns_mps2).0.xy();
         let change = wheel_change::within(&compared);
         let with_other_bends = compared.with_other_bends();
         let creep = Creep::of(&compared, with_other_bends.as_ref());
-        let shows_brakes = step_s < MOST_NEAR_S && !taken.brakes;
+        let shows_brakes = near_s < MOST_NEAR_S && !taken.brakes;
         let each_brake = if shows_brakes { EachBrake::of(&compared) } else { None };
         let agreement = compared.agreement(with_other_bends.as_ref()).after_moving(moved_s);
         let agreement = agreement.doubted(by_second_order * taken_s2.sd + CREEP_DOUBT * by_creep);

@@ -37,13 +37,18 @@ impl OffTrack {
         !(-self.beyond_m..=self.length_m + self.beyond_m).contains(&at_m)
     }
 
-    /// Takes away what a run did beyond the line, where most of it was on it: without gradients it would teach what is
-    /// not so. Where most was not, the track is of another line, or counted otherwise.
+    /// Takes away what a run did beyond the line, where most of its way was on it: without gradients it would teach what
+    /// is not so. Where most was not, the track is of another line, or counted otherwise. A row without a location is
+    /// where the one before it was.
     pub fn leave_out(&self, rows: &mut Vec<Sample>) {
-        let is_off = |row: &Sample| row.location_m.is_some_and(|at_m| self.is_off(at_m));
-        let off = rows.iter().filter(|row| is_off(row)).count();
-        if 2 * off < rows.len() {
-            rows.retain(|row| !is_off(row));
+        let mut of_run = Self { off: 0, locations: 0, ..*self };
+        of_run.add(&*rows);
+        if of_run.off > 0 && 2 * of_run.off < of_run.locations {
+            let mut is_off = false;
+            rows.retain(|row| {
+                is_off = row.location_m.map_or(is_off, |at_m| self.is_off(at_m));
+                !is_off
+            });
         }
     }
 
@@ -92,13 +97,18 @@ mod tests {
         assert_eq!(off.any(), None);
         off.add(&[row(1301.0, 10.0)]);
         assert_eq!(off.any().map(|off| off.share()), Some(0.25));
-        let mut rows = vec![row(500.0, 10.0), row(900.0, 10.0), row(1400.0, 10.0)];
+        // Locations are seldom, and at last it stands.
+        let unread = Sample { speed_mps: Some(10.0), ..Sample::default() };
+        let on = [row(500.0, 10.0), unread, unread, row(800.0, 10.0), row(900.0, 10.0), unread];
+        let beyond =
+            [row(1400.0, 10.0), unread, row(1500.0, 0.0), row(1500.0, 0.0), row(1500.0, 0.0), row(1500.0, 0.0)];
+        let mut rows = [on, beyond].concat();
         off.leave_out(&mut rows);
-        assert_eq!(rows, [row(500.0, 10.0), row(900.0, 10.0)]);
-        let other = vec![row(500.0, 10.0), row(1400.0, 10.0)];
+        assert_eq!(rows, on);
+        let other = vec![row(500.0, 10.0), unread, unread, row(1400.0, 10.0), unread];
         let mut rows = other.clone();
         off.leave_out(&mut rows);
-        assert_eq!(rows, other, "half of it is of another line");
+        assert_eq!(rows, other, "half of its way is of another line");
         let said = "1 of 4 locations of moving trains (25 %) are not on the described track: they go from -200 to 1301 m, the track from 0 to 1000 m.";
         assert!(off.to_string().starts_with(said), "{off}");
     }

@@ -3,6 +3,7 @@
 use super::geo;
 use super::mapping::RunCuts;
 use super::rows::Record;
+use super::speeds::FASTEST_MPS;
 use super::stretch::{Stretch, fix};
 use rundown_files::sample::Sample;
 
@@ -10,7 +11,7 @@ use rundown_files::sample::Sample;
 const MOST_ROWS: usize = 500_000;
 /// What no row has continued for so many is over.
 const LEFT_ROWS: u64 = 20_000;
-/// One of so many rows has a place, and a train is no further from it one row later, m.
+/// One of so many rows has a place, and a train is no further from it than it may have gone, and this, m.
 const BESIDE: usize = 20;
 const ELSEWHERE_M: f64 = 1000.0;
 
@@ -64,12 +65,22 @@ impl Cutter {
     fn next(&mut self, record: Record, begun: Option<String>) -> Vec<Stretch> {
         self.rows += 1;
         let is_of = |held: &Held| held.stretch.unit == record.unit && held.stretch.run == record.run;
-        let found = self.held.iter().position(is_of);
-        let cut = found.and_then(|at| Some((at, self.cut(&self.held[at].stretch, &record)?)));
+        let of_this = || (0..self.held.len()).filter(|at| is_of(&self.held[*at]));
+        let latest = of_this().max_by_key(|at| self.held[*at].last);
+        let cut_at = |at: usize| self.cut(&self.held[at].stretch, &record);
+        // Behind what was sent late goes on what was there before it.
+        let goes_on = |at: &usize| self.held[*at].stretch.is_before(&record.sample) && cut_at(*at).is_none();
+        let before = latest.filter(|at| cut_at(*at).is_some()).and_then(|_| of_this().find(goes_on));
+        let found = before.or(latest);
+        let cut = found.and_then(|at| Some((at, cut_at(at)?)));
         // What is over, and what was over before that began.
         let mut ended_before = self.rows.saturating_sub(LEFT_ROWS);
         let mut over = None;
         let at = match (found, cut) {
+            // What comes late is no end of what it interrupts.
+            (_, Some((at, reason))) if !self.held[at].stretch.is_before(&record.sample) => {
+                self.begin(&record, reason, false)
+            }
             (_, Some((at, reason))) => {
                 let held = self.held.remove(at);
                 ended_before = ended_before.max(held.first);
@@ -131,14 +142,19 @@ impl Cutter {
     }
 }
 
-/// A row is none that the train could be at where it was before: rows that a recorder could not send in time stand
-/// behind later ones, where a clock that is set back leaves the train in its place.
+/// A row is not where the train may be that was here before: rows that a recorder could not send in time stand behind
+/// later ones, where a clock that is set back leaves the train in its place.
 fn is_elsewhere(stretch: &Stretch, row: &Sample) -> bool {
-    let place_m = |before: &Sample| {
+    let rows = &stretch.rows;
+    let Some(last) = rows.last() else { return false };
+    let step_s = rows.iter().rev().nth(1).map_or(0.0, |before| last.time_s - before.time_s);
+    let beyond_m = |before: &Sample| {
         let located = before.location_m.zip(row.location_m).map(|(a, b)| (b - a).abs());
-        located.or_else(|| Some(geo::distance_m(fix(before)?, fix(row)?)))
+        let away_m = located.or_else(|| Some(geo::distance_m(fix(before)?, fix(row)?)))?;
+        let since_s = last.time_s - before.time_s + step_s;
+        Some(away_m - 2.0 * before.speed_mps.unwrap_or(FASTEST_MPS) * since_s)
     };
-    let beside = stretch.rows.iter().rev().take(BESIDE).find_map(place_m);
+    let beside = rows.iter().rev().take(BESIDE).find_map(beyond_m);
     beside.is_some_and(|metres| metres > ELSEWHERE_M)
 }
 

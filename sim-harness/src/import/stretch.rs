@@ -81,6 +81,11 @@ fn far_readings(rows: &mut [Sample]) -> usize {
 }
 
 impl Stretch {
+    /// A row is later than its last one.
+    pub fn is_before(&self, row: &Sample) -> bool {
+        self.rows.last().is_some_and(|last| row.time_s > last.time_s)
+    }
+
     /// Brings a stretch in order and cuts it.
     pub fn pieces(mut self, settings: &RunCuts, odometer: &mut Odometer, account: &mut Account) -> Vec<Self> {
         if self.rows.len() < 2 {

@@ -542,3 +542,20 @@ fn minutes_that_are_written_at_the_end_of_the_file_are_a_run_of_their_time() {
         assert!(last(&run)[1] < 12_000.0, "no odometer is joined over what is missing: {:?}", last(&run));
     }
 }
+
+#[test]
+fn what_is_sent_late_in_the_middle_of_a_run_interrupts_nothing() {
+    let rows = drive(&STOPS_M, 25.0);
+    let end_s = rows.last().unwrap().0;
+    let line = |t: f64, x: f64, v: f64| format!("2025-03-04T{}Z,{x:.1},{:.1}", clock(21_600.0 + t), 3.6 * v);
+    // Of a run in the morning minutes are missing; they come in the middle of the next one.
+    let (late, first): (Vec<_>, Vec<_>) = rows.iter().copied().partition(|row| (100.0..400.0).contains(&row.0));
+    let next: Vec<_> = rows.iter().map(|(t, x, v)| (t + end_s + 3000.0, 11_900.0 - x, *v)).collect();
+    let all = [first, next[..600].to_vec(), late, next[600..].to_vec()].concat();
+    let folder = Folder::new().with("a.csv", &table("time,location_m,speed_kmh", &all, line));
+    folder.done(&["import", "a.csv"]);
+    let index = folder.read("runs/runs.csv");
+    let runs: Vec<usize> =
+        (1..index.lines().count()).map(|i| csv(&folder, &format!("runs/a_{i:02}.csv")).len()).collect();
+    assert!(runs.contains(&next.len()) && runs.contains(&300), "{runs:?} of {}: {index}", next.len());
+}

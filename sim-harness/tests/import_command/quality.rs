@@ -52,9 +52,27 @@ fn states_of_the_train_and_marks_that_never_call_a_reading_good_judge_nothing() 
     for (header, marks) in [
         ("time [s],location [m],door state,speed [km/h],traction status", ["ok", "fault"]),
         ("time [s],location [m],location status,speed [km/h],speed status", ["0", "7"]),
+        // Zero for good, as of many buses, and one for a fault.
+        ("time [s],location [m],location valid,speed [km/h],speed valid", ["0", "1"]),
+        ("time [s],location [m],location quality,speed [km/h],speed quality", ["0", "255"]),
+        // That of the equipment.
+        ("time [s],location [m],force status,speed [km/h],vehicle status", ["ok", "fault"]),
     ] {
         let (made, said) = judged(header, marks);
         assert!(made.iter().all(|row| !row[2].is_nan()), "{header}");
         assert!(!said.err.contains("which values are bad"), "{}", said.err);
     }
+}
+
+#[test]
+fn qualities_that_stand_before_their_readings_judge_these_and_that_of_fixes_no_wheel() {
+    let (made, _) = read("time [s],quality,location [m],quality,speed [km/h]", |t, x, v| {
+        format!("{t},good,{x:.1},{},{:.1}", if t == 100.0 { "bad" } else { "good" }, 3.6 * v)
+    });
+    assert!(made.iter().all(|row| row[2].is_nan() == (row[0] == 100.0) && !row[1].is_nan()));
+    let (made, said) = read("time [s],location [m],speed [km/h],latitude,longitude,valid", |t, x, v| {
+        let fix = 47.0 + x / 111_000.0;
+        format!("{t},{x:.1},{:.1},{fix:.7},8.0,{}", 3.6 * v, if t < 300.0 { 1 } else { 0 })
+    });
+    assert!(made.iter().all(|row| !row[1].is_nan() && !row[2].is_nan()), "{}", said.err);
 }

@@ -128,8 +128,8 @@ impl<'a, F: NorFlash, K: KeySource> Task<'a, F, K> {
     /// Keeps the vehicle; once a run. What the paper's mode carries from run to run is not kept: it is the end of the
     /// last run, and would stand in place of what many have taught.
     pub(super) fn keep(&mut self) {
+        self.lifetime.runs = self.lifetime.runs.saturating_add(1);
         if self.keeps() {
-            self.lifetime.runs = self.lifetime.runs.saturating_add(1);
             self.write();
         }
     }

@@ -144,7 +144,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         }
         let mut around = Around::START;
         let run = plain::read(&mut around, whole).ok_or(Refusal::Snapshot)?;
-        if around.runs != self.lifetime.runs || self.run.restore(run).is_err() {
+        if around.runs < self.lifetime.runs || self.run.restore(run).is_err() {
             return Err(Refusal::Snapshot);
         }
         self.judge_by_description();

@@ -83,20 +83,30 @@ fn mixture(runs: &[RunScore], drag: f64, config: &BetweenRunsConfig) -> Mixture 
         sum
     });
     let without: f64 = runs.iter().map(|run| run.gain(found.others)).sum();
-    found.gain = without + mixed_gain(found.share, runs.iter().map(|run| found.gain_of(run)));
+    let [_, common] = one_sided(runs.iter());
+    found.gain = without - common + mixed_gain(found.share, runs.iter().map(|run| found.gain_of(run)));
     found
+}
+
+/// Gains of log-likelihood of the best constant of these runs: not below zero, and not above.
+fn one_sided<'a>(runs: impl Iterator<Item = &'a RunScore>) -> [f64; 2] {
+    let (score, information) = runs.fold((0.0, 0.0), |(g, i), run| (g + run.score, i + run.information));
+    let gain = 0.5 * score * score / f64::max(information, 1e-12);
+    if score > 0.0 { [gain, 0.0] } else { [0.0, gain] }
 }
 
 /// Largest gain of log-likelihood of a constant in all runs on one side of some value of a coordinate.
 fn step(runs: &[RunScore], of: impl Fn(&RunScore) -> Option<f64>) -> f64 {
     let mut along: Vec<(f64, &RunScore)> = runs.iter().filter_map(|run| Some((of(run)?, run))).collect();
     along.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let gain = |side: &[(f64, &RunScore)]| {
-        let sum = |of: fn(&RunScore) -> f64| side.iter().map(|(_, run)| of(run)).sum::<f64>();
-        let (score, information) = (sum(|run| run.score), sum(|run| run.information));
-        0.5 * score.max(0.0).powi(2) / information.max(1e-12)
+    let parts = |k: usize| [&along[..k], &along[k..]].map(|side| one_sided(side.iter().map(|(_, run)| *run)));
+    // The others have what a flexible model has taken from all runs.
+    let [_, common] = one_sided(along.iter().map(|(_, run)| *run));
+    let gains = |k: usize| {
+        let [before, since] = parts(k);
+        [before[0] + since[1], since[0] + before[1]]
     };
-    let sides = (0..along.len()).flat_map(|k| [gain(&along[..k]), gain(&along[k..])]);
+    let sides = (0..along.len()).flat_map(gains).map(|gain| gain - common);
     sides.fold(0.0, f64::max)
 }
 
@@ -119,10 +129,10 @@ impl Dragging {
 
     /// Those of a unit, all alike.
     fn of_unit(unit: Vec<usize>, of_runs: &[RunScore], rows: &[Row]) -> Self {
-        let those = || of_runs.iter().filter(|run| unit.contains(&run.run));
-        let (score, information) =
-            (those().map(|run| run.score).sum::<f64>(), those().map(|run| run.information).sum());
-        let gain = 0.5 * score.max(0.0).powi(2) / f64::max(information, 1e-12) - choice(&unit, rows);
+        let (own, others): (Vec<&RunScore>, Vec<&RunScore>) = of_runs.iter().partition(|run| unit.contains(&run.run));
+        let ([own, _], [_, others]) = (one_sided(own.into_iter()), one_sided(others.into_iter()));
+        let [_, common] = one_sided(of_runs.iter());
+        let gain = own + others - common - choice(&unit, rows);
         Self { gain, dragging: unit }
     }
 }
@@ -212,9 +222,11 @@ mod tests {
 
     #[test]
     fn a_constant_from_a_day_on_is_a_step() {
-        let late = runs((0..60).map(|i| if i >= 45 { 6e-3 } else { 0.0 }));
-        let gain = mixture(&late, 0.003, &BetweenRunsConfig::default()).gain;
-        assert!(step(&late, |run| Some(run.run as f64)) > gain);
+        for taken in [0.0, 1.5e-3] {
+            let late = runs((0..60).map(|i| if i >= 45 { 6e-3 - taken } else { -taken }));
+            let gain = mixture(&late, 0.003, &BetweenRunsConfig::default()).gain;
+            assert!(step(&late, |run| Some(run.run as f64)) > gain, "{taken}");
+        }
         let scattered = runs((0..60).map(|i| if i % 4 == 0 { 6e-3 } else { 0.0 }));
         let gain = mixture(&scattered, 0.003, &BetweenRunsConfig::default()).gain;
         assert!(step(&scattered, |run| Some(run.run as f64)) < gain);
@@ -225,5 +237,9 @@ mod tests {
         let runs = runs((0..60).map(|i| 1.5e-3 * f64::from(i % 3 - 1)));
         let gain = mixture(&runs, 0.003, &BetweenRunsConfig::default()).gain;
         assert!(gain < 3.0);
+        // Nor where a model has taken too much from all.
+        let runs = self::runs((0..60).map(|i| -1.5e-3 + 1e-4 * f64::from(i % 3 - 1)));
+        let gain = mixture(&runs, 0.003, &BetweenRunsConfig::default()).gain;
+        assert!(gain < 3.0, "{gain}");
     }
 }

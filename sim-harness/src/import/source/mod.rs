@@ -35,6 +35,8 @@ pub use unpacked::{are_equal, name as unpacked_name};
 
 /// Rows that decide the decimal sign.
 const DECIDING: usize = 400;
+/// Rows that show how a column calls values good: receivers have no fix at first.
+const JUDGING: usize = 20_000;
 
 /// A file whose layout is known.
 #[derive(Clone, Debug)]
@@ -174,18 +176,20 @@ impl SourceFile {
         (!names.is_empty()).then(|| format!("which values are bad is read from {names}"))
     }
 
-    /// Columns that call values of others bad, until each has shown what is good.
+    /// Columns that call values of others bad, by what they say in the first rows.
     fn find_qualities(&mut self, named: &[String]) -> Result<(), ReadError> {
         if self.signals.is_some() {
             return Ok(());
         }
         let mut found = Qualities::find(&self.written, named);
         if !found.is_empty() {
+            let mut left = JUDGING;
             self.timed(&mut |event| {
                 if let Event::Row(_, row) = event {
                     found.see(row);
+                    left -= 1;
                 }
-                !found.are_known()
+                left > 0
             })?;
             found.forget_unknown();
         }

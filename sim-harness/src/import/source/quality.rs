@@ -28,10 +28,15 @@ pub const CALLED_BAD: &str = "values that a column calls bad, left out";
 pub struct Quality {
     pub column: usize,
     may_be_flag: bool,
-    /// Good values have a number from [`GOOD_CODE`] on, or 1, or a word.
-    has_codes: bool,
-    has_flags: bool,
-    has_words: bool,
+    /// Rows that call their value good and bad, by numbers from [`GOOD_CODE`] on, by 1 and 0, and by words.
+    codes: [usize; 2],
+    flags: [usize; 2],
+    words: [usize; 2],
+}
+
+/// Most of what was seen is good: where it is not, the marks mean something else, or the other way round.
+fn are_marks([good, bad]: [usize; 2]) -> bool {
+    good > bad
 }
 
 pub fn is_one_of(names: &str, text: &str) -> bool {
@@ -43,20 +48,28 @@ impl Quality {
     pub fn new(column: usize, header: &Header) -> Self {
         let name = plain(&header.written);
         let may_be_flag = name.split(' ').any(|word| OF_FLAGS.split('|').any(|flag| flag == word));
-        Self { column, may_be_flag, has_codes: false, has_flags: false, has_words: false }
+        Self { column, may_be_flag, codes: [0; 2], flags: [0; 2], words: [0; 2] }
     }
 
     /// Rows have shown what is good.
-    pub const fn is_known(&self) -> bool {
-        self.has_codes || self.has_flags || self.has_words
+    pub fn is_known(&self) -> bool {
+        [self.codes, self.flags, self.words].into_iter().any(are_marks)
     }
 
     pub fn see(&mut self, row: &[RowField]) {
         let Some(field) = row.get(self.column) else { return };
-        let code = field.number();
-        self.has_codes = self.has_codes || code.is_some_and(|code| code >= GOOD_CODE);
-        self.has_flags = self.has_flags || self.may_be_flag && code == Some(1.0);
-        self.has_words = self.has_words || field.text().is_some_and(|text| is_one_of(GOOD_WORDS, &text));
+        let count = |of: &mut [usize; 2], is_good: bool, is_bad: bool| {
+            of[0] += usize::from(is_good);
+            of[1] += usize::from(is_bad);
+        };
+        match (field.number(), field.text()) {
+            (Some(code), _) => {
+                count(&mut self.codes, code >= GOOD_CODE, code < GOOD_CODE);
+                count(&mut self.flags, self.may_be_flag && code == 1.0, code != 1.0);
+            }
+            (None, Some(text)) => count(&mut self.words, is_one_of(GOOD_WORDS, &text), is_one_of(BAD_WORDS, &text)),
+            (None, None) => {}
+        }
     }
 
     /// What it says against a value of this row.
@@ -64,8 +77,9 @@ impl Quality {
         let field = row.get(self.column)?;
         let text = field.text()?;
         let is_bad = match field.number() {
-            Some(code) => self.has_codes && code < GOOD_CODE || self.has_flags && code == 0.0,
-            None => self.has_words && is_one_of(BAD_WORDS, &text),
+            Some(code) if are_marks(self.codes) => code < GOOD_CODE,
+            Some(code) => are_marks(self.flags) && code == 0.0,
+            None => are_marks(self.words) && is_one_of(BAD_WORDS, &text),
         };
         is_bad.then_some(text)
     }
@@ -80,10 +94,16 @@ fn is_measured(header: &Header) -> bool {
     }
 }
 
+fn is_of_fix(header: &Header) -> bool {
+    matches!(Meaning::of_name(&header.name), Some(Meaning::Latitude | Meaning::Longitude | Meaning::Altitude))
+}
+
 /// A column has the name of another one, and says how good that is.
 fn is_of(quality: &Header, value: &Header) -> bool {
+    // The state of traction and brakes is that of the equipment.
+    let is_force = Meaning::of_name(&value.name).is_some_and(Meaning::is_force);
     let (name, values) = (plain(&quality.written), [plain(&value.name), plain(&value.written)]);
-    BESIDE_NAME.split('|').any(|word| {
+    BESIDE_NAME.split('|').filter(|word| !(is_force && ["status", "state"].contains(word))).any(|word| {
         let behind = name.strip_suffix(word).and_then(|before| before.strip_suffix(' '));
         let before = name.strip_prefix(word).and_then(|behind| behind.strip_prefix(' '));
         behind.into_iter().chain(before).any(|name| values.iter().any(|value| value == name))
@@ -101,12 +121,18 @@ impl Qualities {
         let is_bare = |index: &usize| is_one_of(OF_VALUES_ONLY, &headers[*index].written);
         let bare = (0..headers.len()).filter(is_bare).count();
         let measured = || (0..headers.len()).filter(|at| is_measured(&headers[*at]));
+        // That of a receiver says nothing of a wheel.
+        let has_fixes = measured().any(|at| is_of_fix(&headers[at]));
+        let first = (0..headers.len()).find(is_bare).and_then(|index| index.checked_sub(1));
+        let are_behind = first.is_some_and(|before| is_measured(&headers[before]));
         let judged = |index: usize| match (0..headers.len()).find(|at| is_of(&headers[index], &headers[*at])) {
-            Some(at) if is_measured(&headers[at]) || headers[at].is_among(named) => vec![at],
+            Some(at) if is_measured(&headers[at]) => vec![at],
+            Some(at) if headers[at].is_among(named) && Meaning::of_name(&headers[at].name).is_none() => vec![at],
             Some(_) => Vec::new(),
             None if !is_bare(&index) => Vec::new(),
+            None if bare == 1 && has_fixes => measured().filter(|at| is_of_fix(&headers[*at])).collect(),
             None if bare == 1 => measured().collect(),
-            None => measured().filter(|at| at + 1 == index).collect(),
+            None => measured().filter(|at| if are_behind { at + 1 == index } else { index + 1 == *at }).collect(),
         };
         let judging = (0..headers.len()).map(|index| (index, judged(index))).filter(|(_, judged)| !judged.is_empty());
         Self(judging.map(|(index, judged)| (Quality::new(index, &headers[index]), judged)).collect())
@@ -114,10 +140,6 @@ impl Qualities {
 
     pub const fn is_empty(&self) -> bool {
         self.0.is_empty()
-    }
-
-    pub fn are_known(&self) -> bool {
-        self.0.iter().all(|(quality, _)| quality.is_known())
     }
 
     pub fn see(&mut self, row: &[RowField]) {
