@@ -37,9 +37,9 @@ impl OffTrack {
         !(-self.beyond_m..=self.length_m + self.beyond_m).contains(&at_m)
     }
 
-    /// Takes away what a run did beyond the line, where most of its way was on it: without gradients it would teach what
-    /// is not so. Where most was not, the track is of another line, or counted otherwise. A row without a location is
-    /// where the one before it was.
+    /// Takes away what a run did beyond the line, where most of its way was on it: without gradients it would teach
+    /// what is not so. Where most was not, the track is of another line, or counted otherwise. A row without a location
+    /// is where the one before it was.
     pub fn leave_out(&self, rows: &mut Vec<Sample>) {
         let mut of_run = Self { off: 0, locations: 0, ..*self };
         of_run.add(&*rows);
