@@ -267,8 +267,9 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
     }
     let may_be_none = |one: &Named| may_be_none(one, context.believed.train().length_m());
     let (named, others): (Vec<Named>, Vec<Named>) =
-        all.into_iter().partition(|one| stands(&one.trial, context.config) && !may_be_none(one));
+        all.into_iter().partition(|one| stands(&one.trial, context.config) && !may_be_none(one) && !one.may_be_habit());
     let is_beyond = |one: &Named| match &one.trial {
+        _ if one.may_be_habit() => true,
         Some(trial) => trial.is_beyond_chance(context.config),
         None => may_be_none(one),
     };

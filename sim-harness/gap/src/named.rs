@@ -92,6 +92,11 @@ impl Named {
         self.confidence = beside(self.confidence, odds);
     }
 
+    /// Less effort than there is on some days, where drivers may as well start with a part of it: that some do is usual.
+    pub fn may_be_habit(&self) -> bool {
+        self.or_else.is_some() && self.effect.kind() == EffectKind::LowAdhesion
+    }
+
     /// Adds what it may be that is no effect of a train, in the same way.
     pub fn or_else(&mut self, what: &'static str, odds: f64, separated_by: &'static str) {
         self.doubt(odds);
@@ -164,5 +169,24 @@ impl Named {
             value["per_run"] = each.map(|(run, value, sd)| json!({ "run": run, "value": value, "sd": sd })).collect();
         }
         value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::model::effects::{LowAdhesion, TunnelDrag};
+
+    #[test]
+    fn less_effort_that_drivers_may_demand_may_be_their_habit() {
+        let slips = LowAdhesion { factor: 0.8, below_kmh: 35.0 };
+        let mut named = Named::plain(slips.into(), Vec::new(), 40.0, 30.0);
+        assert!(!named.may_be_habit());
+        named.or_else("drivers", 0.5, "the controller");
+        assert!(named.may_be_habit());
+        let drag = TunnelDrag { from_m: 0.0, to_m: 1_000.0, k: 1e-5 };
+        let mut other = Named::plain(drag.into(), Vec::new(), 40.0, 30.0);
+        other.or_else("anything else", 0.5, "more runs");
+        assert!(!other.may_be_habit());
     }
 }

@@ -263,8 +263,8 @@ fn candidate(answer: &Answer, one: &Named) -> String {
 /// `may_be_none`: the interval of its size holds none at all; `is_right`: the speeds have been put right by it.
 fn not_named(what: &str, one: &Named, may_be_none: bool, is_right: bool, config: &GapConfig) -> String {
     let is_wheel = matches!(one.effect, Effect::SpeedScale(_));
-    let (because, settles) = match (one.or_else.filter(|_| is_wheel), &one.trial) {
-        (Some(or_else), trial) if trial.as_ref().is_none_or(|trial| trial.is_stood(config)) => {
+    let (because, settles) = match (one.or_else.filter(|_| is_wheel || one.may_be_habit()), &one.trial) {
+        (Some(or_else), trial) if one.may_be_habit() || trial.as_ref().is_none_or(|trial| trial.is_stood(config)) => {
             (format!("it may as well be {or_else}"), one.would_separate.join(", "))
         }
         _ if may_be_none => ("the 95\u{a0}% interval of its size holds none at all".to_owned(), "more runs".to_owned()),
