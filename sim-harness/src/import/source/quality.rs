@@ -28,13 +28,14 @@ pub const CALLED_BAD: &str = "values that a column calls bad, left out";
 pub struct Quality {
     pub column: usize,
     may_be_flag: bool,
-    /// Rows that call their value good and bad, by numbers from [`GOOD_CODE`] on, by 1 and 0, and by words.
+    /// Rows that call their value good and bad, by numbers from [`GOOD_CODE`] on, and by 1 and 0; those
+    /// that call it good by a word, which means but one thing.
     codes: [usize; 2],
     flags: [usize; 2],
-    words: [usize; 2],
+    good_words: usize,
 }
 
-/// Most of what was seen is good: where it is not, the marks mean something else, or the other way round.
+/// Most of these numbers are good: where they are not, they mean something else, or the other way round.
 fn are_marks([good, bad]: [usize; 2]) -> bool {
     good > bad
 }
@@ -48,12 +49,16 @@ impl Quality {
     pub fn new(column: usize, header: &Header) -> Self {
         let name = plain(&header.written);
         let may_be_flag = name.split(' ').any(|word| OF_FLAGS.split('|').any(|flag| flag == word));
-        Self { column, may_be_flag, codes: [0; 2], flags: [0; 2], words: [0; 2] }
+        Self { column, may_be_flag, codes: [0; 2], flags: [0; 2], good_words: 0 }
     }
 
     /// Rows have shown what is good.
     pub fn is_known(&self) -> bool {
-        [self.codes, self.flags, self.words].into_iter().any(are_marks)
+        are_marks(self.codes) || are_marks(self.flags) || self.has_words()
+    }
+
+    const fn has_words(&self) -> bool {
+        self.good_words > 0
     }
 
     pub fn see(&mut self, row: &[RowField]) {
@@ -67,7 +72,7 @@ impl Quality {
                 count(&mut self.codes, code >= GOOD_CODE, code < GOOD_CODE);
                 count(&mut self.flags, self.may_be_flag && code == 1.0, code != 1.0);
             }
-            (None, Some(text)) => count(&mut self.words, is_one_of(GOOD_WORDS, &text), is_one_of(BAD_WORDS, &text)),
+            (None, Some(text)) => self.good_words += usize::from(is_one_of(GOOD_WORDS, &text)),
             (None, None) => {}
         }
     }
@@ -79,7 +84,7 @@ impl Quality {
         let is_bad = match field.number() {
             Some(code) if are_marks(self.codes) => code < GOOD_CODE,
             Some(code) => are_marks(self.flags) && code == 0.0,
-            None => are_marks(self.words) && is_one_of(BAD_WORDS, &text),
+            None => self.has_words() && is_one_of(BAD_WORDS, &text),
         };
         is_bad.then_some(text)
     }
