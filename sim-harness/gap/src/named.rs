@@ -92,7 +92,7 @@ impl Named {
         self.confidence = beside(self.confidence, odds);
     }
 
-    /// Less effort than there is on some days, where drivers may as well start with a part of it: that some do is usual.
+    /// Less effort than there is on some days, where drivers may as well start with a part of it, as many do.
     pub fn may_be_habit(&self) -> bool {
         self.or_else.is_some() && self.effect.kind() == EffectKind::LowAdhesion
     }
