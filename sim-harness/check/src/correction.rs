@@ -9,8 +9,8 @@ use serde::Serialize;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Correction {
-    /// True less read speed, m/s: half a step where the recorder truncates, less than none by as
-    /// much where it rounds up, or what all its readings are off by.
+    /// True less read speed, m/s: half a step where the recorder truncates, less than none by as much where it rounds
+    /// up, or what all its readings are off by.
     pub offset_mps: f64,
     /// Measured over true speed.
     pub scale: f64,

@@ -78,18 +78,17 @@ impl RecorderCheck {
         with_evidence(finding, &self.evidence)
     }
 
-    /// True less read speed as the step decides it: half of it where the recorder truncates, less than 0 by as
-    /// much where it rounds up, 0 where it rounds; else as
-    /// measured. In km/h.
+    /// True less read speed as the step decides it: half of it where the recorder truncates, less than 0 by as much
+    /// where it rounds up, 0 where it rounds; else as measured. In km/h.
     pub fn decided_offset_kmh(&self) -> Option<f64> {
-        let half_kmh = self.speed_step_kmh.map(|step_kmh| 0.5 * step_kmh);
-        let decided = [
-            (Kind::RoundedSpeed, Some(0.0)),
-            (Kind::TruncatedSpeed, half_kmh),
-            (Kind::RoundedUpSpeed, half_kmh.map(|half_kmh| -half_kmh)),
-        ];
-        let of_step = decided.into_iter().find(|(kind, _)| self.has(*kind));
-        of_step.map_or_else(|| self.offset_kmh.map(|offset| offset.value), |(_, kmh)| kmh)
+        self.offset_of_step_kmh().or_else(|| self.offset_kmh.map(|offset| offset.value))
+    }
+
+    /// The same; none where the step does not decide it.
+    pub(crate) fn offset_of_step_kmh(&self) -> Option<f64> {
+        let half_kmh = 0.5 * self.speed_step_kmh?;
+        let decided = [(Kind::RoundedSpeed, 0.0), (Kind::TruncatedSpeed, half_kmh), (Kind::RoundedUpSpeed, -half_kmh)];
+        decided.into_iter().find(|(kind, _)| self.has(*kind)).map(|(_, kmh)| kmh)
     }
 
     /// Whether a run is one of this recorder, and is used.

@@ -134,7 +134,8 @@ fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
     }
     let alone = pooled(slice::from_ref(agreement))?;
     let offset_kmh = alone.offset_kmh();
-    let half_kmh = 0.5 * recorder.speed_step_kmh.unwrap_or(0.0) * if has(Kind::RoundedUpSpeed) { -1.0 } else { 1.0 };
+    let decided_kmh = recorder.offset_of_step_kmh();
+    let half_kmh = decided_kmh.filter(|kmh| *kmh != 0.0).unwrap_or(0.5 * recorder.speed_step_kmh.unwrap_or(0.0));
     let is_odd = |plausible_kmh: f64| {
         let off_kmh = (offset_kmh.value - plausible_kmh).abs();
         off_kmh > LEAST_OWN_OFFSET_KMH && offset_kmh.away_from(plausible_kmh) > SURE
@@ -142,8 +143,6 @@ fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
     if is_odd(0.0) && is_odd(half_kmh) {
         return Some(Wheel::Offset(offset_kmh));
     }
-    let is_decided = [Kind::RoundedSpeed, Kind::TruncatedSpeed, Kind::RoundedUpSpeed].into_iter().any(has);
-    let decided_kmh = recorder.decided_offset_kmh().filter(|_| is_decided);
     // Nor is a run's scale a wheel's where that of its recorder is none.
     if has(Kind::SpeedScale) && !recorder.is_wheel {
         return None;

@@ -1,7 +1,7 @@
 //! Rows whose speeds and locations are compared, in parts without a gap.
 
 use crate::compared::Row;
-use crate::row_step::{longest_step_s, usual_step_s};
+use crate::row_step::longest_step_s;
 use crate::ways;
 use rundown_files::sample::Sample;
 
@@ -15,41 +15,24 @@ const MOST_SHARE: f64 = 0.1;
 ///
 /// `step_s`: usual time between rows, s.
 pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
-    let sign = ways::heading(rows);
-    let longest_s = longest_step_s(step_s);
-    let mut parts: Vec<Vec<Row>> = vec![Vec::new()];
-    for row in rows {
-        let (Some(location_m), Some(speed_mps)) = (row.location_m, row.speed_mps) else {
-            continue;
-        };
-        let row = Row { time_s: row.time_s, location_m: sign * location_m, speed_mps };
-        let last = parts.last().and_then(|part| part.last()).copied();
-        if let Some(last) = last {
-            let dt = row.time_s - last.time_s;
-            if dt <= 0.0 {
-                continue;
-            }
-            let jump_m = row.location_m - last.location_m - 0.5 * dt * (row.speed_mps + last.speed_mps);
-            if dt > longest_s || jump_m.abs() > MOST_JUMP_M {
-                parts.push(Vec::new());
-            }
-        }
-        if let Some(part) = parts.last_mut() {
-            part.push(row);
-        }
-    }
-    parts
+    cut(rows.iter().filter(|row| row.location_m.is_some()), ways::heading(rows), longest_step_s(step_s), 0.0)
 }
 
 /// The same for comparing ways: where only some rows have a location, those between them with their speeds, and without
 /// a location (not a number), for the way of dense speeds is known however far the locations are apart.
-pub fn compared(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
-    let located: Vec<Sample> = rows.iter().filter(|row| row.location_m.is_some()).copied().collect();
+///
+/// `located_s`: usual time between rows with a location, s.
+pub fn compared(rows: &[Sample], step_s: f64, located_s: f64) -> Vec<Vec<Row>> {
     let longest_s = longest_step_s(step_s);
-    if usual_step_s(&located) <= longest_s {
+    if located_s <= longest_s {
         return parts(rows, step_s);
     }
-    let sign = ways::heading(rows);
+    cut(rows.iter(), ways::heading(rows), longest_s, MOST_SHARE)
+}
+
+/// Rows with a speed, cut after more than `longest_s`, and where the location is off by more than a jump and this share
+/// of the way since the one before it.
+fn cut<'a>(rows: impl Iterator<Item = &'a Sample>, sign: f64, longest_s: f64, most_share: f64) -> Vec<Vec<Row>> {
     let mut parts: Vec<Vec<Row>> = vec![Vec::new()];
     // The location before, and the way by speed since.
     let (mut before_m, mut way_m): (Option<f64>, f64) = (None, 0.0);
@@ -64,7 +47,7 @@ pub fn compared(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
             }
             way_m += 0.5 * dt * (speed_mps + last.speed_mps);
             let jump_m = location_m.zip(before_m).map_or(0.0, |(here_m, before_m)| here_m - before_m - way_m);
-            goes_on = dt <= longest_s && jump_m.abs() <= MOST_JUMP_M + MOST_SHARE * way_m;
+            goes_on = dt <= longest_s && jump_m.abs() <= MOST_JUMP_M + most_share * way_m;
         }
         if !goes_on {
             parts.push(Vec::new());
@@ -94,7 +77,7 @@ mod tests {
             ..Sample::default()
         };
         let rows: Vec<Sample> = (0..180).filter(|t| *t != 50).map(row).collect();
-        let found = compared(&rows, 1.0);
+        let found = compared(&rows, 1.0, 30.0);
         assert_eq!((found.len(), found[0].len()), (1, rows.len()));
         let differences = crate::compared::Differences::of(&found);
         assert!(differences.dt.iter().all(|dt| *dt == 30.0), "{:?}", differences.dt);
@@ -102,6 +85,6 @@ mod tests {
         assert!(differences.y.len() >= 4);
         // Rows that all have one are compared as they are.
         let whole: Vec<Sample> = rows.iter().filter(|row| row.location_m.is_some()).copied().collect();
-        assert_eq!(compared(&whole, 30.0), parts(&whole, 30.0));
+        assert_eq!(compared(&whole, 30.0, 30.0), parts(&whole, 30.0));
     }
 }

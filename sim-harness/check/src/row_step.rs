@@ -8,7 +8,16 @@ pub const MOST_MEAN_S: f64 = 15.0;
 
 /// Usual time between rows, s.
 pub fn usual_step_s(rows: &[Sample]) -> f64 {
-    let steps = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
+    usual_s(rows.iter())
+}
+
+/// Usual time between rows with a location, s.
+pub(crate) fn located_step_s(rows: &[Sample]) -> f64 {
+    usual_s(rows.iter().filter(|row| row.location_m.is_some()))
+}
+
+fn usual_s<'a>(rows: impl Iterator<Item = &'a Sample> + Clone) -> f64 {
+    let steps = rows.clone().skip(1).zip(rows).map(|(next, row)| next.time_s - row.time_s);
     median(steps.filter(|step| *step > 0.0)).unwrap_or(1.0)
 }
 

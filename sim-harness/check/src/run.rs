@@ -256,9 +256,11 @@ impl OfSpeed {
             return None;
         }
         // Creep and brakes are seen where differences last no longer than they do.
-        let located = rows.iter().filter(|row| row.location_m.is_some()).copied().collect::<Vec<_>>();
-        let near_s = row_step::usual_step_s(&located);
-        let parts = if taken.brakes { compared(&without_brakes(rows), step_s) } else { compared(rows, step_s) };
+        let near_s = row_step::located_step_s(rows);
+        let parts = match taken.brakes {
+            true => compared(&without_brakes(rows), step_s, near_s),
+            false => compared(rows, step_s, near_s),
+        };
         let taken_s2 = taken.second_order_s2;
         let (mut compared, moved_s) = late_rows::moved(&parts, step_s, Compared::fitted(Differences::of(&parts))?)?;
         let turns_mps2 = compared.differences.turns_mps2.clone();
@@ -294,7 +296,7 @@ impl OfSpeed {
 }
 
 pub(crate) fn differences(rows: &[Sample], step_s: f64) -> Differences {
-    Differences::of(&compared(rows, step_s))
+    Differences::of(&compared(rows, step_s, row_step::located_step_s(rows)))
 }
 
 /// Distance by location over distance by speed far from 1, in the whole log or from a line on: the run is not used.

@@ -66,13 +66,16 @@ impl Cutter {
         self.rows += 1;
         let is_of = |held: &Held| held.stretch.unit == record.unit && held.stretch.run == record.run;
         let of_this = || (0..self.held.len()).filter(|at| is_of(&self.held[*at]));
-        let latest = of_this().max_by_key(|at| self.held[*at].last);
         let cut_at = |at: usize| self.cut(&self.held[at].stretch, &record);
+        let mut found = of_this().max_by_key(|at| self.held[*at].last);
+        let mut cut = found.and_then(|at| Some((at, cut_at(at)?)));
         // Behind what was sent late goes on what was there before it.
         let goes_on = |at: &usize| self.held[*at].stretch.is_before(&record.sample) && cut_at(*at).is_none();
-        let before = latest.filter(|at| cut_at(*at).is_some()).and_then(|_| of_this().find(goes_on));
-        let found = before.or(latest);
-        let cut = found.and_then(|at| Some((at, cut_at(at)?)));
+        if cut.is_some()
+            && let Some(before) = of_this().find(goes_on)
+        {
+            (found, cut) = (Some(before), None);
+        }
         // What is over, and what was over before that began.
         let mut ended_before = self.rows.saturating_sub(LEFT_ROWS);
         let mut over = None;

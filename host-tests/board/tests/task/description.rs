@@ -77,10 +77,7 @@ fn a_run_needs_a_train_and_a_track() {
 fn the_papers_vehicle_begins_with_deviations_of_its_own() {
     let (description, log) = described();
     let mut board = board();
-    board.status();
-    for request in description.requests(PROVISIONING.train.0) {
-        board.ask(request).unwrap();
-    }
+    board.describe(&description);
     board.ask(Request::Setting(Setting::Mode(Mode::Paper))).unwrap();
     let track_id = description.track_id();
     board.ask(Request::Command(Command::Pace(Pace::Lockstep))).unwrap();
@@ -111,9 +108,7 @@ fn only_a_change_to_or_from_the_papers_mode_looks_for_the_vehicle_again() {
     board.status();
     board.ask(Request::Setting(Setting::Mode(Mode::Paper))).unwrap();
     assert_eq!(looked(&board), 0, "no train is described yet");
-    for request in description.requests(PROVISIONING.train.0) {
-        board.ask(request).unwrap();
-    }
+    board.describe(&description);
     board.ask(Request::Setting(Setting::Mode(Mode::Gated))).unwrap();
     let before = looked(&board);
     let modes = [(Mode::Measured, 0), (Mode::Paper, 1), (Mode::Paper, 1), (Mode::Gated, 2), (Mode::Measured, 2)];

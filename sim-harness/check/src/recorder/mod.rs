@@ -45,15 +45,13 @@ enum Shown {
     NotKnown,
 }
 
+/// What is true less read beside a step, in steps.
+const OF_STEP: [(Shown, f64); 3] = [(Shown::Rounded, 0.0), (Shown::Truncated, 0.5), (Shown::RoundedUp, -0.5)];
+
 impl Shown {
     /// True less read speed where the step decides it, km/h.
     fn offset_kmh(self, step_kmh: f64) -> Option<f64> {
-        match self {
-            Self::Rounded => Some(0.0),
-            Self::Truncated => Some(0.5 * step_kmh),
-            Self::RoundedUp => Some(-0.5 * step_kmh),
-            Self::Exact | Self::NotKnown => None,
-        }
+        OF_STEP.iter().find(|(shown, _)| *shown == self).map(|(_, steps)| steps * step_kmh)
     }
 }
 
@@ -73,13 +71,10 @@ fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
     };
     let off = |value: f64| (offset_kmh.value - value).abs();
     let near = |value: f64| off(value) < 2.0 * offset_kmh.sd + NEAR_HALF * step_kmh;
-    let mut ways = [Shown::Rounded, Shown::Truncated, Shown::RoundedUp];
-    ways.sort_by(|a, b| {
-        let [a, b] = [a, b].map(|way| way.offset_kmh(step_kmh).map_or(f64::INFINITY, off));
-        a.total_cmp(&b)
-    });
-    let [nearest, next] = [ways[0], ways[1]].map(|way| way.offset_kmh(step_kmh).unwrap_or_default());
-    if near(nearest) && !near(next) && off(nearest) < CLEARLY * off(next) { ways[0] } else { Shown::NotKnown }
+    let mut ways = OF_STEP.map(|(shown, steps)| (shown, steps * step_kmh));
+    ways.sort_by(|(_, a), (_, b)| off(*a).total_cmp(&off(*b)));
+    let [(shown, nearest), (_, next), _] = ways;
+    if near(nearest) && !near(next) && off(nearest) < CLEARLY * off(next) { shown } else { Shown::NotKnown }
 }
 
 /// A scale that is known no better says nothing of wheel and offset, of the recorder or of a run: trams that hold one

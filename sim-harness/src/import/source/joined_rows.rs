@@ -1,6 +1,6 @@
 //! Rows of one signal each as rows of all: those of one time become one.
 
-use super::quality::{CALLED_BAD, Quality};
+use super::quality::CALLED_BAD;
 use super::row::{Each, Event, RowField};
 use super::signals::{ReadSignal, Signals, key};
 use std::collections::{HashMap, VecDeque};
@@ -64,8 +64,8 @@ impl<'a> OpenRows<'a> {
         let value = row.get(signals.columns.value);
         let (Some(index), Some(value)) = (signals.index.get(&name).copied(), value) else { return true };
         let ReadSignal { unit: expected, is_known, .. } = &signals.read[index];
-        let quality: Option<&Quality> = signals.columns.quality.as_ref();
-        if *is_known && let Some(quality) = quality.and_then(|quality| quality.called_bad(row)) {
+        let called_bad = || signals.columns.quality.as_ref()?.called_bad(row);
+        if *is_known && let Some(quality) = called_bad() {
             return each(Event::LeftOut(line, CALLED_BAD, format!("expected a good value of {name}, found {quality}")));
         }
         // Another unit than that of the header stands behind the value.

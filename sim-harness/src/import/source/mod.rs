@@ -98,10 +98,25 @@ fn format_of(path: &Path) -> Result<SourceFormat, ReadError> {
 
 /// A column of numbers that are read.
 fn named_or_known(header: &Header, named: &[String]) -> bool {
-    let meaning = Meaning::of_names(std::slice::from_ref(&header.name));
-    let is_number = |(meaning, _): &(Meaning, usize)| !matches!(meaning, Meaning::Date | Meaning::Unit | Meaning::Run);
+    let is_number = |meaning| !matches!(meaning, Meaning::Date | Meaning::Unit | Meaning::Run);
     let has_unit = || Meaning::ALL.iter().any(|meaning| header.unit_of(*meaning).is_some());
-    meaning.iter().any(is_number) || has_unit() || header.is_among(named)
+    Meaning::of_name(&header.name).is_some_and(is_number) || has_unit() || header.is_among(named)
+}
+
+/// Looks at so many of the rows that `rows` gives.
+fn first_rows<E>(
+    count: usize,
+    mut look: impl FnMut(&[RowField]),
+    rows: impl FnOnce(&mut Each) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut left = count;
+    rows(&mut |event| {
+        if let Event::Row(_, row) = event {
+            look(row);
+            left -= 1;
+        }
+        left > 0
+    })
 }
 
 impl SourceFile {
@@ -183,14 +198,7 @@ impl SourceFile {
         }
         let mut found = Qualities::find(&self.written, named);
         if !found.is_empty() {
-            let mut left = JUDGING;
-            self.timed(&mut |event| {
-                if let Event::Row(_, row) = event {
-                    found.see(row);
-                    left -= 1;
-                }
-                left > 0
-            })?;
+            first_rows(JUDGING, |row| found.see(row), |each| self.timed(each))?;
             found.forget_unknown();
         }
         self.qualities = found;
@@ -200,14 +208,8 @@ impl SourceFile {
     /// Whether a column has thousandths of the times. It is nothing else then.
     fn find_thousandths(&mut self) -> Result<(), ReadError> {
         let Some(found) = Thousandths::find(&self.written) else { return Ok(()) };
-        let (mut seen, mut left) = (Vec::new(), DECIDING);
-        self.as_written(&mut |event| {
-            if let Event::Row(_, row) = event {
-                seen.extend(found.seconds(row));
-                left -= 1;
-            }
-            left > 0
-        })?;
+        let mut seen = Vec::new();
+        first_rows(DECIDING, |row| seen.extend(found.seconds(row)), |each| self.as_written(each))?;
         if Thousandths::are_part(&seen) {
             self.thousandths = Some(found);
             self.written[found.column].name.clear();
@@ -256,21 +258,18 @@ impl SourceFile {
     /// The decimal sign of the first texts: cells of a sheet, or values of JSON, may be texts as the fields of a CSV
     /// are.
     fn decimal(&self, named: &[String]) -> Result<char, ReadError> {
-        let (mut texts, mut left) = (Vec::new(), DECIDING);
+        let mut texts = Vec::new();
         // Versions and addresses have points, too.
         let are_read: Vec<bool> = self.headers.iter().map(|header| named_or_known(header, named)).collect();
         let any = !are_read.contains(&true);
-        self.joined(&mut |event| {
-            if let Event::Row(_, fields) = event {
-                let read = fields.iter().zip(&are_read).filter(|(_, is_read)| any || **is_read);
-                texts.extend(read.filter_map(|(field, _)| match field {
-                    RowField::Text(text) => Some(text.clone()),
-                    RowField::Empty | RowField::Number(_) => None,
-                }));
-                left -= 1;
-            }
-            left > 0
-        })?;
+        let mut take = |fields: &[RowField]| {
+            let read = fields.iter().zip(&are_read).filter(|(_, is_read)| any || **is_read);
+            texts.extend(read.filter_map(|(field, _)| match field {
+                RowField::Text(text) => Some(text.clone()),
+                RowField::Empty | RowField::Number(_) => None,
+            }));
+        };
+        first_rows(DECIDING, &mut take, |each| self.joined(each))?;
         Ok(number::decimal_of(texts.iter().map(String::as_str)))
     }
 

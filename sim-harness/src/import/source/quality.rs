@@ -3,11 +3,11 @@
 use super::row::{Each, Event, Header, RowField};
 use crate::import::meaning::{Meaning, plain};
 
-pub const NAMES: &str = "quality|signal quality|tag quality|qualitat|qualitaet|qualite|calidad|qualita|kwaliteit|\
-                         validity|valid|gultig|status|state|etat|estado|stato";
-/// Of these, those that say nothing but that; a state may be that of a train.
-const OF_VALUES_ONLY: &str =
+/// Columns that say nothing but that.
+pub const OF_VALUES_ONLY: &str =
     "quality|signal quality|tag quality|qualitat|qualitaet|qualite|calidad|qualita|kwaliteit|validity|valid|gultig";
+/// Those that may be of a train, too.
+pub const STATES: &str = "status|state|etat|estado|stato";
 /// What stands before or behind the name of the column that is judged.
 const BESIDE_NAME: &str = "quality|q|qualitat|qualitaet|qualite|calidad|qualita|kwaliteit|validity|valid|gultig|gueltig|status|state|ok|flag|\
      valide|valido|geldig|is valid|quality flag|valid flag";

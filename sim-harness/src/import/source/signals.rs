@@ -122,7 +122,8 @@ impl SignalColumns {
             return None;
         }
         let free = |index: &usize| ![signal, value].contains(index);
-        let [unit, quality] = [UNIT, quality::NAMES].map(|names| of(None, names).filter(free));
+        let unit = of(None, UNIT).filter(free);
+        let quality = of(None, quality::OF_VALUES_ONLY).or_else(|| of(None, quality::STATES)).filter(free);
         let quality = quality.map(|column| Quality::new(column, &headers[column]));
         Some(Self { signal, value, unit, quality })
     }
