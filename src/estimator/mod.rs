@@ -70,7 +70,7 @@ pub struct RunSummary {
     pub run_davis: Gaussian<3>,
     /// Gain of the measured effort, true over measured, and its standard deviation (`measured` mode).
     pub gain: (Real, Real),
-    /// How long the resistance was learned, s.
+    /// How long the resistance was learned, s; 0 where most of the run is invalid.
     pub learned_s: Real,
     /// How the coasts that taught had been foreseen.
     pub foresight: Foresight,
@@ -315,6 +315,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         run.journey.measured(judged.time_s, judged.speed_mps.ok());
         let acting = Acting::new(self.effects.borrow(), run.journey);
         let validity = self.count(run, &judged);
+        run.ticks = run.ticks.wrapping_add(1);
+        run.invalid_ticks += u32::from(matches!(validity, Validity::Invalid(_)));
         let estimate = match config.mode {
             Mode::Paper => modes::paper_tick(config, run, &line, &acting, &judged, validity),
             Mode::Gated | Mode::Measured => modes::learning_tick(config, run, &line, &acting, &judged, validity),
@@ -348,7 +350,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         coast_ahead::predict(&self.config.coast, &line, &acting, noise, estimate)
     }
 
-    /// Ends a run: what it said about the train goes into the vehicle's memory.
+    /// Ends a run: what it said about the train goes into the vehicle's memory, unless most of it is invalid.
     pub fn end_run(&self, run: &mut RunState, vehicle: &mut Vehicle) -> RunSummary {
         let mut summary = RunSummary::NONE;
         self.end_run_in(run, vehicle, &mut summary);
@@ -366,6 +368,10 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     pub(crate) fn teach(&self, run: &RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
         summary.run_davis = run.davis();
         summary.gain = run.learner.gain();
+        summary.foresight = Foresight::NONE;
+        if run.is_mostly_invalid() {
+            return;
+        }
         let column = match self.config.mode {
             Mode::Measured => Column::of_run(summary.gain, &run.effort_reading),
             Mode::Paper | Mode::Gated => vehicle.column,
@@ -391,13 +397,17 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         }
         run.features.end(&self.config.features);
         run.features.features_in(&self.config.features, &mut summary.features);
+        summary.counters = run.counters;
+        summary.learned_s = 0.0;
+        if run.is_mostly_invalid() {
+            return;
+        }
+        summary.learned_s = run.learner.learned_s();
         let cut_off = self.cuts_off(vehicle);
         vehicle.offset.add(&self.config.sensor, &run.distances);
         if self.cuts_off(vehicle) != cut_off && self.config.mode != Mode::Paper {
             vehicle.doubt_readings(&self.memory_config());
         }
-        summary.learned_s = run.learner.learned_s();
-        summary.counters = run.counters;
     }
 
     fn count(&self, run: &mut RunState, judged: &Judged) -> Validity {

@@ -55,6 +55,8 @@ in_place! {
         pub(crate) unconfirmed: Option<Observation> = (None, zeroed Some(Observation::ZEROED));
         pub(crate) without_location_s: Real = (0.0);
         pub(crate) without_speed_s: Real = (0.0);
+        pub(crate) ticks: u32 = (0);
+        pub(crate) invalid_ticks: u32 = (0);
         pub(crate) counters: Counters = (Counters::ZEROED);
         pub(crate) journey: Journey = (Journey::ZEROED);
         pub(crate) features: FeatureExtractor = (in place);
@@ -126,6 +128,16 @@ impl RunState {
     pub fn hops_share(&self) -> Real {
         let share = self.learner.hops_share();
         if self.hops.speed_sd_mps().is_some() { -share } else { share }
+    }
+
+    /// Ticks whose location or speed is not to be trusted.
+    pub fn invalid_ticks(&self) -> u32 {
+        self.invalid_ticks
+    }
+
+    /// More than half of its ticks are invalid: it does not change the vehicle.
+    pub fn is_mostly_invalid(&self) -> bool {
+        self.invalid_ticks > self.ticks / 2
     }
 
     /// Half a step is added to each speed that is read: the recorder cuts them off, as the runs before have shown.

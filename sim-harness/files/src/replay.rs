@@ -20,7 +20,7 @@ use rundown::{
     coast_ahead::CoastAhead, filter::gaussian::Gaussian, model::direction::Direction, tick::estimate::Estimate,
     tick::measurement::Measurement, tick::memory::Vehicle, tick::regime::Regime,
 };
-use rundown_wire::{Learned, Validity};
+use rundown_wire::Learned;
 use std::collections::{BTreeMap, HashMap};
 use std::{borrow::Borrow, path::PathBuf};
 
@@ -90,10 +90,7 @@ pub struct ReplayedRun {
     pub warnings: Vec<String>,
 }
 
-/// More invalid ticks than this share, and a run does not change the vehicle.
-const MOST_INVALID: f64 = 0.5;
-
-/// Replays one run; what it says about the train goes into `vehicle`, unless most of it is invalid.
+/// Replays one run; what it says about the train goes into `vehicle`.
 pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recording, tick: Tick) -> ReplayedRun {
     let before = *vehicle;
     let vehicle_before = vehicle.davis();
@@ -121,12 +118,12 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
     }
     let summary = estimator.end_run(&mut run, vehicle);
     let mut warnings = recording.warnings.clone();
-    let unusable = mostly_invalid(recording, &estimates);
-    let is_used = unusable.is_none();
+    let is_used = !run.is_mostly_invalid();
     if !is_used {
-        *vehicle = before;
+        let (path, invalid, all) = (recording.path.display(), run.invalid_ticks(), estimates.len());
+        warnings
+            .push(format!("{path}: {invalid} of {all} ticks are invalid: the vehicle stays as it was before this run"));
     }
-    warnings.extend(unusable);
     if estimator.cuts_off(vehicle) && !estimator.cuts_off(&before) {
         warnings
             .push("its locations show that speeds are cut off: half a step is added to those of later runs".to_owned());
@@ -155,16 +152,6 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         perturbed: recording.perturbed.clone(),
         warnings,
     }
-}
-
-/// Why a run does not change the vehicle.
-fn mostly_invalid(recording: &Recording, estimates: &[Estimate]) -> Option<String> {
-    let invalid = estimates.iter().filter(|estimate| matches!(estimate.validity, Validity::Invalid(_))).count();
-    let all = estimates.len();
-    (invalid as f64 > MOST_INVALID * all as f64).then(|| {
-        let path = recording.path.display();
-        format!("{path}: {invalid} of {all} ticks are invalid: the vehicle stays as it was before this run")
-    })
 }
 
 fn confirmed(estimates: &[Estimate]) -> Vec<Regime> {

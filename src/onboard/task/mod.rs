@@ -220,11 +220,12 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     }
 
     fn dispatch(&mut self, uplink: &Uplink, origin: Origin, port: &mut impl Port) {
-        if let Err(refusal) = self.permit(uplink) {
-            return self.refuse(0, refusal, origin, port);
-        }
         self.count_missed(uplink.sequence, origin);
         let result = match &uplink.request {
+            // A board in a crash loop only says how it is.
+            request if self.heartbeat_only && !matches!(request, Request::Command(Command::Status)) => {
+                Err(Refusal::HeartbeatOnly)
+            }
             Request::Measurement(measurement) => match self.measurement(measurement) {
                 Ok(()) if self.pace == Pace::Lockstep => {
                     self.due = Due::Estimate(uplink.sequence, origin);
@@ -292,15 +293,6 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
                 Err(error) => Err((Origin::Unproven, refusal_of(error))),
             },
             _ => Err(refused(Refusal::Malformed)),
-        }
-    }
-
-    /// A board in a crash loop only says how it is.
-    fn permit(&self, uplink: &Uplink) -> Result<(), Refusal> {
-        match uplink.request {
-            Request::Command(Command::Status) => Ok(()),
-            _ if self.heartbeat_only => Err(Refusal::HeartbeatOnly),
-            _ => Ok(()),
         }
     }
 

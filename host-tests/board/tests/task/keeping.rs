@@ -7,7 +7,7 @@ use rundown::model::effects::{Effect, WarmUp};
 use rundown::model::resistance::Davis;
 use rundown::model::train::TrainDescription;
 use rundown::onboard::uplink::Setting;
-use rundown_wire::{Learned, Memory, Refusal};
+use rundown_wire::{Learned, Memory, Refusal, RunSummary};
 
 #[test]
 fn what_was_learned_survives_the_power() {
@@ -117,4 +117,30 @@ fn nothing_is_forgotten_before_the_train_is_described() {
     assert_eq!(board.ask(Request::Command(Command::Forget)), Err(Refusal::NotDescribed));
     board.prepare(&description, Direction::Up);
     assert_eq!(board.status().memory, Memory::Restored);
+}
+
+/// What a board that was asked nothing else says of its vehicle after a run of such rows.
+fn taught_by(rows: impl Fn(usize, Measurement) -> Measurement) -> RunSummary {
+    let (mut board, _, log) = running(described());
+    for (number, measurement) in log.iter().enumerate() {
+        board.measure(&rows(number, *measurement));
+    }
+    said!(board.end(), RunSummary).expect("a summary")
+}
+
+#[test]
+fn a_run_that_is_mostly_invalid_does_not_change_the_vehicle() {
+    let ticks = described().1.len();
+    let without_location_before = |first: usize| {
+        taught_by(move |number, row| Measurement { location_m: row.location_m.filter(|_| number >= first), ..row })
+    };
+    let untouched = taught_by(|_, row| Measurement { location_m: None, speed_mps: None, ..row });
+    assert_eq!(untouched.learned_s, 0.0);
+    // The first minute without a location is held, not invalid.
+    let mostly = without_location_before(ticks / 2 + 8);
+    assert_eq!((mostly.learned_s, mostly.vehicle_davis), (0.0, untouched.vehicle_davis));
+    assert_ne!(mostly.run_davis, untouched.run_davis, "it had learned something");
+    let less = without_location_before(ticks / 2 + 4);
+    assert!(less.learned_s > 0.0);
+    assert_ne!(less.vehicle_davis, untouched.vehicle_davis);
 }

@@ -8,7 +8,7 @@ use board_tests::said;
 use board_tests::serial_board::SerialBoard;
 use rundown::onboard::outbox::WhenFull;
 use rundown::onboard::uplink::{self, OPEN, Uplink};
-use rundown_wire::{Body, MAX_MESSAGE};
+use rundown_wire::{Body, MAX_MESSAGE, Refusal};
 
 #[test]
 fn a_gap_of_a_thousand_messages_is_a_sender_that_restarts() {
@@ -75,7 +75,9 @@ fn a_crash_loop_leaves_a_heartbeat() {
         assert!(matches!(frames[0].body, Body::Status(status) if status.silent_ticks == ticks));
     }
     for message in board.desk.prepare(&description, Direction::Up, Pace::Clock).unwrap() {
-        assert!(answer(&board.say(&message)).unwrap().result.is_err());
+        let answer = answer(&board.say(&message)).unwrap();
+        assert_eq!(answer.result, Err(Refusal::HeartbeatOnly));
+        assert_ne!(answer.to, 0, "the sequence number of the request");
     }
     assert!(!board.status().running);
 }
