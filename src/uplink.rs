@@ -256,6 +256,7 @@ impl Plain for Command {
                 4 => Self::Snapshot,
                 5 => Self::Forget,
                 6 => Self::ClearEffects,
+                // 3, for no more than 7 can be chosen.
                 _ => Self::Status,
             };
         }
@@ -281,7 +282,7 @@ pub fn decode(payload: &[u8]) -> Option<Uplink> {
 pub fn may_come_open(security: &SecurityConfig, payload: &[u8]) -> Option<bool> {
     const MEASUREMENT: u32 = 0;
     const COMMAND: u32 = 5;
-    const TARGETS: u32 = 9;
+    const LAST: u32 = 9;
     const STATUS: u32 = 3;
     let (mut head, mut command) = ((0_u16, 0), 0);
     let rest = plain::read(&mut head, payload)?;
@@ -289,7 +290,7 @@ pub fn may_come_open(security: &SecurityConfig, payload: &[u8]) -> Option<bool> 
     match request {
         MEASUREMENT => Some(!security.secured_measurements),
         COMMAND => plain::read(&mut command, rest).map(|_| command == STATUS),
-        _ => (request <= TARGETS).then_some(false),
+        _ => (request <= LAST).then_some(false),
     }
 }
 
@@ -364,6 +365,8 @@ mod tests {
             let mut buffer = [0; 600];
             let length = encode(&uplink, OPEN, &mut buffer).unwrap().len();
             let payload = &mut buffer[2..length];
+            let may_open = matches!(uplink.request, Request::Measurement(_) | Request::Command(Command::Status));
+            assert_eq!(may_come_open(&SecurityConfig::default(), payload), Some(may_open), "{uplink:?}");
             assert_eq!(decode(payload), Some(uplink));
             for at in 0..payload.len() {
                 assert_eq!(decode(&payload[..at]), None, "{at}");

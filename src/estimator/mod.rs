@@ -1,5 +1,5 @@
-//! The tick: measurement -> plausibility -> kinematics -> effort -> regime -> learning (ukf) -> features. Only this
-//! file knows the order.
+//! The tick: measurement -> plausibility -> [`modes`]: kinematics -> effort -> regime -> learning (ukf) -> features. Only
+//! these two files know the order.
 //!
 //! What is set once ([`Estimator`]: configuration, train, track) comes by `&`, what changes every tick ([`RunState`])
 //! by `&mut`. The board, the replay and the tests run the same [`Estimator::step`].
@@ -57,7 +57,8 @@ errors! {
     #[non_exhaustive]
     pub enum StepError {
         TimeNotIncreasing { last_s: Real, found_s: Real } => "time_s: expected beyond {last_s}, found {found_s}",
-        TimeOutOfRange { last_s: Real, found_s: Real } => "time_s: expected within a day after {last_s}, found {found_s}",
+        TimeOutOfRange { found_s: Real } =>
+            "time_s: expected a time within 4e12 s of zero and within a day after the last one, found {found_s}",
     }
 }
 
@@ -302,12 +303,11 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             .map_err(|last_s| {
                 run.counters.time_not_increasing = run.counters.time_not_increasing.saturating_add(1);
                 let found_s = measurement.time_s;
-                let out_of_range = is_out_of_range(last_s, found_s);
-                let last_s = last_s.unwrap_or(0.0);
-                if out_of_range {
-                    StepError::TimeOutOfRange { last_s, found_s }
-                } else {
-                    StepError::TimeNotIncreasing { last_s, found_s }
+                match last_s {
+                    Some(last_s) if !is_out_of_range(Some(last_s), found_s) => {
+                        StepError::TimeNotIncreasing { last_s, found_s }
+                    }
+                    _ => StepError::TimeOutOfRange { found_s },
                 }
             })?;
         run.distances.observe(&config.sensor, run.direction.sign(), &judged, measurement.speed_mps);

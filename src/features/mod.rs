@@ -41,13 +41,13 @@ pub const MAX_SWITCHING_POINTS: usize = 48;
 /// One tick as the features see it: its regime is the confirmed one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
-    /// Time of the tick, s.
+    /// Time of the tick, s; on the clock of the run's beginning, also where the sender's is set meanwhile.
     pub time_s: Real,
     /// Time since the tick before, s.
     pub dt_s: Real,
     /// Location of the front along the track, m.
     pub location_m: Real,
-    /// Filtered speed, m/s.
+    /// Speed as read, m/s; the filtered one where none was used.
     pub speed_mps: Real,
     /// Applied effort, mean since the tick before, N/kg; none when a reading was missing.
     pub effort_n_per_kg: Option<Real>,

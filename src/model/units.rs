@@ -1,4 +1,4 @@
-//! Quantities that cross an edge of Rundown in another unit than SI: each a newtype with one exit.
+//! Quantities of descriptions and settings in another unit than SI: each a newtype with one exit.
 
 use crate::Real;
 

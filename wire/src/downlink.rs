@@ -196,9 +196,9 @@ pub struct Effort {
     pub acceleration_mps2: Option<f32>,
     /// Resistance of the gradient under the train, uphill positive.
     pub gradient_n_per_kg: f32,
-    /// Largest traction at this speed by the train's description.
+    /// Largest traction at this location and speed by the description and the named effects.
     pub max_traction_n_per_kg: f32,
-    /// Largest brake effort by the train's description, positive.
+    /// Largest brake effort there by the description and the named effects, positive.
     pub max_brake_n_per_kg: f32,
 }
 
@@ -216,7 +216,7 @@ pub struct Statistic {
 /// A stretch of one regime.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
-    /// Time of its start, s, on the sender's clock.
+    /// Time of its start, s, on the sender's clock; where that is set during a run, on the clock as it was before.
     pub start_time_s: f64,
     /// Location of its start, m.
     pub start_location_m: f32,
@@ -271,7 +271,7 @@ pub struct Features {
 /// Where one regime followed another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SwitchingPoint {
-    /// Time, s, on the sender's clock.
+    /// Time, s, on the sender's clock; where that is set during a run, on the clock as it was before.
     pub time_s: f64,
     /// Location, m.
     pub location_m: f32,
@@ -510,7 +510,8 @@ fn as_bytes<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Erro
 /// What became of an uplink frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Answer {
-    /// Sequence number of that frame; 0 where it could not be read.
+    /// Sequence number of that frame; 0 where it could not be read, was refused before the board knew that it is of its
+    /// desk, or only at its tick.
     pub to: u16,
     /// Taken, or why not.
     pub result: Result<(), Refusal>,

@@ -12,7 +12,8 @@ use emulator::{Board, Image, NS_PER_INSTRUCTION};
 use std::process::{Command, Stdio};
 
 /// A line of the budget. The limit is what was measured when it was set (in the comment) and a tenth more, so that a
-/// change has room and nothing gets much worse unseen; never above a goal that is reached. docs/firmware.md has what is
+/// change has room and nothing gets much worse unseen; never above a goal that is reached, and the flash not above the
+/// next step to its goal. docs/firmware.md has what is
 /// measured today.
 struct Limit {
     what: &'static str,
@@ -21,7 +22,7 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 124 912.
+/// Code, constants and first values of variables: 124 988.
 const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 125_000, goal: 96 << 10 };
 /// 81 892; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };

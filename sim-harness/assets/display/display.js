@@ -314,7 +314,7 @@ function showPast() {
 const LINK = { opening: "opening", open: "receiving", lost: "link lost", ended: "end of the recording" };
 
 function showLink() {
-  const { link } = state, { status, health, versions } = state.now;
+  const { link } = state, { status, health, versions, recorder } = state.now;
   let word = link?.connection.state ?? "opening", text = `${LINK[word] ?? word} · ${link?.source ?? ""}`;
   if (word === "lost") text = `${LINK.lost} · ${link.connection.error.includes(link.source) ? "" : link.source + ": "}${link.connection.error}`;
   if (word === "open" && link.silent) [word, text] = ["silent", `${age(link)} · ${link.source}`];
@@ -330,7 +330,9 @@ function showLink() {
     source: link?.source, "last frame": link?.age_s == null ? null : `${fixed(link.age_s, 0)} s ago`, frames: link?.frames, lost: link?.lost, damaged: link?.damaged,
     "out of order": link?.out_of_order, "runs without an end": state.missing, repeated: link?.repeated, "not understood": link?.unknown, "board began anew": link?.restarts, reconnects: link?.reconnects,
     "run under way": status && (status.running ? "yes" : "no"), train: status?.train_id?.toString(16), track: status?.track_id?.toString(16), memory: status && plain(String(status.memory)),
-    "suspected sensor": suspected(), "readings not used": causes, "requests refused": refusals, "missed by the board": status?.missed, "not sent by the board": status?.not_sent,
+    "suspected sensor": suspected(),
+    "speeds cut off": recorder && `true is ${fixed(3.6 * recorder.speed_offset_mps.value, 2)} km/h more; half a step is added ${recorder.put_right ? "to each" : "from the next run on"}`,
+    "readings not used": causes, "requests refused": refusals, "missed by the board": status?.missed, "not sent by the board": status?.not_sent,
     firmware: versions && `${versions.firmware.join(".")} (${versions.commit == null ? "commit unknown" : versions.commit.toString(16).padStart(8, "0")}${versions.changed ? ", changed" : ""})`,
     "messages, down / up": versions && `version ${versions.downlink} / ${versions.uplink}`,
     "board up": health && `${health.uptime_s} s`, "started by": health && plain(health.reset_cause), crashes: health?.resets, "stack used": health && `${health.stack_bytes} B`, "longest tick": health && `${health.longest_us} µs`,

@@ -1,4 +1,4 @@
-//! From recorded runs to the missing effects: the order of the steps, and nothing else.
+//! From runs put right to the missing effects: intervals, rounds of calibrating and selecting terms, what they leave.
 
 use crate::candidate::{Fitted, Shape, Term};
 use crate::candidates::dragging_brake;

@@ -1,4 +1,9 @@
-//! The five steps, in their order: is there a gap, where, which effect, add it, show the gap shrink.
+//! The steps, in their order.
+//!
+//! ```text
+//! wheels -> readings of all runs put right -> analysis: where, and which effect -> units -> what is left, is it chance?
+//!        -> the same with the training runs alone -> hold-out runs before and after: the gap shrinks -> verdict
+//! ```
 //!
 //! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the
 //! training runs, evaluated on the others.
@@ -24,7 +29,7 @@ use crate::naming::{
 };
 use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
 use crate::readings::kinematics::{own_scales, scaled_recorders};
-use crate::readings::nuisances::{self, Nuisance, Readings, nuisances, righted};
+use crate::readings::nuisances::{self, Nuisance, Readings, beside, nuisances, righted};
 use crate::readings::offset::of_the_others;
 use crate::readings::wheels::{Wheel, put_right, wheels};
 use crate::traction::halves::halves;
@@ -93,38 +98,13 @@ pub fn investigate(
     hold_out: Option<usize>,
     mut progress: impl FnMut(&str),
 ) -> Result<Option<Investigation>, EffectError> {
-    let config = given.config;
-    progress("wheels: each run against the others");
-    let (sure_wheels, doubted_wheels): (Vec<Wheel>, Vec<Wheel>) =
-        wheels(runs, given.surroundings, config).into_iter().partition(|wheel| wheel.stands(runs, config));
-    let by_true_wheels: Vec<Run>;
-    let runs = if sure_wheels.is_empty() {
-        runs
-    } else {
-        by_true_wheels = put_right(runs, &sure_wheels);
-        &by_true_wheels
-    };
-    progress("readings of all runs: the age of the effort, the zero of the locations");
-    let (read_right, readings) = righted(&Context { conditions: Conditions::of(runs), ..*given }, runs);
-    progress("where and what: all runs");
-    let Some((settled, read_right, readings)) = beside_lengths(given, read_right, readings) else {
+    let Some(Explained { findings, mut named, candidates, nuisances, runs, effort }) =
+        explained(given, runs, &mut progress)
+    else {
         return Ok(None);
     };
-    let Settled { findings, mut named, mut candidates } = settled;
-    let (runs, effort) = (read_right.as_slice(), readings.effort.reading);
+    let (runs, config) = (runs.as_slice(), given.config);
     let context = &Context { conditions: findings.conditions, ..*given };
-    let (sure_units, doubted_units): (Vec<Named>, Vec<Named>) =
-        scaled_units(runs, config).into_iter().partition(|one| stands(&one.trial, config));
-    for (all, wheels, units) in
-        [(&mut named, sure_wheels, sure_units), (&mut candidates, doubted_wheels, doubted_units)]
-    {
-        all.extend(wheels.iter().map(|wheel| wheel.named(runs, config)).chain(units));
-    }
-    named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut of_readings = nuisances(&readings, findings.gain, config);
-    let of_a_unit = findings.differing.standouts.iter().any(|one| one.more == More::Effort);
-    nuisances::beside(&mut of_readings, &named, findings.gain_may_be_mass || of_a_unit);
-    of_readings.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let with = effects(&named)?;
     for one in &mut named {
         if let Effect::RunWind(wind) = &one.effect {
@@ -164,7 +144,7 @@ pub fn investigate(
         named,
         candidates,
         whiteness,
-        nuisances: of_readings,
+        nuisances,
         trained,
         evidence: along,
         p_value,
@@ -174,6 +154,51 @@ pub fn investigate(
         compared: evaluation.compared,
         held_out: tested,
     }))
+}
+
+/// What all runs show, before it is judged.
+struct Explained {
+    findings: Findings,
+    named: Vec<Named>,
+    candidates: Vec<Named>,
+    nuisances: Vec<Nuisance>,
+    /// With readings put right, and how their efforts are read.
+    runs: Vec<Run>,
+    effort: EffortReading,
+}
+
+/// Puts the readings of the runs right, and names what explains them. `None`: no run has enough to analyse.
+fn explained(given: &Context<'_>, runs: &[Run], progress: &mut impl FnMut(&str)) -> Option<Explained> {
+    let config = given.config;
+    progress("wheels: each run against the others");
+    let (sure_wheels, doubted_wheels): (Vec<Wheel>, Vec<Wheel>) =
+        wheels(runs, given.surroundings, config).into_iter().partition(|wheel| wheel.stands(runs, config));
+    let by_true_wheels: Vec<Run>;
+    let runs = if sure_wheels.is_empty() {
+        runs
+    } else {
+        by_true_wheels = put_right(runs, &sure_wheels);
+        &by_true_wheels
+    };
+    progress("readings of all runs: the age of the effort, the zero of the locations");
+    let (read_right, readings) = righted(&Context { conditions: Conditions::of(runs), ..*given }, runs);
+    progress("where and what: all runs");
+    let (settled, runs, readings) = beside_lengths(given, read_right, readings)?;
+    let Settled { findings, mut named, mut candidates } = settled;
+    let (sure_units, doubted_units): (Vec<Named>, Vec<Named>) =
+        scaled_units(&runs, config).into_iter().partition(|one| stands(&one.trial, config));
+    for (all, wheels, units) in
+        [(&mut named, sure_wheels, sure_units), (&mut candidates, doubted_wheels, doubted_units)]
+    {
+        all.extend(wheels.iter().map(|wheel| wheel.named(&runs, config)).chain(units));
+    }
+    named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut nuisances = nuisances(&readings, findings.gain, config);
+    let of_a_unit = findings.differing.standouts.iter().any(|one| one.more == More::Effort);
+    beside(&mut nuisances, &named, findings.gain_may_be_mass || of_a_unit);
+    nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
+    let effort = readings.effort.reading;
+    Some(Explained { findings, named, candidates, nuisances, runs, effort })
 }
 
 /// Most of the runs give the name as well; a wheel of single runs is found before.

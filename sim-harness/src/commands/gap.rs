@@ -33,8 +33,8 @@ Examples:
     rundown gap --train set/train.toml --track set/track.toml --runs set/runs --out gap
 
 Files in the output folder:
-  report.html, report/  the same for a reader: verdict, map of the disagreement, laws over the data, rivals, before and after, caveats
   gap.json              verdict, effects with 95 % intervals and rivals, gap, running time and energy before and after, evidence, caveats
+  report.html, report/  the same for a reader: verdict, map of the disagreement, laws over the data, rivals, before and after, caveats
   model/train.toml      the believed train with the effects of the train
   model/track.toml      the believed track with the effects of the place
   effect.frame          the effects of all runs for a board; `rundown link --effects` sends them
@@ -160,6 +160,8 @@ fn failed(refusal: Refusal) -> Failure {
     let code = match refusal {
         Refusal::HoldOut { .. } => super::WRONG_ARGUMENTS,
         Refusal::TooLittle { .. } | Refusal::TooFew { .. } | Refusal::EffortColumn { .. } => super::NOTHING_USABLE,
+        Refusal::Effects(_) => super::NOTHING_USABLE,
+        // The others are of what was given: a file, a folder, the track.
         _ => super::DESCRIPTION_REFUSED,
     };
     Failure { message: refusal.to_string(), code }

@@ -8,8 +8,8 @@
 
 use super::judged::Conclusion;
 use rundown_wire::{
-    Body, CoastAhead, Effect, EffectKind, Effort, Estimate, Features, Health, Order, Parameters, Received, Regime,
-    RunSummary, Status, SwitchingPoint, Validity, Versions,
+    Body, CoastAhead, Effect, EffectKind, Effort, Estimate, Features, Health, Order, Parameters, Received, Recorder,
+    Regime, RunSummary, Status, SwitchingPoint, Validity, Versions,
 };
 use serde::Serialize;
 
@@ -125,6 +125,8 @@ pub struct Now {
     pub health: Option<Health>,
     /// Which firmware it is.
     pub versions: Option<Versions>,
+    /// Its recorder cuts speeds off.
+    pub recorder: Option<Recorder>,
     /// What these frames say together.
     pub judged: Conclusion,
 }
@@ -187,7 +189,10 @@ impl State {
             Body::Health(health) => self.now.health = Some(*health),
             Body::Versions(versions) => self.now.versions = Some(*versions),
             Body::RunSummary(summary) => self.end_run(summary),
-            // Snapshots are for the desk, answers for who asked; newer frames are not shown.
+            Body::Recorder(recorder) => self.now.recorder = Some(*recorder),
+            // For the desk, and for who asked.
+            Body::SnapshotPart(_) | Body::Answer(_) => {}
+            // Newer than this program.
             _ => {}
         }
     }
@@ -227,10 +232,10 @@ impl State {
     }
 
     fn begin_run(&mut self) {
-        let Now { parameters, effects, status, health, versions, judged, .. } = std::mem::take(&mut self.now);
+        let Now { parameters, effects, status, health, versions, recorder, judged, .. } = std::mem::take(&mut self.now);
         // These are not of the run alone.
         let judged = judged.next_run();
-        self.now = Now { parameters, effects, status, health, versions, judged, ..Now::default() };
+        self.now = Now { parameters, effects, status, health, versions, recorder, judged, ..Now::default() };
         if !self.points.is_empty() {
             self.previous = std::mem::take(&mut self.points);
         }

@@ -5,6 +5,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown_check::finding::Kind;
 use rundown_files::track_file::{Stop, TrackFile};
+use rundown_gap::readings::nuisances::NuisanceKind;
 use rundown_truth::effects::{Affected, TrainLengthError};
 use rundown_truth::scenario::{Scenario, UnscheduledStop};
 use rundown_truth::sensors::SpeedReading;
@@ -73,10 +74,10 @@ impl Nuisance {
     /// As the investigation calls it; none: it has nothing to tell of it.
     pub fn told_as(self) -> Option<&'static str> {
         match self {
-            Self::EffortGain => Some("effort_gain"),
-            Self::BrakeGain | Self::ElectricBrake => Some("brake_gain"),
-            Self::EffortLate => Some("effort_delay"),
-            Self::LocationOff => Some("location_offset"),
+            Self::EffortGain => Some(NuisanceKind::EffortGain.name()),
+            Self::BrakeGain | Self::ElectricBrake => Some(NuisanceKind::BrakeGain.name()),
+            Self::EffortLate => Some(NuisanceKind::EffortDelay.name()),
+            Self::LocationOff => Some(NuisanceKind::LocationOffset.name()),
             Self::Truncated => Some("truncated_speed"),
             Self::LostSeconds => Some("lost_seconds"),
             Self::MixedLengths => Some(LENGTH_IN_RUNS),

@@ -167,7 +167,7 @@ fn told(set: &Set, answer: &Answer) -> Vec<(&'static str, f64, f64)> {
         (!figures.is_empty()).then(|| Some((nuisance.told_as()?, mean(&|figure| figure.value), sd)))?
     });
     let lengths = answer.found.named.iter().filter_map(length_in_runs);
-    told.map(|nuisance| (nuisance.name, nuisance.value, nuisance.sd)).chain(diagnosed).chain(lengths).collect()
+    told.map(|nuisance| (nuisance.kind.name(), nuisance.value, nuisance.sd)).chain(diagnosed).chain(lengths).collect()
 }
 
 /// The length of the train in some of the runs: a nuisance that has a name.

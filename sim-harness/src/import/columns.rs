@@ -150,8 +150,7 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
 /// `Tempo [km/h]` is no time.
 fn is_misnamed(header: &Header) -> bool {
     let named = Meaning::of_names(std::slice::from_ref(&header.name));
-    let speed = |(meaning, _): &(Meaning, usize)| matches!(meaning, Meaning::Speed | Meaning::Headwind);
-    !named.iter().any(speed) && header.unit_of(Meaning::Speed).is_some()
+    !named.iter().any(|(meaning, _)| meaning.is_speed()) && header.unit_of(Meaning::Speed).is_some()
 }
 
 /// What no name says: the only column without a meaning that has such a unit. A place needs it only where there is

@@ -46,6 +46,11 @@ impl Meaning {
         matches!(self, Self::Latitude | Self::Longitude)
     }
 
+    /// In units of a speed.
+    pub const fn is_speed(self) -> bool {
+        matches!(self, Self::Speed | Self::Headwind)
+    }
+
     /// A force, which a mass divides.
     pub const fn is_force(self) -> bool {
         matches!(self, Self::Effort | Self::Braking)

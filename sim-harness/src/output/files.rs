@@ -25,12 +25,14 @@ pub fn whole(path: &Path, content: &str) -> Result<(), WriteError> {
         return text(path, content);
     }
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let written = tempfile::NamedTempFile::new_in(parent).and_then(|mut file| {
+    let mut beside = tempfile::Builder::new();
+    // As any new file: what the user's mask leaves of it.
+    #[cfg(unix)]
+    beside.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let written = beside.tempfile_in(parent).and_then(|mut file| {
         file.write_all(content.as_bytes())?;
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))?;
+        if let Ok(before) = path.metadata() {
+            file.as_file().set_permissions(before.permissions())?;
         }
         file.persist(path).map_err(|error| error.error)
     });

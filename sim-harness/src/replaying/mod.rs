@@ -15,7 +15,7 @@ pub use stream::{CHUNK, StreamError};
 use crate::advice::{Advice, before_brakes::BeforeBrakes, coasts, effort_zero};
 use crate::learned_train::Results;
 use crate::logs::{self, Failed};
-use crate::output::json::{self, mode_word};
+use crate::output::json;
 use crate::report::{Report, RunView, Vehicle, figures, write_report};
 use crate::{output::tables::Tables, output::write_tables};
 use rundown::estimator::config::{Config, Mode};
@@ -583,7 +583,7 @@ impl Replayed {
             before: None,
             after: None,
             has_run_pages: self.run_pages,
-            mode: mode_word(self.config.mode),
+            mode: self.config.mode,
             features: self.config.features,
             vehicles: Vehicle::of_runs(&self.runs),
             notes: &self.notes,

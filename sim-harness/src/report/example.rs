@@ -93,7 +93,7 @@ pub fn report<'a>(runs: &'a [ReplayedRun], train: &'a Train) -> Report<'a> {
         before: None,
         after: None,
         has_run_pages: true,
-        mode: "gated",
+        mode: Mode::Gated,
         features: FeatureConfig::default(),
         vehicles: (!runs.is_empty()).then(of_one).into_iter().collect(),
         notes: &[],

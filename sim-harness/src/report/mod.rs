@@ -24,6 +24,7 @@ pub(crate) mod example;
 use crate::logs::Failed;
 use crate::output::files;
 use rayon::prelude::*;
+use rundown::estimator::config::Mode;
 use rundown::{
     Real, features::FeatureConfig, filter::gaussian::Gaussian, model::resistance::Davis, model::state,
     model::train::Train, tick::estimate::Estimate, tick::measurement::Measurement, tick::regime::Regime,
@@ -47,7 +48,7 @@ pub(crate) struct Report<'a> {
     pub after: Option<String>,
     /// The runs of the table have pages.
     pub has_run_pages: bool,
-    pub mode: &'static str,
+    pub mode: Mode,
     /// Windows and steps of the features, for their labels.
     pub features: FeatureConfig,
     /// Each unit with what is learned of it, in the order of their first runs.

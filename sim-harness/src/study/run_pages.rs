@@ -4,9 +4,9 @@
 
 use super::figures::run::truth_view;
 use super::gather::{LISTED, LookedAt};
-use crate::output::json::mode_word;
 use crate::report::{Report, RunView, TruthView, begin_run_pages, write_run_pages};
 use rundown::estimator::Estimator;
+use rundown::estimator::config::Mode;
 use rundown::{features::FeatureConfig, model::train::Train};
 use rundown_files::{WriteError, replay::ReplayedRun};
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub struct RunPages {
     title: String,
     train: Train,
     features: FeatureConfig,
-    mode: &'static str,
+    mode: Mode,
     written: usize,
     /// Name of the last run that has a page.
     last: Option<String>,
@@ -34,7 +34,7 @@ impl RunPages {
     pub fn begin(folder: PathBuf, title: String, estimator: &Estimator) -> Result<Self, WriteError> {
         begin_run_pages(&folder)?;
         let (train, config) = (*estimator.train(), estimator.config());
-        let (features, mode) = (config.features, mode_word(config.mode));
+        let (features, mode) = (config.features, config.mode);
         Ok(Self { folder, title, train, features, mode, written: 0, last: None, held: None })
     }
 

@@ -3,7 +3,6 @@
 
 use super::parameters::Place;
 use super::score::{Bench, FilterScore};
-use crate::output::json::mode_word;
 use crate::report::{Report, RunView, TruthView, begin_run_pages, write_run_pages};
 use crate::study::Refused;
 use maud::{Markup, html};
@@ -84,7 +83,7 @@ pub fn write_pages(folder: &Path, bench: &Bench, truths: &[Option<TruthView>], t
             before: first.checked_sub(1).and_then(name),
             after: name(first + chunk.len()),
             has_run_pages: true,
-            mode: mode_word(tuned.mode),
+            mode: tuned.mode,
             features: tuned.features,
             vehicles: Vec::new(),
             notes: &[],

@@ -7,12 +7,11 @@
 //! cold  = 1 + cold_per_degC max(10 °C - T, 0)                  1 without a temperature
 //! ```
 //!
-//! How large: 5 to 50 lb/ton, that is 0.025 to 0.25 N per kg of mass, by kind and load of the bearings, their
-//! temperature and how long the train stood (not checked yet against AREMA, *Practical Guide to Railway Engineering*,
-//! chapter 2). An eighth of it with roller bearings in place of plain ones, and very small above 10 mph (Johnson, *The
-//! Steam Locomotive*, 1942). The exponential and its dependence on time are the simplest forms with these ends. Unlike
-//! `warm_up`, which lasts for minutes and comes once in a run, it is over with the first metres and comes at each
-//! start.
+//! How large: judgement, 0.025 to 0.25 N per kg of mass, by kind and load of the bearings, their temperature and how
+//! long the train stood. An eighth of it with roller bearings in place of plain ones, and very small above 10 mph
+//! (Johnson, *The Steam Locomotive*, 1942). The exponential and its dependence on time are the simplest forms with
+//! these ends. Unlike `warm_up`, which lasts for minutes and comes once in a run, it is over with the first metres and
+//! comes at each start.
 //!
 //! How long a train stood before its run nobody has measured: it is taken for long.
 

@@ -13,9 +13,9 @@ use crate::tick::estimate::{Cause, Estimate};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, Recorder, SWITCHING_POINTS, Status, Value};
 
-/// Ticks from one features frame and status to the next: a minute.
-const MINUTE_TICKS: u32 = 6;
-/// Ticks from one snapshot to the next: a brown-out loses two minutes at most.
+/// Ticks from one features frame and status to the next: by the board's clock a minute.
+const REPORT_TICKS: u32 = 6;
+/// Ticks from one snapshot to the next: by the board's clock a brown-out loses two minutes at most.
 const SNAPSHOT_TICKS: u32 = 12;
 
 impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
@@ -36,7 +36,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     /// The others, but for the estimate.
     pub(super) fn report(&mut self, estimate: &Estimate, port: &mut impl Port) {
         self.send_coast_ahead(estimate, port);
-        if self.tick.is_multiple_of(MINUTE_TICKS) {
+        if self.tick.is_multiple_of(REPORT_TICKS) {
             self.send_features(port);
             self.send_status(port);
             if !self.estimator.effects().is_empty() {
@@ -70,14 +70,14 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     }
 
     fn takes_snapshot(&self) -> bool {
-        self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2
+        self.tick % SNAPSHOT_TICKS == REPORT_TICKS / 2
     }
 
     /// Where the track has targets. Not in the tick of the minute and not in that of a snapshot, which are the longest
     /// ones; what was said last is said again in the tick after the minute's, for a display that missed it.
     #[inline(never)]
     fn send_coast_ahead(&mut self, estimate: &Estimate, port: &mut impl Port) {
-        let long = self.tick.is_multiple_of(MINUTE_TICKS) || self.takes_snapshot();
+        let long = self.tick.is_multiple_of(REPORT_TICKS) || self.takes_snapshot();
         if long || self.estimator.track().targets() == 0 {
             return;
         }
@@ -86,7 +86,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
             ahead.outcome = Outcome::Unknown;
         }
         let news = self.coast.is_news(&self.estimator.config().coast, &ahead);
-        let again = self.tick % MINUTE_TICKS == 1;
+        let again = self.tick % REPORT_TICKS == 1;
         if let Some(said) = self.coast.said().filter(|_| news || again) {
             let frame = frames::coast_ahead(said);
             self.send(Body::CoastAhead(frame), port);

@@ -33,7 +33,7 @@ impl Candidate for This {
                 least: 4e-3,
                 most: 0.3,
                 shapes: &[4.5, 7.0, 12.0, 20.0, 32.0],
-                source: "Least in a row, N/kg, most at the start, N/kg; decay, km/h. Judgement, no source checked yet: 0.025 to 0.25 N/kg; what is over below 5 km/h no interval shows.",
+                source: "Least in a row, N/kg, most at the start, N/kg; decay, km/h. Judgement: 0.025 to 0.25 N/kg; what is over below 5 km/h no interval shows.",
             },
             size: Some(("amplitude", 0.0)),
         }

@@ -31,13 +31,45 @@ pub struct Readings {
     pub offset: Option<Offset>,
 }
 
+/// What may be wrong with the readings of all runs alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NuisanceKind {
+    /// The effort column reads too much or too little.
+    EffortGain,
+    /// Its readings of the brake do, beside those of powering.
+    BrakeGain,
+    /// The effort is late.
+    EffortDelay,
+    /// The locations are off along the line.
+    LocationOffset,
+}
+
+impl NuisanceKind {
+    /// As in `gap.json`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::EffortGain => "effort_gain",
+            Self::BrakeGain => "brake_gain",
+            Self::EffortDelay => "effort_delay",
+            Self::LocationOffset => "location_offset",
+        }
+    }
+
+    /// Of value and standard deviation; empty: a share.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::EffortGain | Self::BrakeGain => "",
+            Self::EffortDelay => "s",
+            Self::LocationOffset => "m",
+        }
+    }
+}
+
 /// A nuisance as it is reported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nuisance {
-    /// As in `gap.json`.
-    pub name: &'static str,
-    /// Of value and standard deviation; empty: a share.
-    pub unit: &'static str,
+    /// What is wrong.
+    pub kind: NuisanceKind,
     /// Gain less 1, age of the effort, shown less true location.
     pub value: f64,
     /// Its standard deviation.
@@ -108,23 +140,22 @@ pub fn is_told(gain: Figure, config: &GapConfig) -> bool {
 /// less 1.
 pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) -> Vec<Nuisance> {
     let (nuisance, enough) = (&config.nuisance, config.search.enough);
-    let one = |name, unit, figure: Figure, told| Nuisance {
-        name,
-        unit,
+    let one = |kind, figure: Figure, told| Nuisance {
+        kind,
         value: figure.value,
         sd: figure.sd,
         told,
         ambiguous_with: Vec::new(),
     };
-    let gain = gain.map(|gain| one("effort_gain", "", gain, is_told(gain, config)));
-    let brakes = readings.brakes.map(|brakes| one("brake_gain", "", brakes.off, brakes.are_apart(nuisance)));
+    let gain = gain.map(|gain| one(NuisanceKind::EffortGain, gain, is_told(gain, config)));
+    let brakes = readings.brakes.map(|brakes| one(NuisanceKind::BrakeGain, brakes.off, brakes.are_apart(nuisance)));
     let told = readings.effort.matters(nuisance, enough).is_some();
-    let delay = readings.effort.age_s(nuisance).map(|delay| one("effort_delay", "s", delay, told));
+    let delay = readings.effort.age_s(nuisance).map(|delay| one(NuisanceKind::EffortDelay, delay, told));
     let offset = readings.offset.map(|offset| {
         let told = offset.matters(nuisance, enough).is_some();
         let rival = told && offset.may_be_length(config.certainty.rival_within);
         let ambiguous_with = rival.then_some(EffectKind::TrainLengthError).into_iter().collect();
-        Nuisance { ambiguous_with, ..one("location_offset", "m", offset.of_each(), told) }
+        Nuisance { ambiguous_with, ..one(NuisanceKind::LocationOffset, offset.of_each(), told) }
     });
     [gain, brakes, delay, offset].into_iter().flatten().collect()
 }
@@ -133,7 +164,7 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
 /// coefficients, for a mass changes both.
 pub fn beside(nuisances: &mut [Nuisance], named: &[Named], gain_may_be_mass: bool) {
     let may_be_mass = gain_may_be_mass || named.iter().any(|one| one.ambiguous_with.contains(&EffectKind::MassError));
-    for gain in nuisances.iter_mut().filter(|one| may_be_mass && one.told && one.name == "effort_gain") {
+    for gain in nuisances.iter_mut().filter(|one| may_be_mass && one.told && one.kind == NuisanceKind::EffortGain) {
         gain.ambiguous_with.push(EffectKind::MassError);
     }
 }
@@ -144,8 +175,8 @@ impl Nuisance {
         let (low, high) = (self.value - HALF_95 * self.sd, self.value + HALF_95 * self.sd);
         let rivals: Vec<&str> = self.ambiguous_with.iter().map(|kind| kind.name()).collect();
         json!({
-            "name": self.name,
-            "unit": self.unit,
+            "name": self.kind.name(),
+            "unit": self.kind.unit(),
             "value": self.value,
             "sd": self.sd,
             "interval_95": [low, high],
@@ -157,24 +188,24 @@ impl Nuisance {
     /// In a sentence.
     pub fn sentence(&self) -> String {
         let (size, more) = (self.value.abs(), self.value > 0.0);
-        let mut text = match self.name {
-            "effort_gain" => format!(
+        let mut text = match self.kind {
+            NuisanceKind::EffortGain => format!(
                 "The effort column reads {:.1} ± {:.1} % too {} for the motion of the train",
                 100.0 * size,
                 100.0 * self.sd,
                 if more { "high" } else { "low" }
             ),
-            "brake_gain" => format!(
+            NuisanceKind::BrakeGain => format!(
                 "The column's brake readings are {:.0} ± {:.0} % too {} beside its power readings{}; they are set aside",
                 100.0 * size,
                 100.0 * self.sd,
                 if more { "high" } else { "low" },
                 if more { "" } else { ", as of a column without all brakes" },
             ),
-            "effort_delay" => {
+            NuisanceKind::EffortDelay => {
                 format!("The effort is {size:.1} ± {:.1} s {}", self.sd, if more { "late" } else { "early" })
             }
-            _ => format!(
+            NuisanceKind::LocationOffset => format!(
                 "The locations of all runs are {size:.0} ± {:.0} m too far {} the line",
                 self.sd,
                 if more { "up" } else { "down" }
@@ -182,10 +213,10 @@ impl Nuisance {
         };
         let rivals: Vec<&str> = self.ambiguous_with.iter().map(|kind| kind.name()).collect();
         if !rivals.is_empty() {
-            text.push_str(&format!(" (these data cannot tell it from {})", rivals.join(", ")));
+            text.push_str(&format!(" (not distinguishable from {} in these data)", rivals.join(", ")));
         }
-        text + match (self.name, self.ambiguous_with.is_empty()) {
-            ("brake_gain", _) => ", and no effect of the train.",
+        text + match (self.kind, self.ambiguous_with.is_empty()) {
+            (NuisanceKind::BrakeGain, _) => ", and no effect of the train.",
             (_, true) => "; put right, and no effect of the train.",
             _ => "; put right.",
         }

@@ -5,7 +5,7 @@ use crate::display::hub::{Connection, Hub};
 use crate::{display::setup::Setup, display::state::State, display::text};
 use proptest::prelude::*;
 use rundown::link::serial;
-use rundown_wire::{Answer, Body, Downlink, Order, Reader, Received};
+use rundown_wire::{Answer, Body, Downlink, Order, Reader, Received, Recorder, Value};
 use std::time::Duration;
 
 #[test]
@@ -80,6 +80,18 @@ fn the_board_s_firmware_is_shown_from_its_first_status_on() {
     let version = format!("firmware {} (", env!("CARGO_PKG_VERSION"));
     let said = hub.view(|view| view.state.now.versions).expect("a board that says its version");
     assert!(said.to_string().starts_with(&version), "{said}");
+}
+
+#[test]
+fn that_speeds_are_cut_off_is_shown_in_the_next_run_too() {
+    let recorder = Recorder { speed_offset_mps: Value { value: 0.14, sd: 0.01 }, put_right: false };
+    let mut state = State::default();
+    let mut take = |tick, body| {
+        state.take(&Received { frame: Downlink { sequence: 7, tick, body }, order: Order::Next });
+        state.now.recorder
+    };
+    assert_eq!(take(300, Body::Recorder(recorder)), Some(recorder));
+    assert_eq!(take(1, Body::Answer(Answer { to: 4, result: Ok(()) })), Some(recorder));
 }
 
 #[test]

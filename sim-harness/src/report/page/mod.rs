@@ -9,8 +9,10 @@ mod tests;
 use super::resistance::Resistance;
 use super::{Report, RunView, Vehicle, figures};
 use crate::alike::few;
+use crate::output::json::mode_word;
 use maud::{Markup, html};
 use run::{lead, learning_words, run_sections};
+use rundown::estimator::config::Mode;
 use rundown::{Real, filter::gaussian::Gaussian, model::train::Train, model::units::KmPerHour};
 use rundown_pages::numbers::{counted, duration, number, percent};
 use rundown_pages::run_pages::{self, Neighbours};
@@ -60,7 +62,7 @@ fn summary(report: &Report) -> Markup {
                     "No run was replayed: there is nothing to report. "
                 } @else {
                     (counted(report.runs.len(), "run was", "runs were")) " replayed in the "
-                    strong { (report.mode) } " mode: " (number(distance_m / 1000.0, 1)) " km in "
+                    strong { (mode_word(report.mode)) } " mode: " (number(distance_m / 1000.0, 1)) " km in "
                     (duration(duration_s)) ". "
                 }
                 @if learned.samples > 0 {
@@ -75,14 +77,14 @@ fn summary(report: &Report) -> Markup {
                 }
             }
             p.lead { (verdict(report)) }
-            @if report.mode == "paper" {
+            @if report.mode == Mode::Paper {
                 p.note {
                     "This is the reference mode. The effort it calculates contains the resistance it looks for, so the estimate does not follow "
                     "the true resistance, however well the speed is tracked; its intervals are those of the filter and no measure of accuracy. "
                     "To measure the resistance, replay in the " strong { "gated" } " mode."
                 }
             }
-            @if report.mode == "gated" && learned.samples > 0 {
+            @if report.mode == Mode::Gated && learned.samples > 0 {
                 p.note {
                     "Learned only while coasting was established, when the applied effort is known to be zero; "
                     "everywhere else the resistance stays as it was."
@@ -146,8 +148,10 @@ fn verdict(report: &Report) -> Markup {
         // In the paper's mode the interval is the filter's: so narrow that it prints as nothing, and no measure of the
         // vehicle.
         let interval = match report.mode {
-            "paper" => String::new(),
-            _ => format!(" (95\u{a0}% between {} and {})", number(r.lower(), 5), number(r.upper(), 5)),
+            Mode::Paper => String::new(),
+            Mode::Gated | Mode::Measured => {
+                format!(" (95\u{a0}% between {} and {})", number(r.lower(), 5), number(r.upper(), 5))
+            }
         };
         format!(
             "at {speed_kmh}\u{a0}km/h {}\u{a0}N/kg{interval}, {} {side} the manufacturer's {}",
@@ -166,10 +170,10 @@ fn verdict(report: &Report) -> Markup {
     };
     html! {
         "After " @if vehicle.after.len() > 1 { "the last run, " } (name)
-        @if report.mode == "paper" { ", the resistance of the filter is " } @else { ", the running resistance of the vehicle is " }
+        @if report.mode == Mode::Paper { ", the resistance of the filter is " } @else { ", the running resistance of the vehicle is " }
         (words.join("; ")) ". "
         // In the paper's mode the interval says nothing of the truth.
-        @if report.mode != "paper" { (significance) }
+        @if report.mode != Mode::Paper { (significance) }
     }
 }
 

@@ -4,7 +4,7 @@ use super::super::{Report, RunView, figures};
 use super::features::feature_table;
 use super::runs::{gated, no_samples};
 use maud::{Markup, html};
-use rundown::{filter::ukf::Reading, tick::estimate::Cause};
+use rundown::{estimator::config::Mode, filter::ukf::Reading, tick::estimate::Cause};
 use rundown_pages::numbers::{counted, duration, meaning, number, percent};
 use rundown_pages::shell::{Section, column, figure, prose, table, text_column};
 
@@ -52,8 +52,8 @@ pub(super) fn run_sections(run: &RunView, report: &Report) -> Vec<Section> {
 /// of the truth.
 pub(super) fn learning_words(report: &Report) -> &'static str {
     match report.mode {
-        "paper" => "The filter corrected r0, r1 and r2",
-        _ => "The running resistance was learned",
+        Mode::Paper => "The filter corrected r0, r1 and r2",
+        Mode::Gated | Mode::Measured => "The running resistance was learned",
     }
 }
 

@@ -4,6 +4,7 @@ use super::super::resistance::{Resistance, doubt};
 use super::super::{Report, RunView, regime_shares};
 use super::KMH;
 use maud::{Markup, html};
+use rundown::estimator::config::Mode;
 use rundown::{Real, filter::ukf::Reading, model::units::KmPerHour, tick::regime::Regime};
 use rundown_pages::numbers::{NOTHING, number};
 use rundown_pages::run_pages;
@@ -14,14 +15,16 @@ fn resistance(run: &RunView, report: &Report, speed_kmh: Real) -> String {
     let Some(r) = Resistance::at(&run.vehicle_after, KmPerHour(speed_kmh).to_mps()) else { return NOTHING.to_owned() };
     let mean = number(r.mean_n_per_kg, 5);
     match report.mode {
-        "paper" => mean,
-        _ => format!("{mean} \u{b1} {}{}", number(r.upper() - r.mean_n_per_kg, 5), doubt(run.learned)),
+        Mode::Paper => mean,
+        Mode::Gated | Mode::Measured => {
+            format!("{mean} \u{b1} {}{}", number(r.upper() - r.mean_n_per_kg, 5), doubt(run.learned))
+        }
     }
 }
 
 pub(super) fn run_table(report: &Report) -> Markup {
     let speed_kmh = report.shown_kmh();
-    let interval = if report.mode == "paper" { "N/kg" } else { "N/kg, 95 % interval" };
+    let interval = if report.mode == Mode::Paper { "N/kg" } else { "N/kg, 95 % interval" };
     html! {
             @if report.runs.is_empty() {
                 p { "No run." }

@@ -3,6 +3,7 @@
 use super::super::example::{self, report, train};
 use super::*;
 use crate::logs::Failed;
+use rundown::estimator::config::Mode;
 use rundown::{Real, features::FeatureConfig, filter::gaussian::Gaussian, model::state};
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::assets::SCRIPT;
@@ -172,7 +173,7 @@ fn the_table_of_runs_has_the_resistance_at_a_speed_that_was_reached() {
     let page = html(&report(std::slice::from_ref(&run), &train));
     assert!(page.contains("r(50\u{a0}km/h)<br>") && page.contains(&cell(&run, 50.0)));
     let mut in_papers = report(std::slice::from_ref(&run), &train);
-    in_papers.mode = "paper";
+    in_papers.mode = Mode::Paper;
     assert!(!html(&in_papers).contains(&cell(&run, 50.0)), "its interval is no measure");
 }
 
@@ -242,7 +243,7 @@ fn the_reference_mode_warns() {
     assert!(!html(&report).contains("reference mode"));
     assert!(html(&report).contains("resistance was learned over"));
     assert!(html(&report).contains("(95\u{a0}% between"));
-    report.mode = "paper";
+    report.mode = Mode::Paper;
     let page = html(&report);
     assert!(page.contains("does not follow") && page.contains("The filter corrected r0, r1 and r2 over"));
     assert!(!page.contains("resistance was learned over"));

@@ -8,7 +8,7 @@ use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
-const KMH: f64 = 100.0;
+const JUDGED_AT_KMH: f64 = 100.0;
 const ENDS: std::ops::Range<f64> = -40.0..40.0;
 
 /// A vehicle as a mode sees it.
@@ -29,7 +29,7 @@ pub fn columns() -> Vec<Column<SlopeRow>> {
         Column::text("mode", "`paper`, `gated` or `measured`", |row: &SlopeRow| row.mode),
         Column::count("vehicle", "number of the simulated vehicle, from 0", |row: &SlopeRow| row.vehicle),
         Column::count("runs", "runs that were learned from", |row: &SlopeRow| row.runs),
-        Column::number("speed_kmh", "km/h", "speed v", |_: &SlopeRow| KMH),
+        Column::number("speed_kmh", "km/h", "speed v", |_: &SlopeRow| JUDGED_AT_KMH),
         Column::number("true_deviation", "1", &format!("true {of}"), |row: &SlopeRow| row.true_deviation),
         Column::number("estimated_deviation", "1", &format!("estimated {of}"), |row: &SlopeRow| {
             row.estimated_deviation
@@ -47,7 +47,7 @@ pub fn slope(test: &SelfTest, runs: usize) -> Picture {
         let mut points = Vec::new();
         let mut bars = Vec::new();
         for look in test.looks.iter().filter(of) {
-            let Some([x, y, sd]) = look.deviations(&test.stated, KMH) else {
+            let Some([x, y, sd]) = look.deviations(&test.stated, JUDGED_AT_KMH) else {
                 continue;
             };
             points.push((100.0 * x, 100.0 * y));
@@ -62,7 +62,7 @@ pub fn slope(test: &SelfTest, runs: usize) -> Picture {
     Picture {
         name: format!("slope_after_{runs}_{plural}"),
         caption: format!(
-            "Estimated over true deviation of the running resistance at {KMH} km/h from its description, after {runs} {plural}, with the reported 95 % interval; each dot is a simulated vehicle. On the dashed line the estimate is the truth; on a level line it does not see it."
+            "Estimated over true deviation of the running resistance at {JUDGED_AT_KMH} km/h from its description, after {runs} {plural}, with the reported 95 % interval; each dot is a simulated vehicle. On the dashed line the estimate is the truth; on a level line it does not see it."
         ),
         drawing: Grid::new(
             format!("Estimated over true deviation of the resistance after {runs} {plural}"),
