@@ -95,7 +95,8 @@ impl Group {
 
     /// What is to be said of these files.
     pub fn said(&self) -> Vec<String> {
-        [self.notes.as_slice(), &self.doubts].concat()
+        let of_files = self.sources.iter().filter_map(SourceFile::doubt_of_qualities);
+        self.notes.iter().chain(&self.doubts).cloned().chain(of_files).collect()
     }
 
     /// The question with the file that asks it.

@@ -76,3 +76,20 @@ fn qualities_that_stand_before_their_readings_judge_these_and_that_of_fixes_no_w
     });
     assert!(made.iter().all(|row| !row[1].is_nan() && !row[2].is_nan()), "{}", said.err);
 }
+
+#[test]
+fn a_column_that_calls_all_readings_bad_is_not_believed_and_that_is_said() {
+    for (header, mark) in [
+        ("time [s],location [m],location quality,speed [km/h],speed quality", "Bad"),
+        ("time [s],location [m],location valid,speed [km/h],speed valid", "0"),
+    ] {
+        let (made, said) = read(header, |t, x, v| format!("{t},{x:.1},{mark},{:.1},{mark}", 3.6 * v));
+        assert!(made.iter().all(|row| !row[1].is_nan() && !row[2].is_nan()), "{header}");
+        assert!(said.err.contains("a.csv") && said.err.contains("calls all values bad"), "{header}: {}", said.err);
+    }
+    let text = table("t [s];signal;value;quality", &drive(&STOPS_M, 25.0), |t, x, v| {
+        format!("{t};location [m];{x:.1};bad\n{t};speed [km/h];{:.1};bad", 3.6 * v)
+    });
+    let said = Folder::new().with("a.csv", &text).done(&["import", "a.csv"]);
+    assert!(said.err.contains("calls all values bad"), "{}", said.err);
+}

@@ -51,6 +51,8 @@ pub struct SourceFile {
     signals: Option<Signals>,
     /// Of a table with all readings in one row.
     qualities: Qualities,
+    /// Columns that call each value of the first rows bad.
+    all_bad: Vec<usize>,
     parts: Vec<Parts>,
     /// Of a workbook.
     pub sheets: Sheets,
@@ -145,8 +147,19 @@ impl SourceFile {
             SourceFormat::Parquet => (plain, parquet::headers(path)?),
         };
         let (path, headers, parts, qualities) = (path.to_owned(), Vec::new(), Vec::new(), Qualities::default());
-        let mut source =
-            Self { path, layout, headers, written, thousandths: None, signals: None, qualities, parts, sheets };
+        let all_bad = Vec::new();
+        let mut source = Self {
+            path,
+            layout,
+            headers,
+            written,
+            thousandths: None,
+            signals: None,
+            qualities,
+            all_bad,
+            parts,
+            sheets,
+        };
         let is_of_standard = matches!(format, SourceFormat::Gpx | SourceFormat::Nmea);
         if !is_of_standard {
             source.find_thousandths()?;
@@ -191,6 +204,20 @@ impl SourceFile {
         (!names.is_empty()).then(|| format!("which values are bad is read from {names}"))
     }
 
+    /// Which columns call all values bad, and are not believed.
+    pub fn doubt_of_qualities(&self) -> Option<String> {
+        let of_signals = self.signals.as_ref().and_then(|signals| signals.all_bad);
+        let columns = self.all_bad.iter().copied().chain(of_signals);
+        let names: Vec<String> = columns.map(|column| format!("{:?}", self.written[column].written)).collect();
+        let path = self.path.display();
+        (!names.is_empty()).then(|| {
+            format!(
+                "{path}: {} calls all values bad that were looked at: they are read as if it said nothing; leave the file out if it is right",
+                names.join(", ")
+            )
+        })
+    }
+
     /// Columns that call values of others bad, by what they say in the first rows.
     fn find_qualities(&mut self, named: &[String]) -> Result<(), ReadError> {
         if self.signals.is_some() {
@@ -199,7 +226,7 @@ impl SourceFile {
         let mut found = Qualities::find(&self.written, named);
         if !found.is_empty() {
             first_rows(JUDGING, |row| found.see(row), |each| self.timed(each))?;
-            found.forget_unknown();
+            self.all_bad = found.forget_unknown();
         }
         self.qualities = found;
         Ok(())

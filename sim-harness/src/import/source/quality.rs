@@ -33,6 +33,8 @@ pub struct Quality {
     codes: [usize; 2],
     flags: [usize; 2],
     good_words: usize,
+    /// Rows that call their value bad by a word, or by a 0 under a name of flags; and those that say something else.
+    bad: [usize; 2],
 }
 
 /// Most of these numbers are good: where they are not, they mean something else, or the other way round.
@@ -49,12 +51,17 @@ impl Quality {
     pub fn new(column: usize, header: &Header) -> Self {
         let name = plain(&header.written);
         let may_be_flag = name.split(' ').any(|word| OF_FLAGS.split('|').any(|flag| flag == word));
-        Self { column, may_be_flag, codes: [0; 2], flags: [0; 2], good_words: 0 }
+        Self { column, may_be_flag, codes: [0; 2], flags: [0; 2], good_words: 0, bad: [0; 2] }
     }
 
     /// Rows have shown what is good.
     pub fn is_known(&self) -> bool {
         are_marks(self.codes) || are_marks(self.flags) || self.has_words()
+    }
+
+    /// Each row calls its value bad: whether that means what it says nothing shows.
+    pub const fn calls_all_bad(&self) -> bool {
+        self.bad[0] > 0 && self.bad[1] == 0
     }
 
     const fn has_words(&self) -> bool {
@@ -71,8 +78,14 @@ impl Quality {
             (Some(code), _) => {
                 count(&mut self.codes, code >= GOOD_CODE, code < GOOD_CODE);
                 count(&mut self.flags, self.may_be_flag && code == 1.0, code != 1.0);
+                let is_bad = self.may_be_flag && code == 0.0;
+                count(&mut self.bad, is_bad, !is_bad);
             }
-            (None, Some(text)) => self.good_words += usize::from(is_one_of(GOOD_WORDS, &text)),
+            (None, Some(text)) => {
+                self.good_words += usize::from(is_one_of(GOOD_WORDS, &text));
+                let is_bad = is_one_of(BAD_WORDS, &text);
+                count(&mut self.bad, is_bad, !is_bad);
+            }
             (None, None) => {}
         }
     }
@@ -151,8 +164,12 @@ impl Qualities {
         self.0.iter_mut().for_each(|(quality, _)| quality.see(row));
     }
 
-    pub fn forget_unknown(&mut self) {
+    /// Keeps those that are known. With columns of which each row calls its value bad.
+    pub fn forget_unknown(&mut self) -> Vec<usize> {
+        let all_bad = self.0.iter().filter(|(quality, _)| quality.calls_all_bad()).map(|(quality, _)| quality.column);
+        let all_bad = all_bad.collect();
         self.0.retain(|(quality, _)| quality.is_known());
+        all_bad
     }
 
     pub fn columns(&self) -> impl Iterator<Item = usize> {

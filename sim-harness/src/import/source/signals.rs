@@ -42,6 +42,8 @@ pub struct Signals {
     pub mixed: Option<(String, usize, usize)>,
     /// Names of columns that are not used.
     pub unused: Vec<String>,
+    /// A column that calls each value bad.
+    pub all_bad: Option<usize>,
 }
 
 /// A signal that is read.
@@ -190,6 +192,7 @@ impl SignalColumns {
         })?;
         let is_measured = seen.is_measured;
         self.unit = self.unit.filter(|_| is_measured);
+        let all_bad = self.quality.as_ref().filter(|quality| quality.calls_all_bad()).map(|quality| quality.column);
         self.quality = self.quality.filter(Quality::is_known);
         let mut seen = seen.all;
         if seen.len() < 2 || seen.len() > MOST_SIGNALS {
@@ -234,7 +237,8 @@ impl SignalColumns {
         };
         let read = seen.into_iter().zip(&columns).map(of_signal).collect();
         let headers = shared.iter().map(|shared| headers[*shared].clone()).chain(columns).collect();
-        let signals = Signals { columns: self, shared, vehicle, index, read, count, are_blocks, mixed, unused };
+        let signals =
+            Signals { columns: self, shared, vehicle, index, read, count, are_blocks, mixed, unused, all_bad };
         Ok(Some((signals, headers)))
     }
 }
