@@ -43,6 +43,8 @@ pub struct FlashSilicon {
     pub fails: Option<(u32, u32)>,
     /// Flags that are set again by each operation, and never go.
     pub stuck_flags: u32,
+    /// Two bits of the double word with this byte are uncertain, though it reads right.
+    pub uncertain: Option<u32>,
     /// Accesses to registers and double words so far. Reading changes nothing: a cut there is one at the next access.
     pub accesses: u64,
     /// What the reference manual forbids, in the order that it was done.
@@ -67,6 +69,7 @@ impl FlashSilicon {
             busy_polls: 3,
             fails: None,
             stuck_flags: 0,
+            uncertain: None,
             accesses: 0,
             violations: Vec::new(),
         }
@@ -236,7 +239,8 @@ impl FlashController for FlashSilicon {
             return byte;
         }
         let mut byte = [0xAA];
-        if self.flash.read(offset, &mut byte).is_err() {
+        let is_uncertain = self.uncertain.is_some_and(|at| at / WORD as u32 == offset / WORD as u32);
+        if self.flash.read(offset, &mut byte).is_err() || is_uncertain {
             self.double_bit_errors += 1;
         } else if cached {
             self.cache[offset as usize] = Some(byte[0]);

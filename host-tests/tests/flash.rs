@@ -65,6 +65,14 @@ fn one_failed_operation_does_not_refuse_the_next() {
 }
 
 #[test]
+fn a_word_that_reads_right_once_is_not_taken_for_written() {
+    let mut driver = erased();
+    driver.controller().uncertain = Some(35);
+    assert_eq!(driver.write(0, &[7; 64]), Err(FlashError::ReadBack));
+    assert_eq!(driver.write(64, &[7; 64]), Ok(()));
+}
+
+#[test]
 fn a_flag_that_never_goes_is_named_and_what_was_stored_stays() {
     let mut store = Ring::mount(erased()).unwrap();
     store.append(identity(), &payload(1)).unwrap();

@@ -21,7 +21,7 @@ mod serial;
 #[cfg(feature = "emulator")]
 use super::ram_flash::{self, Flash};
 use super::{kept_ram, stopwatch};
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 use device::{IWDG, Peripherals};
@@ -114,6 +114,8 @@ impl Watchdog for DogTimer {
     }
 }
 
+/// Only set while a byte of the records is read.
+static RECORDS_ARE_READ: AtomicBool = AtomicBool::new(false);
 /// Double-bit errors that the flash has reported.
 static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
 
@@ -134,9 +136,11 @@ unsafe fn NonMaskableInt() {
     let flash = unsafe { &*device::FLASH::ptr() };
     let pages = |first: *const u8, bytes: usize| first as u32..first as u32 + bytes as u32;
     let written = [pages(&raw const _records, RECORDS), pages(&raw const _key, PAGE)];
-    match double_bit_error(flash.eccr().read().bits(), &written) {
+    match double_bit_error(flash.eccr().read().bits(), &written, RECORDS_ARE_READ.load(Ordering::Relaxed)) {
         DoubleBitError::Torn => {
             flash.eccr().modify(|_, w| w.eccd().set_bit());
+            // Cleared before this ends, or it comes again at once.
+            cortex_m::asm::dsb();
             let count = FLASH_ERRORS.load(Ordering::Relaxed).saturating_add(1);
             FLASH_ERRORS.store(count, Ordering::Relaxed);
         }

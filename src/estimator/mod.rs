@@ -1,5 +1,5 @@
-//! The tick: measurement -> plausibility -> [`modes`]: kinematics -> effort -> regime -> learning (ukf) -> features. Only
-//! these two files know the order.
+//! The tick: measurement -> plausibility -> [`modes`]: kinematics -> effort -> regime -> learning (ukf) -> features.
+//! Only these two files know the order.
 //!
 //! What is set once ([`Estimator`]: configuration, train, track) comes by `&`, what changes every tick ([`RunState`])
 //! by `&mut`. The board, the replay and the tests run the same [`Estimator::step`].

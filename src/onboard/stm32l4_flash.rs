@@ -75,6 +75,8 @@ mod ecc {
     pub const OFFSET: u32 = 0xF_FFFF;
     /// It is in the system memory.
     pub const SYSTEM: u32 = 1 << 20;
+    /// One bit of a word was wrong before, and was put right: the address is that of it, and stays.
+    pub const CORRECTED: u32 = 1 << 30;
     /// Two bits of a word were wrong; cleared by writing 1.
     pub const DETECTED: u32 = 1 << 31;
 }
@@ -92,15 +94,15 @@ pub enum DoubleBitError {
 }
 
 /// What FLASH_ECCR reports, in the non-maskable interrupt; `written` are the addresses of the pages that are written
-/// and checked.
-pub fn double_bit_error(register: u32, written: &[Range<u32>]) -> DoubleBitError {
+/// and checked, `are_read`: the records are being read just now.
+pub fn double_bit_error(register: u32, written: &[Range<u32>], are_read: bool) -> DoubleBitError {
     let at = FLASH + (register & ecc::OFFSET);
     let reported = register & (ecc::DETECTED | ecc::SYSTEM) == ecc::DETECTED;
-    if reported && written.iter().any(|pages| pages.contains(&at)) {
-        DoubleBitError::Torn
-    } else {
-        DoubleBitError::Damage(at)
-    }
+    let is_written = match register & ecc::CORRECTED {
+        0 => reported && written.iter().any(|pages| pages.contains(&at)),
+        _ => register & ecc::DETECTED != 0 && are_read,
+    };
+    if is_written { DoubleBitError::Torn } else { DoubleBitError::Damage(at) }
 }
 
 /// The four registers that the sequence touches.
@@ -232,10 +234,11 @@ impl<C: FlashController> Stm32l4Flash<C> {
         self.outcome()
     }
 
+    /// A word of which two bits are uncertain is not written, though it may read right.
     fn reads(&mut self, from: u32, mut bytes: impl Iterator<Item = u8>) -> Result<(), FlashError> {
-        let mut places = from..;
+        let (mut places, before) = (from.., self.controller.double_bit_errors());
         let same = bytes.all(|byte| places.next().is_some_and(|offset| self.controller.byte(offset) == byte));
-        if same { Ok(()) } else { Err(FlashError::ReadBack) }
+        if same && self.controller.double_bit_errors() == before { Ok(()) } else { Err(FlashError::ReadBack) }
     }
 }
 
@@ -294,7 +297,7 @@ mod tests {
     fn only_a_word_of_the_records_or_the_key_may_be_torn() {
         let written = [0x080F_0000..0x080F_4000, 0x080F_F800..0x0810_0000];
         let (detected, bank_2, system) = (1 << 31, 1 << 19, 1 << 20);
-        let asked = |register| double_bit_error(register, &written);
+        let asked = |register| double_bit_error(register, &written, false);
         for offset in [0x7_0000, 0x7_3FF8, 0x7_F800, 0x7_FFF8] {
             assert_eq!(asked(detected | bank_2 | offset), DoubleBitError::Torn, "{offset:#x}");
             // The same place in the bank of the program, in the system memory, and where nothing is reported.
@@ -305,5 +308,19 @@ mod tests {
         for offset in [0, 0x6_FFF8, 0x7_4000, 0x7_F7F8] {
             assert_eq!(asked(detected | bank_2 | offset), DoubleBitError::Damage(0x0808_0000 + offset));
         }
+    }
+
+    #[test]
+    fn beside_a_bit_that_was_put_right_the_address_is_not_believed() {
+        let records = 0x080F_0000..0x080F_4000;
+        let both = 1 << 31 | 1 << 30;
+        for at in [0x1230, 0xF_0000] {
+            for are_read in [true, false] {
+                let found = double_bit_error(both | at, core::slice::from_ref(&records), are_read);
+                assert_eq!(found == DoubleBitError::Torn, are_read, "{at:#x}");
+            }
+        }
+        let corrected = double_bit_error(1 << 30 | 0xF_0000, &[records], true);
+        assert!(matches!(corrected, DoubleBitError::Damage(_)), "no word of which two bits are wrong");
     }
 }

@@ -308,22 +308,27 @@ impl Vehicle {
             slope *= kept;
         }
         let mut next = *self;
-        let mut log_weights = [0.0; SCALES.len()];
+        let mut exponents = [0.0; SCALES.len()];
         let mut slopes = [slope; SCALES.len()];
-        for ((hypothesis, log_weight), slope) in next.hypotheses.iter_mut().zip(&mut log_weights).zip(&mut slopes) {
+        for ((hypothesis, exponent), slope) in next.hypotheses.iter_mut().zip(&mut exponents).zip(&mut slopes) {
             hypothesis.vehicle.covariance += drift;
             hypothesis.vehicle.mean += *slope * moved;
             let deviation = config.deviation(&self.nominal, hypothesis.scale);
-            let Some(evidence) = hypothesis.learn(&deviation, &said, slope) else {
+            let Some(found) = hypothesis.learn(&deviation, &said, slope) else {
                 return;
             };
-            *log_weight = libm::log(hypothesis.weight) + evidence;
+            *exponent = found;
         }
-        let largest = log_weights.iter().copied().fold(Real::MIN, Real::max);
+        let most = exponents.iter().copied().fold(Real::MIN, Real::max);
+        let mut largest = 0.0;
+        for (hypothesis, exponent) in next.hypotheses.iter_mut().zip(exponents) {
+            hypothesis.weight *= libm::exp(exponent - most);
+            largest = hypothesis.weight.max(largest);
+        }
         let mut sum = 0.0;
-        for (hypothesis, log_weight) in next.hypotheses.iter_mut().zip(log_weights) {
+        for hypothesis in &mut next.hypotheses {
             // A scale is never given up for good: winds change with the seasons.
-            hypothesis.weight = libm::exp(log_weight - largest).max(1e-3);
+            hypothesis.weight = (hypothesis.weight / largest).max(1e-3);
             sum += hypothesis.weight;
         }
         let mut slope = Vector3::zeros();
@@ -422,7 +427,8 @@ impl Hypothesis {
     }
 
     /// Takes up a likelihood exp(-½ rᵀΛr + ηᵀr) of a run whose train is the vehicle plus a deviation. `slope`: how the
-    /// vehicle moves with the gain of the column. Returns the logarithm of how well it was foreseen.
+    /// vehicle moves with the gain of the column. How well the run was foreseen is the new weight over the old one,
+    /// times e to the power of what is returned.
     fn learn(&mut self, deviation: &Gaussian<3>, said: &Said, slope: &mut Vector3<Real>) -> Option<Real> {
         let Said { information, vector, by_gain } = said;
         let one = Matrix3::identity();
@@ -431,10 +437,8 @@ impl Hypothesis {
         let eta = vector - information * mean;
         let foreseen = one + information * of_run.covariance;
         let gain = of_run.covariance * inverse(&foreseen)?;
-        let evidence = -0.5 * libm::log(foreseen.determinant().max(Real::MIN_POSITIVE))
-            + 0.5 * eta.dot(&(gain * eta))
-            + vector.dot(&mean)
-            - 0.5 * mean.dot(&(information * mean));
+        self.weight /= crate::roots::square_root(foreseen.determinant().max(Real::MIN_POSITIVE));
+        let exponent = 0.5 * eta.dot(&(gain * eta)) + vector.dot(&mean) - 0.5 * mean.dot(&(information * mean));
 
         // What is left of the run's information once its own deviation is integrated out.
         let blurred = inverse(&(one + information * deviation.covariance))?;
@@ -450,7 +454,7 @@ impl Hypothesis {
             mean: self.vehicle.mean + covariance * (blurred * eta),
             covariance: (covariance + covariance.transpose()) * 0.5,
         };
-        Some(evidence)
+        Some(exponent)
     }
 }
 

@@ -5,7 +5,7 @@
 //!
 //! | input | behaviour |
 //! |---|---|
-//! | time equal (by less than [`SOONEST_S`]) or back, beyond [`FAR_S`], or no time at all (beyond [`LATEST_S`]) | the measurement is dropped and counted; three in a row that agree with each other are believed: the clock was set, location and speed are initialised again (old rows that come late lie behind the train, and must be four times as many, unless they go on from before a pause behind which there is one row only) |
+//! | time equal (by less than [`SOONEST_S`]) or back, beyond [`FAR_S`], or no time at all (beyond [`LATEST_S`]) | the measurement is dropped and counted; three in a row that agree with each other are believed: the clock was set, location and speed are initialised again (old rows that come late lie behind the train, and must be four times as many, unless they go on from before a pause behind which there is one row only); the same row again, and a late one of that clock, change nothing, nor do rows of one other clock between them |
 //! | no measurement for more than `long_gap_s` | location and speed begin again, what was learned stays |
 //! | not finite, negative, off the track, faster than any train | the field is dropped, the other one is used |
 //! | location far from where the speed leads | dropped; three in a row that agree with each other are believed, counted as `Contradiction` |
@@ -27,13 +27,13 @@ use crate::tick::sensor::SensorConfig;
 const DESCENT_N_PER_KG: Real = 0.3;
 
 /// A time that is further ahead is not believed by itself, s.
-pub const FAR_S: Real = 86_400.0;
+pub const FAR_S: f32 = 86_400.0;
 /// A time that is further from zero is none, s: the last bit is half of [`SOONEST_S`], and a clock of ms since 1970
 /// shows less until 2096.
 pub const LATEST_S: Real = 4e12;
 /// A time that is less ahead is the same time, s: no sensor reads so often, and a change of speed over less is no
 /// acceleration.
-pub const SOONEST_S: Real = 1e-3;
+pub const SOONEST_S: f32 = 1e-3;
 /// So many times more must agree where they lie behind the train: rows that come late do, a clock that was set does
 /// not.
 const BEHIND: u32 = 4;
@@ -84,15 +84,36 @@ pub struct Judged {
     pub shifted: bool,
 }
 
+/// A clock that rows show which are not believed.
+#[derive(Clone, Copy, Debug, Default)]
+struct RejectedClock {
+    /// Of its last row, s.
+    time_s: Real,
+    /// How many rows in a row agree.
+    agreeing: u32,
+}
+
+impl RejectedClock {
+    const NONE: Self = Self { time_s: 0.0, agreeing: 0 };
+
+    fn ahead_s(&self, time_s: Real) -> f32 {
+        ahead_s(self.time_s, time_s)
+    }
+}
+
+plain! {
+    struct RejectedClock { time_s, agreeing }
+}
+
 /// What must be remembered to judge the next measurement.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Plausibility {
     last_time_s: Option<Real>,
     /// What a clock that was set has to be put forward by to go on from the old one, s.
     shift_s: Real,
-    /// Last rejected time, and how many in a row agree. Where a single row stands behind a pause: the time before the
-    /// pause, for one that goes on from it agrees with all before that row.
-    rejected_time: Option<(Real, u32)>,
+    /// Clocks that are not believed, the one first that a row has shown last. Where a single row stands behind a pause
+    /// one of them is that of the rows before the pause; and the clock that was left is one.
+    rejected: [RejectedClock; 2],
     /// Last believed speed, and for how long it has been carried on.
     speed: Option<(Real, Real)>,
     /// Where the train should be by now.
@@ -118,7 +139,7 @@ plain! {
     struct Plausibility {
         last_time_s,
         shift_s,
-        rejected_time,
+        rejected,
         speed,
         expected_m,
         since_location_m,
@@ -137,7 +158,7 @@ impl Plausibility {
     pub(crate) const ZEROED: Self = Self {
         last_time_s: None,
         shift_s: 0.0,
-        rejected_time: None,
+        rejected: [RejectedClock::NONE; 2],
         speed: None,
         expected_m: None,
         since_location_m: 0.0,
@@ -217,36 +238,86 @@ impl Plausibility {
         if !is_time(time_s) {
             return Err(self.last_time_s);
         }
-        let gap_s = self.last_time_s.map(|last_s| time_s - last_s);
-        let usual = self.last_time_s.is_none_or(|last_s| follows(last_s, time_s, FAR_S));
-        if let Some(last_s) = self.last_time_s.filter(|_| !usual) {
-            let agreeing = match self.rejected_time {
-                Some((rejected_s, count)) if follows(rejected_s, time_s, config.long_gap_s) => count.saturating_add(1),
-                _ => 1,
-            };
-            self.rejected_time = Some((time_s, agreeing));
-            let ahead_m = measurement.location_m.zip(self.raw_location_m);
-            let ahead_m = ahead_m.map_or(0.0, |(now_m, last_m)| direction.sign() * (now_m - last_m));
-            let behind = ahead_m < -BEHIND_SHARE * config.location_jump_m;
-            let needed =
-                if behind || agreeing > before_pause(config) { BEHIND * config.agreeing } else { config.agreeing };
-            if agreeing < needed {
-                return Err(self.last_time_s);
-            }
-            // As after a long gap.
-            let steady_s = last_s + self.shift_s + config.long_gap_s;
-            *self = Self { shift_s: steady_s - time_s, ..Self::default() };
+        let order = self.order(config, time_s);
+        let Some(last_s) = self.last_time_s else {
             self.last_time_s = Some(time_s);
             return Ok((0.0, true));
+        };
+        let [newest, other] = &mut self.rejected;
+        match order {
+            Order::Next => {
+                // Only rows one after the other agree.
+                (newest.agreeing, other.agreeing) = (0, 0);
+                self.last_time_s = Some(time_s);
+                return Ok((time_s - last_s, false));
+            }
+            Order::Pause => {
+                // `agreeing` rows that go on from before it are believed, wherever they lie.
+                self.begin_again(time_s, self.shift_s, before_pause(config));
+                return Ok((0.0, true));
+            }
+            Order::Same => return Err(Some(last_s)),
+            Order::Agreeing | Order::Other => {}
         }
-        let begins = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
-        if begins {
-            *self = Self { shift_s: self.shift_s, last_time_s: self.last_time_s, ..Self::default() };
+        // One that comes late is of the clock, too.
+        let is_of = |clock: &RejectedClock| clock.ahead_s(time_s).abs() <= config.long_gap_s as f32;
+        if !is_of(newest) {
+            if !is_of(other) {
+                *other = RejectedClock { time_s, agreeing: 0 };
+            }
+            core::mem::swap(newest, other);
         }
-        // `agreeing` of those that go on from before the pause are believed, wherever they lie.
-        self.rejected_time = self.last_time_s.filter(|_| begins).map(|last_s| (last_s, before_pause(config)));
+        if newest.agreeing > 0 && order == Order::Other {
+            return Err(Some(last_s));
+        }
+        newest.time_s = time_s;
+        newest.agreeing = newest.agreeing.saturating_add(1);
+        let agreeing = newest.agreeing;
+        let ahead_m = measurement.location_m.zip(self.raw_location_m);
+        let ahead_m = ahead_m.map_or(0.0, |(now_m, last_m)| direction.sign() * (now_m - last_m));
+        let behind = ahead_m < -BEHIND_SHARE * config.location_jump_m;
+        let needed = if behind || agreeing > before_pause(config) { BEHIND * config.agreeing } else { config.agreeing };
+        if agreeing < needed {
+            return Err(Some(last_s));
+        }
+        // As after a long gap.
+        let steady_s = last_s + self.shift_s + config.long_gap_s;
+        self.begin_again(time_s, steady_s - time_s, 0);
+        Ok((0.0, true))
+    }
+
+    /// How a time lies to those before.
+    #[inline(never)]
+    pub(crate) fn order(&self, config: &PlausibilityConfig, time_s: Real) -> Order {
+        let Some(last_s) = self.last_time_s else {
+            return Order::Next;
+        };
+        let (ahead_s, long_gap_s) = (ahead_s(last_s, time_s), config.long_gap_s as f32);
+        if (SOONEST_S..=long_gap_s).contains(&ahead_s) {
+            return Order::Next;
+        }
+        let mut order = if ahead_s > 0.0 && ahead_s <= FAR_S { Order::Pause } else { Order::Other };
+        let mut is_same = ahead_s.abs() < SOONEST_S;
+        for clock in &self.rejected {
+            let ahead_s = clock.ahead_s(time_s);
+            is_same |= clock.agreeing > 0 && ahead_s.abs() < SOONEST_S;
+            if ahead_s.abs() <= long_gap_s {
+                order = if ahead_s > 0.0 || order == Order::Agreeing { Order::Agreeing } else { Order::Other };
+            }
+        }
+        if is_same { Order::Same } else { order }
+    }
+
+    /// Location and speed begin, by a clock that the steady one is ahead of by `shift_s`. For how many rows those count
+    /// that go on from the last one.
+    #[inline(never)]
+    fn begin_again(&mut self, time_s: Real, shift_s: Real, agreeing: u32) {
+        let [newest, _] = self.rejected;
+        let left = RejectedClock { time_s: self.last_time_s.unwrap_or_default(), agreeing };
+        *self = Self::ZEROED;
+        self.shift_s = shift_s;
         self.last_time_s = Some(time_s);
-        Ok((gap_s.filter(|_| !begins).unwrap_or(0.0), begins))
+        self.rejected = [left, RejectedClock { agreeing: 0, ..newest }];
     }
 
     fn judge_speed(
@@ -373,12 +444,33 @@ pub(crate) fn is_time(time_s: Real) -> bool {
 
 /// A time that is refused for being none or too far ahead, and not for coming too early.
 pub(crate) fn is_out_of_range(last_s: Option<Real>, time_s: Real) -> bool {
-    !is_time(time_s) || last_s.is_some_and(|last_s| time_s - last_s > FAR_S)
+    !is_time(time_s) || last_s.is_some_and(|last_s| ahead_s(last_s, time_s) > FAR_S)
 }
 
-/// One time comes after the other, and not by much.
-pub(crate) fn follows(before_s: Real, time_s: Real, longest_s: Real) -> bool {
-    (SOONEST_S..=longest_s).contains(&(time_s - before_s))
+/// How a time lies to those before; the later the variant, the better it goes on from them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Order {
+    /// It is that of the last tick, or of a row that was not believed.
+    Same,
+    /// It lies before the last tick, or more than [`FAR_S`] after it.
+    Other,
+    /// The same, and it goes on from rows that were not believed.
+    Agreeing,
+    /// It comes after a pause.
+    Pause,
+    /// It is the next one.
+    Next,
+}
+
+/// One time comes after the other, and not by too much.
+pub(crate) fn is_later(before_s: Real, time_s: Real) -> bool {
+    (SOONEST_S..=FAR_S).contains(&ahead_s(before_s, time_s))
+}
+
+/// In single precision, which the board compares at once.
+#[inline(never)]
+fn ahead_s(before_s: Real, time_s: Real) -> f32 {
+    (time_s - before_s) as f32
 }
 
 #[cfg(test)]

@@ -80,6 +80,59 @@ fn a_wrong_clock_costs_a_few_ticks_by_the_clock() {
     }
 }
 
+/// What comes beside each row once its clock has been set: how far, and times by that of the row.
+type Beside = (&'static str, f64, fn(f64) -> Vec<f64>);
+const BESIDE: [Beside; 8] = [
+    ("twice", -3600.0, |time_s| vec![time_s; 2]),
+    ("three times", -3600.0, |time_s| vec![time_s; 3]),
+    ("twice, a week ahead", 604_800.0, |time_s| vec![time_s; 2]),
+    ("a second source that is late", -3600.0, |time_s| vec![time_s, time_s - 3.0]),
+    ("a second source that is late, a week ahead", 604_800.0, |time_s| vec![time_s, time_s - 3.0]),
+    ("one far back", -3600.0, |time_s| vec![time_s, -1e6]),
+    ("one far ahead", -3600.0, |time_s| vec![time_s, 1e9]),
+    ("the same one within the next day, by the right clock", 0.0, |time_s| vec![time_s, 50_000.0]),
+];
+
+#[test]
+fn rows_that_come_twice_late_or_wrong_keep_no_clock_from_being_believed() {
+    for pace in [Pace::Lockstep, Pace::Clock] {
+        for (name, set_s, beside) in BESIDE {
+            let (mut board, _, log) = running(described());
+            board.ask(Request::Command(Command::Pace(pace))).unwrap();
+            let (mut lost, mut last) = (0, 0);
+            for (k, measurement) in log.iter().enumerate() {
+                let time_s = measurement.time_s + if k < log.len() / 2 { 0.0 } else { set_s };
+                let times = if k < log.len() / 2 { vec![time_s] } else { beside(time_s) };
+                let mut frames: Vec<_> =
+                    times.iter().flat_map(|&time_s| board.measure(&Measurement { time_s, ..*measurement })).collect();
+                if pace == Pace::Clock {
+                    frames.extend(board.tick());
+                }
+                let is_right = estimate(&frames).is_some_and(|said| said.time_s == time_s);
+                lost += usize::from(!is_right);
+                last = if is_right { last } else { k };
+            }
+            assert!(lost <= 4 && last < log.len() / 2 + 8, "{name}, {pace:?}: {lost}, the last at {last}");
+        }
+    }
+}
+
+#[test]
+fn a_first_time_that_is_wrong_each_time_costs_the_first_ticks() {
+    for first in [true, false] {
+        let (mut board, _, log) = running(described());
+        board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
+        let mut right = 0;
+        for measurement in &log {
+            let wrong = Measurement { time_s: 4e12, ..*measurement };
+            let rows = if first { [wrong, *measurement] } else { [*measurement, wrong] };
+            rows.iter().for_each(|row| drop(board.measure(row)));
+            right += usize::from(estimate(&board.tick()).is_some_and(|said| said.time_s == measurement.time_s));
+        }
+        assert!(log.len() - right <= 3, "{first}: {right} of {}", log.len());
+    }
+}
+
 /// A run by another clock from its beginning: its estimates, and the reasons of what was refused.
 fn by_clock(clock: fn(f64) -> f64) -> (Vec<Estimated>, Vec<Refusal>, Board) {
     let (mut board, _, log) = running(described());

@@ -98,7 +98,7 @@ pub fn investigate(
     hold_out: Option<usize>,
     mut progress: impl FnMut(&str),
 ) -> Result<Option<Investigation>, EffectError> {
-    let Some(Explained { findings, mut named, candidates, nuisances, runs, effort }) =
+    let Some(Unjudged { findings, mut named, candidates, nuisances, runs, effort }) =
         explained(given, runs, &mut progress)
     else {
         return Ok(None);
@@ -157,7 +157,7 @@ pub fn investigate(
 }
 
 /// What all runs show, before it is judged.
-struct Explained {
+struct Unjudged {
     findings: Findings,
     named: Vec<Named>,
     candidates: Vec<Named>,
@@ -168,7 +168,7 @@ struct Explained {
 }
 
 /// Puts the readings of the runs right, and names what explains them. `None`: no run has enough to analyse.
-fn explained(given: &Context<'_>, runs: &[Run], progress: &mut impl FnMut(&str)) -> Option<Explained> {
+fn explained(given: &Context<'_>, runs: &[Run], progress: &mut impl FnMut(&str)) -> Option<Unjudged> {
     let config = given.config;
     progress("wheels: each run against the others");
     let (sure_wheels, doubted_wheels): (Vec<Wheel>, Vec<Wheel>) =
@@ -198,7 +198,7 @@ fn explained(given: &Context<'_>, runs: &[Run], progress: &mut impl FnMut(&str))
     beside(&mut nuisances, &named, findings.gain_may_be_mass || of_a_unit);
     nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let effort = readings.effort.reading;
-    Some(Explained { findings, named, candidates, nuisances, runs, effort })
+    Some(Unjudged { findings, named, candidates, nuisances, runs, effort })
 }
 
 /// Most of the runs give the name as well; a wheel of single runs is found before.

@@ -1,7 +1,7 @@
 //! RCC and the flash's wait states, as steps of `rundown::onboard::clock`.
 
 use super::device::{FLASH, RCC};
-use rundown::onboard::clock::ClockTree;
+use rundown::onboard::clock::{ClockTree, bounded};
 
 /// Wait states for 80 MHz in voltage range 1, the range after reset.
 const WAIT_STATES: u8 = 4;
@@ -60,6 +60,11 @@ impl ClockTree for Tree<'_> {
     fn back_to_slow(&mut self) {
         // SAFETY: one of the four sources.
         self.rcc.cfgr().modify(|_, w| unsafe { w.sw().bits(MSI) });
+        // How long the flash may take is judged by its wait states, which the slow clock needs none of.
+        if bounded(|| self.rcc.cfgr().read().sws().bits() == MSI).is_some() {
+            // SAFETY: no wait state is one of the five that exist.
+            self.flash.acr().modify(|_, w| unsafe { w.latency().bits(0) });
+        }
         self.rcc.cr().modify(|_, w| w.pllon().clear_bit());
     }
 }

@@ -1,7 +1,8 @@
 //! Registers and pages of the flash; the sequence is in `rundown::onboard::stm32l4_flash`.
 
-use super::L475;
 use super::device::FLASH;
+use super::{L475, RECORDS_ARE_READ};
+use core::sync::atomic::Ordering;
 use rundown::onboard::board::Board;
 use rundown::onboard::stm32l4_flash::{FlashController, FlashRegister, PAGE, Stm32l4Flash};
 
@@ -65,8 +66,11 @@ impl FlashController for Controller {
     }
 
     fn byte(&mut self, offset: u32) -> u8 {
+        RECORDS_ARE_READ.store(true, Ordering::SeqCst);
         // SAFETY: within the records, which the sequence has checked; volatile, because the controller changes it.
-        unsafe { Self::base().add(offset as usize).read_volatile() }
+        let byte = unsafe { Self::base().add(offset as usize).read_volatile() };
+        RECORDS_ARE_READ.store(false, Ordering::SeqCst);
+        byte
     }
 
     fn first_page(&self) -> u32 {

@@ -26,7 +26,8 @@ impl<'a, F: NorFlash, K: KeySource> Task<'a, F, K> {
         run.reset();
         let estimator = Estimator::undescribed(&mut room.track, &mut room.effects);
         let vehicle = estimator.new_vehicle();
-        let mut store = Store::mount(flash).ok();
+        // What is in the flash may be why it fell.
+        let mut store = if heartbeat_only { None } else { Store::mount(flash).ok() };
         let train = keys.provisioning().map(|provisioning| provisioning.train);
         let epoch = match (&mut store, train) {
             (Some(store), Ok(train)) => next_epoch(store, train),

@@ -43,7 +43,7 @@ use crate::tick::digest;
 use crate::tick::estimate::Estimate;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::Vehicle;
-use crate::tick::plausibility::{FAR_S, follows, is_out_of_range, is_time};
+use crate::tick::plausibility::{Order, is_later, is_out_of_range, is_time};
 use crate::tick::published::Published;
 use crate::uplink::{self, Command, Pace, Request, Uplink};
 use embedded_storage::nor_flash::NorFlash;
@@ -59,6 +59,8 @@ pub const DATA_ID: u16 = 1;
 
 /// Standing for as long as this ends a run, s: the stop at a terminus, and longer than any on the way.
 const LONG_STOP_S: Real = 300.0;
+/// A longer step between two rows ends none by itself, s.
+const LONGEST_STEP_S: Real = 0.5 * LONG_STOP_S;
 /// Slower than this the train has not yet run, m/s.
 const MOVING_MPS: Real = 3.0;
 
@@ -288,6 +290,8 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
                 Some(false) => Err(refused(Refusal::NotSecured)),
                 None => Err(refused(Refusal::Malformed)),
             },
+            // Without the store it has no epoch to check it by.
+            uplink::SECURED if self.heartbeat_only => Err(refused(Refusal::HeartbeatOnly)),
             uplink::SECURED => match self.verifier.open(DATA_ID, message) {
                 Ok(checked) => Ok((Origin::Authentic, checked.get(2..).unwrap_or_default())),
                 Err(error) => Err((Origin::Unproven, refusal_of(error))),
@@ -305,13 +309,10 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
             return Err(Refusal::NotRunning);
         }
         if self.pace == Pace::Clock {
-            // A time that does not follow the last one waits only where none does that follows: the estimator judges it
-            // at the tick.
-            let waits = self.newest.filter(|newest| self.follows(newest.time_s));
-            let displaces =
-                |newest: Measurement| measurement.time_s > newest.time_s && self.follows(measurement.time_s);
-            if !is_time(measurement.time_s) || waits.is_some_and(|newest| !displaces(newest)) {
-                let out_of_range = is_out_of_range(self.last_time_s, measurement.time_s);
+            let (last_s, time_s) = (self.last_time_s, measurement.time_s);
+            let is_better = |waiting: Measurement| self.comes_before(time_s, waiting.time_s);
+            if !is_time(time_s) || self.newest.is_some_and(|waiting| !is_better(waiting)) {
+                let out_of_range = is_out_of_range(last_s, time_s);
                 return Err(if out_of_range { Refusal::OutOfRange } else { Refusal::TimeNotIncreasing });
             }
         }
@@ -319,9 +320,15 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         Ok(())
     }
 
-    /// Whether a time comes after that of the last tick, and not by too much.
-    fn follows(&self, time_s: Real) -> bool {
-        self.last_time_s.is_none_or(|last_s| follows(last_s, time_s, FAR_S))
+    /// Whether a measurement of this time takes the place of one that waits: it goes on better from those before, or is
+    /// newer; of two that no clock shows the one that came last waits, which the estimator judges.
+    fn comes_before(&self, time_s: Real, waiting_s: Real) -> bool {
+        let (now, before) = (self.order(time_s), self.order(waiting_s));
+        now > before || now == before && (now == Order::Other || is_later(waiting_s, time_s))
+    }
+
+    fn order(&self, time_s: Real) -> Order {
+        self.run.plausibility.order(&self.estimator.config().plausibility, time_s)
     }
 
     /// The estimate of the newest measurement.
@@ -331,11 +338,16 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         let Some(measurement) = self.newest.take() else {
             return Ok(());
         };
+        let is_set = self.order(measurement.time_s) < Order::Pause;
         let (estimate, taken) = self.estimator.estimate(self.run, &measurement).map_err(|error| match error {
             StepError::TimeNotIncreasing { .. } => Refusal::TimeNotIncreasing,
             StepError::TimeOutOfRange { .. } => Refusal::OutOfRange,
         })?;
         (self.estimate, self.taken) = (Some(estimate), taken);
+        // Where the clock was set, what came before it says nothing of how long the train has stood.
+        if is_set {
+            self.standing_since_s = None;
+        }
         self.last_time_s = Some(measurement.time_s);
         self.silent_ticks = 0;
         self.tick = self.tick.wrapping_add(1);

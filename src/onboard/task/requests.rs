@@ -1,7 +1,7 @@
 //! What may be asked of the board, and when: the description between runs, commands at any time.
 
 use super::pieces::{Due, Then};
-use super::{LONG_STOP_S, MOVING_MPS, Port, Task};
+use super::{LONG_STOP_S, LONGEST_STEP_S, MOVING_MPS, Port, Task};
 use crate::coast_ahead::Steady;
 use crate::estimator::config::Mode;
 use crate::model::direction::Direction;
@@ -122,10 +122,10 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
             self.standing_since_s = None;
             return false;
         }
-        // A clock that was set back since counts from now on.
-        let since_s = self.standing_since_s.map_or(estimate.time_s, |since_s| since_s.min(estimate.time_s));
-        self.standing_since_s = Some(since_s);
-        self.moved && estimate.time_s - since_s >= LONG_STOP_S
+        let since_s = *self.standing_since_s.get_or_insert(estimate.time_s);
+        // A single row far ahead may have a wrong time: the next one shows it.
+        let goes_on = estimate.dt_s > 0.0 && estimate.dt_s <= LONGEST_STEP_S;
+        goes_on && self.moved && estimate.time_s - since_s >= LONG_STOP_S
     }
 
     #[inline(never)]

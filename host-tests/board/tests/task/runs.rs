@@ -54,3 +54,31 @@ fn a_run_ends_with_the_tick_in_which_the_train_has_stood_for_five_minutes() {
     }
     assert_eq!(ended_s, since_s.map(|since_s| since_s + 300.0));
 }
+
+#[test]
+fn a_wrong_time_at_a_stop_on_the_way_ends_no_run() {
+    type Wrong = fn(usize, f64) -> f64;
+    let clocks: [(&str, Wrong); 5] = [
+        ("one row 290 s ahead", |k, time_s| if k == 0 { time_s + 290.0 } else { time_s }),
+        ("one row 400 s ahead", |k, time_s| if k == 0 { time_s + 400.0 } else { time_s }),
+        ("one row an hour ahead", |k, time_s| if k == 0 { time_s + 3600.0 } else { time_s }),
+        ("an hour back", |_, time_s| time_s - 3600.0),
+        ("a week ahead", |_, time_s| time_s + 604_800.0),
+    ];
+    for (name, clock) in clocks {
+        let (mut board, _, log) = running(described());
+        let last = *log.last().unwrap();
+        let stands = (1..=20).map(|tick| Measurement {
+            time_s: last.time_s + 10.0 * f64::from(tick),
+            speed_mps: Some(0.0),
+            ..last
+        });
+        let rows: Vec<Measurement> = log.iter().copied().chain(stands).collect();
+        for (number, row) in rows.iter().enumerate() {
+            let wrong = number.checked_sub(log.len() + 3);
+            let time_s = wrong.map_or(row.time_s, |since| clock(since, row.time_s));
+            let frames = board.measure(&Measurement { time_s, ..*row });
+            assert!(said!(frames, RunSummary).is_none(), "{name}: at row {number} of {}", rows.len());
+        }
+    }
+}
