@@ -17,8 +17,12 @@ const LEAST_KMH: f64 = 60.0;
 
 fn main() {
     let argument = |i: usize| std::env::args().nth(i);
-    let vehicles = argument(1).and_then(|a| a.parse().ok()).unwrap_or(24);
-    let runs = argument(2).and_then(|a| a.parse().ok()).unwrap_or(10);
+    let number = |i: usize| {
+        argument(i)
+            .map(|text| text.parse::<f64>().unwrap_or_else(|_| panic!("argument {i}: expected a number, found {text}")))
+    };
+    let vehicles = number(1).unwrap_or(24.0) as usize;
+    let runs = number(2).unwrap_or(10.0) as usize;
     let which = argument(3);
     let scales = scales(vehicles);
     let wind = |wind_sd_mps| Scenario { wind_sd_mps, ..Scenario::default() };
@@ -35,7 +39,7 @@ fn main() {
             continue;
         }
         let mut config = Config::default();
-        if let Some(wind_mps) = argument(4).and_then(|a| a.parse().ok()) {
+        if let Some(wind_mps) = number(4) {
             config.coast.wind_change_mps = wind_mps;
         }
         let fleets: Vec<Vec<Judged>> = scales

@@ -280,7 +280,7 @@ impl<'a> Items<'a> {
 
     fn finish(self) -> Kind {
         let Self { walk, outer, kind, count, first } = self;
-        if ["u8", "u32", "f32", "f64"].contains(&kind.as_str()) {
+        if ["u8", "u16", "u32", "u64", "f32", "f64"].contains(&kind.as_str()) {
             let items: Vec<Field> = walk.fields.drain(first..).collect();
             let bytes: Vec<u8> = items.iter().flat_map(|item| item.bytes.clone()).collect();
             let value = match (kind.as_str(), <[u8; 4]>::try_from(&bytes[..])) {

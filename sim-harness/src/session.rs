@@ -55,13 +55,38 @@ pub enum SessionError {
     Link(String),
     #[error("no answer to {to} within {} s: is the board powered, and the line connected both ways?", after.as_secs())]
     Silent { to: &'static str, after: Duration },
-    #[error("the board refused {what}: {}", refusal.as_str())]
+    #[error("the board refused {what}: {}: {}", refusal.as_str(), remedy(*refusal))]
     Refused { what: &'static str, refusal: Refusal },
     /// A message from the board is no frame.
     #[error("{0}")]
     Decode(DecodeError),
     #[error(transparent)]
     Desk(#[from] DeskError),
+}
+
+/// What helps against a refusal.
+const fn remedy(refusal: Refusal) -> &'static str {
+    match refusal {
+        Refusal::Version | Refusal::Malformed => {
+            "board and program are of different versions: flash that of this program"
+        }
+        Refusal::NotSecured => "give the board's `--key`",
+        Refusal::Unprovisioned => "the board has no key: write one to it (`rundown provision`)",
+        Refusal::WrongMac => "give the `--key` that was written to the board",
+        Refusal::Stale => "another program talks to the board, or it has restarted: try again",
+        Refusal::OtherTrain => "give the number of the train for which the board was provisioned",
+        Refusal::OtherTrack => "describe the track before the run",
+        Refusal::OutOfRange => "a value is beyond what WIRE.md allows",
+        Refusal::OutOfOrder => "a part was lost: try again",
+        Refusal::Running => "end the run first",
+        Refusal::NotRunning => "begin a run first",
+        Refusal::NotDescribed => "describe train and track first",
+        Refusal::TimeNotIncreasing => "its time is not after the last one",
+        Refusal::Snapshot => "it is damaged, of another description, or of a run that is over",
+        Refusal::UnknownEffect => "this firmware has no such effect: flash that of this program",
+        Refusal::HeartbeatOnly => "it has crashed too often: take its power away, and read its log",
+        _ => "its firmware is newer than this program",
+    }
 }
 
 /// A board at the other end of a link.

@@ -17,10 +17,10 @@ errors! {
     #[derive(Eq)]
     #[non_exhaustive]
     pub enum DecodeError {
-        Empty => "message: empty",
+        Empty => "message: expected a version, found nothing",
         Version { found: u8 } => "message: expected version {VERSION}, found {found}",
         /// An unknown frame, a value that cannot be, or the end of the message inside a frame.
-        Malformed => "message: no frame that this version knows",
+        Malformed => "message: expected a frame of version {VERSION}, found an unknown or a cut one",
         TooLong { left: usize } => "message: expected its end behind the frame, found {left} bytes more",
     }
 

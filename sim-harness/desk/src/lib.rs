@@ -107,11 +107,13 @@ impl Description {
 pub enum DeskError {
     /// The board has not yet announced its freshness; ask it for its status first.
     #[error(
-        "the board has announced no freshness: it has no key, cannot write its flash, or its status has not been requested yet"
+        "the board has announced no freshness: ask for its status; where that does not help, it has no key (`rundown provision`) or cannot write its flash"
     )]
     NotAnnounced,
     /// The board's announcement was made with another key.
-    #[error("the board was provisioned with another key")]
+    #[error(
+        "key: expected the one that the board was provisioned with, found another one: give that one, or write this one to the board"
+    )]
     WrongKey(Refusal),
     /// The message is longer than the link allows.
     #[error("a message must not be longer than {} bytes", MAX_MESSAGE)]

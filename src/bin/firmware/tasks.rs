@@ -50,6 +50,10 @@ mod app {
     const RING: usize = 1024;
     /// Bytes of frames that may wait: the most that a tick sends, 356 ms of the line.
     const OUTBOX: usize = 4096;
+    /// Wakes the tick task: an interrupt of a peripheral that is not used.
+    const TICK: Interrupt = Interrupt::COMP;
+    /// The same for the link task.
+    const LINK: Interrupt = Interrupt::TSC;
     /// Timer periods without a feed after which the reason is written down; the watchdog bites after 20.
     const QUIET_PERIODS: u32 = 5;
 
@@ -108,8 +112,8 @@ mod app {
         let application = place(cx.local.application, flash, heartbeat_only, cx.local.run, cx.local.room);
         let can = can::Line::start(clock.hz(), &LINE_ERRORS);
         let (ring_in, ring_out) = cx.local.ring.split();
-        rtic::pend(Interrupt::COMP);
-        rtic::pend(Interrupt::TSC);
+        rtic::pend(TICK);
+        rtic::pend(LINK);
         (
             Shared {
                 port,
@@ -135,7 +139,7 @@ mod app {
         let served =
             (cx.shared.port, cx.shared.outbox).lock(|port, outbox| serial::serve(port, ring, outbox, &LINE_ERRORS));
         if served.came {
-            rtic::pend(Interrupt::TSC);
+            rtic::pend(LINK);
         }
         if served.more {
             rtic::pend(Interrupt::USART1);
@@ -166,8 +170,8 @@ mod app {
                 }
             }
         }
-        rtic::pend(Interrupt::COMP);
-        rtic::pend(Interrupt::TSC);
+        rtic::pend(TICK);
+        rtic::pend(LINK);
     }
 
     #[task(binds = COMP, priority = 1, shared = [port, outbox, can, start, application], local = [next_tick])]
@@ -185,7 +189,7 @@ mod app {
             cx.shared.application.tick(start, &mut say);
             watch.stop();
             if cx.shared.application.is_busy() {
-                rtic::pend(Interrupt::TSC);
+                rtic::pend(LINK);
             }
         }
         TICK_BEATS.fetch_add(1, Ordering::Relaxed);
@@ -200,7 +204,7 @@ mod app {
             log(&Event::CrystalMissed);
         }
         if serve(cx) {
-            rtic::pend(Interrupt::TSC);
+            rtic::pend(LINK);
         }
         LINK_BEATS.fetch_add(1, Ordering::Relaxed);
     }
@@ -214,7 +218,7 @@ mod app {
             application.go_on(*cx.shared.start, &mut say);
             watch.stop();
             // A tick may have waited.
-            rtic::pend(Interrupt::COMP);
+            rtic::pend(TICK);
             return true;
         }
         let now_us = stopwatch::now_us(&PERIODS);

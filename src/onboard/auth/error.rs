@@ -13,7 +13,7 @@ errors! {
         NoEpoch(cause: EpochError) => "auth: no epoch: {cause}",
         WrongLength { least: usize, found: usize } => "message: expected at least {least} bytes, found {found}",
         /// The MAC is not of this message, kind, direction, train, freshness and key.
-        WrongMac => "auth: wrong MAC",
+        WrongMac => "mac: expected that of this message and key, found another one",
         OtherEpoch { expected: u32, found: u32 } => "epoch: expected {expected}, found {found}",
         Stale { last: u32, found: u32 } => "counter: expected above {last}, found {found}",
     }

@@ -57,11 +57,11 @@ errors! {
     #[derive(Eq)]
     #[non_exhaustive]
     pub enum ProvisioningError {
-        Unprovisioned => "provisioning: never written",
+        Unprovisioned => "provisioning: expected a key, found a page that was never written: `rundown provision` makes one",
         WrongMagic { found: [u8; 4] } => "provisioning: expected magic {MAGIC:?}, found {found:?}",
-        Damaged => "provisioning: CRC does not fit",
+        Damaged => "provisioning: expected the CRC of its bytes, found another one: write it again",
         OtherVersion { expected: u16, found: u16 } => "provisioning: expected version {expected}, found {found}",
-        TrivialKey => "provisioning: all bytes of the key are equal",
+        TrivialKey => "provisioning: expected a random key, found equal bytes",
         Unreadable => "provisioning: flash could not be read",
     }
 }

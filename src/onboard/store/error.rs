@@ -38,7 +38,7 @@ errors! {
     pub enum EpochError {
         /// Something was stored, but no record with an epoch is left: a new one could repeat an old one.
         Lost { damaged_slots: u32 } => "epoch: none of the stored ones is left, {damaged_slots} damaged slots",
-        Exhausted => "epoch: all are used",
+        Exhausted => "epoch: expected one that is left, found the last one used",
         NotStored(error: AppendError) => "epoch: not stored: {error}",
     }
 }

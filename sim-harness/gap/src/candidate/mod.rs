@@ -116,7 +116,7 @@ pub struct Facts {
     /// How it shows in the residuals.
     pub shows: &'static str,
     /// What it is confounded with.
-    pub confused: &'static str,
+    pub confounded: &'static str,
     /// Which data would separate it.
     pub separates: &'static str,
     pub nature: Nature,

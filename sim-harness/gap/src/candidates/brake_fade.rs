@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "brake effort x (1 - fade x (v - from) / (140 km/h - from)) above the speed `from`",
             parameters: "fade_at_140, from_kmh",
             shows: "an applied brake slows the train less than its effort says, the more the faster it is",
-            confused: "davis_error at high speed, in braking only",
+            confounded: "davis_error at high speed, in braking only",
             separates: "an effort column (of the demanded brake effort); without one it cannot be seen",
             nature: Nature { needs_effort: true, may_be_large: true, ..Nature::default() },
             prior: Prior {

@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "resistance + coefficient x Roeckl's formula of the radii, mean under the train",
             parameters: "coefficient_roeckl, 1 for the formula as it stands",
             shows: "more resistance in every curve of the track file, the same at every speed, as much as the curve is tight",
-            confused: "gradient_error, on a line with a single curve; davis_error (r0), where the whole line is curved alike",
+            confounded: "gradient_error, on a line with a single curve; davis_error (r0), where the whole line is curved alike",
             separates: "the radii in the track file; several curves with straight track between them",
             nature: Nature { by_place: true, ..Nature::default() },
             size: Some(("coefficient_roeckl", 0.0)),

@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "r0 + dr0, r1 + dr1, r2 + dr2",
             parameters: "dr0 in N/kg, dr1 in N/(kg m/s), dr2 in N/(kg (m/s)²)",
             shows: "a smooth difference over speed, the same at every place, in every run, in both directions",
-            confused: "steady_wind in one direction; mass_error without an effort column. The three parts hide in each other: their sum over the speeds of the runs is what is known",
+            confounded: "steady_wind in one direction; mass_error without an effort column. The three parts hide in each other: their sum over the speeds of the runs is what is known",
             separates: "runs in the other direction; a wide range of speeds",
             ..Facts::default()
         }

@@ -15,7 +15,7 @@ impl Candidate for This {
             law: "resistance + constant, from the first application on",
             parameters: "drag_n_per_kg; the runs in which it acts",
             shows: "more resistance at every speed after the first braking, in some runs and not in others",
-            confused: "a load that differs; warm_up with the other sign",
+            confounded: "a load that differs; warm_up with the other sign",
             separates: "runs that go on after a braking; temperatures of axle boxes and discs",
             nature: Nature { shows_in: ShowsIn::Runs, may_be_large: true, ..Nature::default() },
             prior: Prior::least(1.5e-3, "N/kg. Judgement: winds and loads of single runs do less."),

@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "gradient + delta, mean under the train; in the other direction with the other sign",
             parameters: "from_m, to_m; delta_permille, uphill in the `up` direction positive",
             shows: "a constant force in one section that changes its sign with the direction",
-            confused: "tunnel_drag and bad track (`unknown` over location), where all runs go in one direction",
+            confounded: "tunnel_drag and bad track (`unknown` over location), where all runs go in one direction",
             separates: "runs in the other direction; another survey of the heights",
             nature: Nature { by_place: true, turns: true, ..Nature::default() },
             size: Some(("delta_permille", 0.0)),

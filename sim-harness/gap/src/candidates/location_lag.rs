@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "location shown at t = true location at t - lag",
             parameters: "lag_s",
             shows: "the location lags behind in proportion to the speed, so it jumps ahead when the train brakes",
-            confused: "train_length_error, where only gradients show it",
+            confounded: "train_length_error, where only gradients show it",
             separates: "strong accelerations and brakings; the time stamp of the receiver itself",
             nature: Nature { shows_in: ShowsIn::Readings, ..Nature::default() },
             size: Some(("lag_s", 0.0)),

@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "maximum effort x factor below a speed",
             parameters: "factor, below_kmh; the runs in which it acts",
             shows: "in some runs the effort stays far below its limit at low speed and is normal above",
-            confused: "traction_scale, where it acts in all runs; drivers who start gently",
+            confounded: "traction_scale, where it acts in all runs; drivers who start gently",
             separates: "records of slip control and sanding; rain",
             nature: Nature { shows_in: ShowsIn::FullPower, ..Nature::default() },
             size: Some(("factor", 1.0)),

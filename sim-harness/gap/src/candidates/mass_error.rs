@@ -15,7 +15,7 @@ impl Candidate for This {
             law: "inertia, gravity and rolling resistance in newton times 1 + relative; effort and air drag in newton stay",
             parameters: "relative: true mass / described mass - 1",
             shows: "the train answers less (or more) to its effort, powering and braking alike; gradients stay as they are",
-            confused: "without an effort column with davis_error (less air drag) and traction_scale; with one, with an effort that is shown too large",
+            confounded: "without an effort column with davis_error (less air drag) and traction_scale; with one, with an effort that is shown too large",
             separates: "an effort column that is calibrated; a weighing",
             nature: Nature { needs_effort: true, may_be_large: true, ..Nature::default() },
             prior: Prior {

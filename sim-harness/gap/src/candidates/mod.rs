@@ -52,8 +52,8 @@ pub fn by_name(name: &str) -> Option<EffectKind> {
 pub fn explain(name: &str) -> Option<String> {
     let of = of(by_name(name)?).facts();
     Some(format!(
-        "{name}\n\n{}\n\n  law            {}\n  parameters     {}\n  how it shows   {}\n  confused with  {}\n  separated by   {}\n",
-        of.what, of.law, of.parameters, of.shows, of.confused, of.separates
+        "{name}\n\n{}\n\n  law              {}\n  parameters       {}\n  how it shows     {}\n  confounded with  {}\n  separated by     {}\n",
+        of.what, of.law, of.parameters, of.shows, of.confounded, of.separates
     ))
 }
 

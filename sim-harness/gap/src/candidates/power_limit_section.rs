@@ -14,7 +14,7 @@ impl Candidate for This {
             law: "maximum power x factor while the front of the train is inside",
             parameters: "from_m, to_m; factor",
             shows: "at full power the train reaches a part of the described power in one section and all of it elsewhere",
-            confused: "traction_scale, where all powering is done in the section; drivers who demand less there",
+            confounded: "traction_scale, where all powering is done in the section; drivers who demand less there",
             separates: "powering at full power inside and outside; the line voltage",
             nature: Nature { shows_in: ShowsIn::FullPower, needs_effort: true, ..Nature::default() },
             size: Some(("factor", 1.0)),

@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "r2 (v + w)² with another w in every run",
             parameters: "sd_mps of w between the runs; each run's own w is in `per_run`",
             shows: "each run has its own difference, which grows with the speed, and the mean over the runs is none",
-            confused: "loads that differ (a difference under effort, not with the speed)",
+            confounded: "loads that differ (a difference under effort, not with the speed)",
             separates: "the wind of each day; an effort column, which shows the load",
             nature: Nature { shows_in: ShowsIn::Runs, ..Nature::default() },
             size: Some(("sd_mps", 0.0)),

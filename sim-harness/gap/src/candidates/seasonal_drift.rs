@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "r0 + dr0_over_period x (day - first day) / period",
             parameters: "dr0_over_period in N/kg",
             shows: "each run has its own constant difference, in line with its date",
-            confused: "temperature_resistance, where temperature and date go together",
+            confounded: "temperature_resistance, where temperature and date go together",
             separates: "another season; runs after a workshop visit",
             nature: Nature { between_runs: true, ..Nature::default() },
             size: Some(("dr0_over_period", 0.0)),

@@ -12,7 +12,7 @@ impl Candidate for This {
             law: "measured speed = factor x true speed",
             parameters: "measured_over_true",
             shows: "the location grows slower (or faster) than the speed says, everywhere alike; or, where the odometer gives the location too, a run's distances between its stops are longer (or shorter) than those of the other runs: then the run is named",
-            confused: "a line whose chainage is stretched, in the logs of one vehicle alone; a speed and a location that both come from a receiver cannot show a wheel at all",
+            confounded: "a line whose chainage is stretched, in the logs of one vehicle alone; a speed and a location that both come from a receiver cannot show a wheel at all",
             separates: "a satellite receiver beside the odometer; another vehicle on the same line; stops with known chainage",
             nature: Nature { shows_in: ShowsIn::Readings, ..Nature::default() },
             size: Some(("measured_over_true", 1.0)),

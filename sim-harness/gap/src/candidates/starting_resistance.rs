@@ -25,7 +25,7 @@ impl Candidate for This {
             law: "resistance + amplitude x exp(-v / decay) x (1 - exp(-time stood / standing)), larger in the cold",
             parameters: "amplitude in N/kg, decay_kmh, standing_min, cold_per_degC; the last is taken for none, for logs hardly show it",
             shows: "more resistance in the first seconds after each long stop, at low speed, and none soon after",
-            confused: "warm_up, which lasts for minutes; an effort that still rises when it is read",
+            confounded: "warm_up, which lasts for minutes; an effort that still rises when it is read",
             separates: "logs of a sample a second; long and short stops; starts on cold days",
             // More than the train's whole resistance, at such speeds.
             nature: Nature { needs_effort: true, may_be_large: true, ..Nature::default() },

@@ -11,10 +11,10 @@ impl Candidate for This {
         Facts {
             kind: Some(EffectKind::SteadyWind),
             what: "A headwind that all runs have.",
-            law: "r2 (v + w)² instead of r2 v²; w changes its sign with the direction",
+            law: "r2 (v + w)|v + w| instead of r2 v²; w changes its sign with the direction",
             parameters: "wind_mps, against the `up` direction positive",
             shows: "a difference that grows with the speed, with one sign in one direction and the other sign in the other",
-            confused: "davis_error (r1 above all), where all runs go in one direction",
+            confounded: "davis_error (r1 above all), where all runs go in one direction",
             separates: "runs in the other direction; a weather station",
             nature: Nature { turns: true, ..Nature::default() },
             size: Some(("wind_mps", 0.0)),

@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "r0 + dr0_per_degC x (temperature - ref_c)",
             parameters: "dr0_per_degC in N/kg per degree; ref_c is a choice of origin",
             shows: "each run has its own constant difference, in line with its temperature",
-            confused: "seasonal_drift, where temperature and date go together",
+            confounded: "seasonal_drift, where temperature and date go together",
             separates: "another season; days on which temperature and date do not agree; a column ambient_temperature_c",
             nature: Nature { between_runs: true, constant_beside: true, ..Nature::default() },
             size: Some(("dr0_per_degC", 0.0)),

@@ -12,7 +12,7 @@ impl Candidate for This {
             law: "maximum effort and maximum power x factor",
             parameters: "factor",
             shows: "no powering phase goes beyond this share of the described limit, at any speed and place",
-            confused: "drivers who never demand everything; mass_error without an effort column",
+            confounded: "drivers who never demand everything; mass_error without an effort column",
             separates: "the position of the controller; the number of motors at work",
             nature: Nature { shows_in: ShowsIn::FullPower, needs_effort: true, ..Nature::default() },
             size: Some(("factor", 1.0)),

@@ -14,7 +14,7 @@ impl Candidate for This {
             law: "gradient mean over the true length",
             parameters: "true_length_m; the runs in which it acts, where these are not all",
             shows: "differences at every change of gradient, up and down with the change of slope",
-            confused: "location_lag, which shifts the gradients by the distance of the lag; a location of the antenna instead of the front",
+            confounded: "location_lag, which shifts the gradients by the distance of the lag; a location of the antenna instead of the front",
             separates: "both directions; a line with short steep gradients; the list of the vehicles",
             nature: Nature { by_place: true, turns: true, whole: true, ..Nature::default() },
             prior: Prior {

@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "resistance + k v² x (length inside / train length)",
             parameters: "from_m, to_m; k in N/(kg (m/s)²)",
             shows: "more resistance in one section in both directions, growing with the square of the speed; its edges are as soft as the train is long",
-            confused: "gradient_error, where all runs go in one direction at similar speeds",
+            confounded: "gradient_error, where all runs go in one direction at similar speeds",
             separates: "runs in the other direction, runs at another speed, a tunnel in the track file",
             nature: Nature { by_place: true, ..Nature::default() },
             size: Some(("k", 0.0)),

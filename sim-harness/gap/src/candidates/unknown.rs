@@ -69,7 +69,7 @@ impl Candidate for This {
             law: "resistance + table(coordinate), straight between its points",
             parameters: "coordinate: location, speed, time since departure, temperature or day; table in N/kg",
             shows: "as in its table",
-            confused: "a named effect that these data show only in part",
+            confounded: "a named effect that these data show only in part",
             separates: "the picture of the table; then somebody who knows the train and the line",
             prior: Prior::least(
                 6e-4,

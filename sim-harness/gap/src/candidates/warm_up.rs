@@ -13,7 +13,7 @@ impl Candidate for This {
             law: "r0 + amplitude x exp(-t / tau), t since the departure",
             parameters: "amplitude in N/kg, tau_s",
             shows: "more resistance early in every run, at every place and speed, fading with time",
-            confused: "a difference at the first kilometres, where all runs begin at one station; less traction, without an effort column",
+            confounded: "a difference at the first kilometres, where all runs begin at one station; less traction, without an effort column",
             separates: "runs that begin elsewhere; long halts; warm starts after a short turn-round",
             prior: Prior {
                 least: 6e-4,
