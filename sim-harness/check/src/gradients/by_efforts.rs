@@ -10,24 +10,15 @@
 //! slopes are off by is what different runs have in common at a place, with k = 1.
 
 use super::places::{self, Leaves, Recurring};
-use super::stretch::climb_n_per_kg;
 use super::{Doubt, SeenBy, Version, off_by_place_permille};
 use crate::agreement::Figure;
-use crate::effort::{self, least_squares};
+use crate::driven::Driven;
+use crate::effort::least_squares;
 use nalgebra::SVector;
-use rundown::model::direction::Direction;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
-use rundown_files::sample::Sample;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Length of a window, s.
-const WINDOW_S: f64 = 10.0;
-/// Slower trains creep, m/s; and an effort that changes by more has no mean that is known, N/kg.
-const SLOWEST_MPS: f64 = 5.0;
-const MOST_CHANGE_N_PER_KG: f64 = 0.05;
-/// Brakes are left out, N/kg: many columns have a gain of their own for them, or none of some brakes.
-const LEAST_EFFORT_N_PER_KG: f64 = -0.02;
 /// Fewer windows say nothing.
 const LEAST_WINDOWS: usize = 200;
 /// And fewer places do not show how surely k is known; a single one would leave no doubt at all.
@@ -61,19 +52,6 @@ const PLACE_M: f64 = 1000.0;
 const LEAST_Z: f64 = 2.0;
 /// Smaller ones are those of the readings, N/kg: right gradients leave up to 0.0009.
 const LEAST_SD_N_PER_KG: f64 = 0.001;
-
-/// What a train did in some seconds.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Driven {
-    fronts_m: [f64; 2],
-    way_m: f64,
-    direction: Direction,
-    run: usize,
-    speed_mps: f64,
-    acceleration_mps2: f64,
-    /// Its mean, where each row has that since the row before, and where each has that of its moment, N/kg.
-    efforts_n_per_kg: [f64; 2],
-}
 
 /// What efforts say of the gradients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,45 +117,13 @@ impl ByEfforts {
     }
 }
 
-/// The windows of a run in which the effort hardly changes; none without an effort column.
-pub(super) fn windows(rows: &[Sample], direction: Direction, run: usize) -> Vec<Driven> {
-    effort::stretches(rows, WINDOW_S).into_iter().filter_map(|rows| window(rows, direction, run)).collect()
-}
-
-fn window(rows: &[Sample], direction: Direction, run: usize) -> Option<Driven> {
-    let ([from, to], (acceleration_mps2, effort_n_per_kg)) = ([rows.first()?, rows.last()?], effort::window(rows)?);
-    let speeds_mps = [from.speed_mps?, to.speed_mps?];
-    let speed_mps = 0.5 * (speeds_mps[0] + speeds_mps[1]);
-    let way_m = speed_mps * (to.time_s - from.time_s);
-    let middle_m = 0.5 * (from.location_m? + to.location_m?);
-    let momentary_n_per_kg = {
-        let pairs = || rows.windows(2).map(|pair| (pair, pair[1].time_s - pair[0].time_s));
-        let of = |pair: &[Sample], s: f64| Some(0.5 * s * (pair[0].effort_n_per_kg? + pair[1].effort_n_per_kg?));
-        pairs().filter_map(|(pair, s)| of(pair, s)).sum::<f64>() / pairs().map(|(_, s)| s).sum::<f64>()
-    };
-    let efforts = || rows.iter().filter_map(|row| row.effort_n_per_kg);
-    let change = efforts().fold(f64::NEG_INFINITY, f64::max) - efforts().fold(f64::INFINITY, f64::min);
-    let is_slow = speeds_mps[0].min(speeds_mps[1]) <= SLOWEST_MPS;
-    let is_usable = !is_slow && change < MOST_CHANGE_N_PER_KG && effort_n_per_kg > LEAST_EFFORT_N_PER_KG;
-    is_usable.then_some(Driven {
-        fronts_m: [-0.5, 0.5].map(|share| middle_m + direction.sign() * share * way_m),
-        way_m,
-        direction,
-        run,
-        speed_mps,
-        acceleration_mps2,
-        efforts_n_per_kg: [effort_n_per_kg, momentary_n_per_kg],
-    })
-}
-
 /// Of all windows; nothing from too few. Whether the efforts are means or of the moment is what explains more, and how
 /// much it matters is a part of the doubt: drivers change them with the slope.
 pub(super) fn read(windows: &[Driven], train: &Train, track: &Track) -> Option<ByEfforts> {
     if windows.len() < LEAST_WINDOWS {
         return None;
     }
-    let climb = |window: &Driven| climb_n_per_kg(window.fronts_m, window.way_m, window.direction, (train, track));
-    let climbs: Vec<f64> = windows.iter().map(climb).collect();
+    let climbs: Vec<f64> = windows.iter().map(|window| window.climb_n_per_kg(train, track)).collect();
     let [means, moments] = [read_as(0, windows, &climbs)?, read_as(1, windows, &climbs)?];
     let apart = means.steep.value - moments.steep.value;
     let better = if moments.sds_n_per_kg[0] < means.sds_n_per_kg[0] { moments } else { means };
@@ -241,9 +187,11 @@ fn rms(residuals: impl ExactSizeIterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::stretch::climb_n_per_kg;
     use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
+    use rundown::model::direction::Direction;
     use rundown::model::track::Gradient;
     use rundown::model::train::TrainDescription;
 

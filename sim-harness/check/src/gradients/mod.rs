@@ -88,7 +88,7 @@ pub struct Coasts {
     runs: usize,
     stretches: Vec<Stretch>,
     /// Windows with a steady effort.
-    driven: Vec<by_efforts::Driven>,
+    driven: Vec<Driven>,
 }
 
 /// The stretches on the gradients as described.
@@ -124,7 +124,7 @@ impl Coasts {
                 return;
             }
             self.stretches.extend(stretch::of(&recording.rows, recording.direction, self.runs, train));
-            self.driven.extend(by_efforts::windows(&recording.rows, recording.direction, self.runs));
+            self.driven.extend(driven::windows(&recording.rows, recording.direction, self.runs));
             self.runs += 1;
         }
     }
