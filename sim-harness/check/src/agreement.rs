@@ -12,7 +12,7 @@
 //! a satellite receiver are each believed as far as they deserve. One slow run cannot tell scale and offset apart: the
 //! covariance says so, and [`pooled`] weighs with it.
 
-use crate::compared::{Compared, PAIR_S};
+use crate::compared::{Compared, PAIR_S, dot};
 use crate::rounding::{self, Equations, Joint};
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 
@@ -101,13 +101,12 @@ impl Compared {
     pub(crate) fn beside(&self, metres: &[f64]) -> Option<(Figure, f64)> {
         let fit = &self.fit;
         let column = self.whitened(metres);
-        let dot = |a: &[f64]| a.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>();
-        let cross = Vector3::from_fn(|i, _| dot(&fit.columns[i]));
-        let left = dot(&column) - cross.dot(&(self.inverse * cross));
+        let cross = Vector3::from_fn(|i, _| dot(&fit.columns[i], &column));
+        let left = dot(&column, &column) - cross.dot(&(self.inverse * cross));
         if left <= 1e-9 {
             return None;
         }
-        let score = dot(&fit.residuals);
+        let score = dot(&fit.residuals, &column);
         let figure = Figure { value: score / left, sd: (fit.variance / left).sqrt() };
         Some((figure, 0.5 * score * score.max(0.0) / (left * fit.variance)))
     }

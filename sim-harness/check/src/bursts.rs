@@ -11,7 +11,7 @@
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use rundown_files::sample::Sample;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{median, upper_quantile};
 use std::ops::{Range, RangeInclusive};
 
 /// Rows of one burst are nearer than this share of the mean time between rows, or they are of two.
@@ -76,7 +76,7 @@ fn found(rows: &[Sample]) -> Option<(Vec<Range<usize>>, usize, f64)> {
     let usual = median(bursts.iter().map(|burst| burst.len() as f64))? as usize;
     let steps_s: Vec<f64> =
         bursts.windows(2).map(|pair| rows[pair[1].end - 1].time_s - rows[pair[0].end - 1].time_s).collect();
-    let each_s = median(steps_s.iter().copied())?;
+    let each_s = median(&steps_s)?;
     let is_usual = |burst: &&Range<usize>| burst.len() == usual;
     let alike = bursts.iter().filter(is_usual).count() as f64 > ALIKE * bursts.len() as f64;
     let even = steps_s.iter().filter(|step_s| EVEN.contains(&(*step_s / each_s))).count() as f64
@@ -95,9 +95,7 @@ fn missed(rows: &[Sample], times_s: &[f64]) -> Option<f64> {
         let way_m = (pair[1].location_m? - pair[0].location_m?).abs();
         (mps > LEAST_MPS && way_m > 0.0).then(|| (way_m - mps * (times_s[1] - times_s[0])).abs() / way_m)
     };
-    let mut shares: Vec<f64> = rows.windows(2).zip(times_s.windows(2)).filter_map(of).collect();
-    shares.sort_by(f64::total_cmp);
-    shares.get((ALIKE * shares.len() as f64) as usize).copied()
+    upper_quantile(rows.windows(2).zip(times_s.windows(2)).filter_map(of), ALIKE)
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@
 use crate::agreement::Figure;
 use crate::reach::reach_m;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::{mean_of, squares_about};
 
 /// Slower trains say little about the time by their way, m/s; beside the step, and in the rows before and after it.
 const FAST_MPS: f64 = 5.0;
@@ -66,10 +67,9 @@ fn side<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<Side> {
     if (last[1] - first[1]).abs() < MADE_UP * way_m.abs() {
         return None;
     }
-    let count = places.len() as f64;
-    let at_m = places.iter().sum::<f64>() / count;
-    let squares: f64 = places.iter().map(|place_m| (place_m - at_m).powi(2)).sum();
-    Some(Side { at_m, sd_m: (squares / (count - 1.0)).sqrt(), speed_mps: first[2] })
+    let at_m = mean_of(&places);
+    let variance_m2 = squares_about(at_m, &places) / (places.len() as f64 - 1.0);
+    Some(Side { at_m, sd_m: variance_m2.sqrt(), speed_mps: first[2] })
 }
 
 /// By how much the clock was set at row `at`, which is `dt` s after the one before: none where it was not, or by too

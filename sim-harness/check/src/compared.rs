@@ -303,11 +303,15 @@ impl Whitening {
     }
 }
 
+/// Sum of the products.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
     let whitening = Whitening::of(differences, ratio);
     let columns = [&differences.by_speed, &differences.dt, &differences.dv].map(|column| whitening.apply(column));
     let mut y = whitening.apply(&differences.y);
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let normal = Matrix3::from_fn(|i, j| dot(&columns[i], &columns[j]));
     // A run at one speed has no skew; what it cannot say stays at zero instead of failing.
     let normal = normal + Matrix3::from_diagonal(&(normal.diagonal() * 1e-9).add_scalar(1e-12));

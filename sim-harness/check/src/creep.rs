@@ -14,7 +14,7 @@
 
 use crate::LEAST_SCALE;
 use crate::agreement::{BENDS_SD, FEW_RUNS, Figure};
-use crate::compared::{Compared, Differences};
+use crate::compared::{Compared, Differences, dot};
 use nalgebra::{Matrix3, Vector3};
 
 /// A train that gains or loses less speed than this may power, coast or brake, m/s².
@@ -124,7 +124,6 @@ fn fitted(compared: &Compared, columns: &[Vec<f64>; 3]) -> Option<(Figure, Vecto
     let fit = &compared.fit;
     let variance = fit.variance / compared.independent();
     let of = columns.each_ref().map(|metres| compared.taken_up(metres));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let taken = |i: usize, j: usize| (0..3).map(|k| of[i].0[k] * dot(&fit.columns[k], &of[j].1)).sum::<f64>();
     let mut information = Matrix3::from_fn(|i, j| (dot(&of[i].1, &of[j].1) - taken(i, j)) / variance);
     information[(1, 1)] += (0.5 * SOME_CREEP).powi(-2);

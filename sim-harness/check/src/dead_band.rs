@@ -96,7 +96,7 @@ fn of_run(rows: &[Sample]) -> Option<Figure> {
 /// Coefficients, the standard deviation of a window, m, and the variance of the first coefficient in units of its
 /// square.
 fn fitted(windows: &[WayDifference]) -> Option<(SVector<f64, 4>, f64, f64)> {
-    let (coefficients, inverse) = least_squares(windows).filter(|_| windows.len() >= LEAST_WINDOWS)?;
+    let (coefficients, inverse, _) = least_squares(windows).filter(|_| windows.len() >= LEAST_WINDOWS)?;
     let noise_m = spread(windows.iter().map(|(x, y)| y - coefficients.dot(x)));
     (noise_m > 0.0).then_some((coefficients, noise_m, inverse[(0, 0)]))
 }

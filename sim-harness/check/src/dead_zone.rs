@@ -14,7 +14,7 @@
 use crate::agreement::{Figure, HALF_95};
 use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{median, upper_quantile};
 
 /// A threshold below is that of every recorder, km/h, or a matter of its step: of steps that a wheel has scaled the
 /// first looks like what a radar reads.
@@ -107,9 +107,7 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone, step_kmh: f64) -
     let half_kmh = 0.5 * step_kmh;
     let [low_kmh, high_kmh] = [3.6 * (least_mps - below_mps) - half_kmh, 3.6 * least_mps + half_kmh];
     let figure = Figure { value: 0.5 * (low_kmh + high_kmh), sd: (high_kmh - low_kmh) / (2.0 * HALF_95) };
-    let mut rates: Vec<f64> = passes.iter().map(|pass| pass.rate_mps2).collect();
-    rates.sort_by(f64::total_cmp);
-    let slow_mps2 = rates[(SLOW_SHARE * rates.len() as f64) as usize];
+    let slow_mps2 = upper_quantile(passes.iter().map(|pass| pass.rate_mps2), SLOW_SHARE)?;
     Some(DeadZone { threshold_kmh: figure, passes: passes.len(), floor_kmh: 3.6 * floor_mps, slow_mps2 })
 }
 
@@ -117,7 +115,7 @@ pub fn of<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone, step_kmh: f64) -
 fn floor_mps<'a>(runs: impl Iterator<Item = &'a [Sample]>) -> f64 {
     let small = |mps: &f64| *mps > 0.0 && 3.6 * mps <= MOST_FLOOR_KMH;
     let read: Vec<f64> = runs.flatten().filter_map(|row| row.speed_mps).filter(small).collect();
-    let Some(usual) = median(read.iter().copied()) else { return 0.0 };
+    let Some(usual) = median(&read) else { return 0.0 };
     let same = read.iter().filter(|mps| **mps == usual).count();
     if same >= OF_FLOOR.1 && same as f64 >= OF_FLOOR.0 * read.len() as f64 { usual } else { 0.0 }
 }

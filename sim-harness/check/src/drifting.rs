@@ -16,7 +16,7 @@ use crate::row_step::next_row_s;
 use crate::ways;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::{median, spread};
+use rundown_files::statistics::{extremes, mean, median, spread};
 
 /// Rows before and behind a leap whose means are compared.
 const AROUND: usize = 3;
@@ -102,14 +102,11 @@ pub(crate) fn put_right(recordings: &mut [Recording], usable: &[usize]) -> Optio
     for (i, (leaps, pairs)) in usable.iter().zip(runs.iter().zip(&pairs)) {
         bring_back(&mut recordings[*i].rows, leaps, share(pairs));
     }
-    let mean = shares.iter().map(|share| share.abs()).sum::<f64>() / shares.len().max(1) as f64;
+    let mean = mean(shares.iter().map(|share| share.abs())).unwrap_or_default();
     Some(Drift {
         share: mean.copysign(shares.iter().sum()),
         leaps: runs.iter().map(Vec::len).sum(),
-        of_runs: [
-            shares.iter().copied().fold(f64::INFINITY, f64::min),
-            shares.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        ],
+        of_runs: extremes(&shares).into(),
         way_m: median(all.iter().map(|[way_m, ..]| *way_m))?,
         largest_m: all.iter().map(|[_, off_m, _]| off_m.abs()).fold(0.0, f64::max),
     })
@@ -152,7 +149,7 @@ fn leaps(rows: &[Located]) -> Vec<Leap> {
         is_whole.then(|| mean(i..around.end) - mean(around.start..i))
     };
     let changes_m: Vec<Option<f64>> = (0..rows.len()).map(change_m).collect();
-    let least_m = LEAST_LEAP_M.max(LEAST_LEAP * spread(changes_m.iter().flatten().copied()));
+    let least_m = LEAST_LEAP_M.max(LEAST_LEAP * spread(changes_m.iter().flatten()));
     let mut found: Vec<Leap> = Vec::new();
     for i in AROUND..rows.len() {
         let Some(change_m) = changes_m[i] else { continue };

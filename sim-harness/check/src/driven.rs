@@ -6,6 +6,7 @@ use rundown::model::direction::Direction;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::span;
 
 /// Length of a window, s.
 const WINDOW_S: f64 = 10.0;
@@ -50,8 +51,7 @@ fn window(rows: &[Sample], direction: Direction, run: usize) -> Option<Driven> {
         let of = |pair: &[Sample], s: f64| Some(0.5 * s * (pair[0].effort_n_per_kg? + pair[1].effort_n_per_kg?));
         pairs().filter_map(|(pair, s)| of(pair, s)).sum::<f64>() / pairs().map(|(_, s)| s).sum::<f64>()
     };
-    let efforts = || rows.iter().filter_map(|row| row.effort_n_per_kg);
-    let change = efforts().fold(f64::NEG_INFINITY, f64::max) - efforts().fold(f64::INFINITY, f64::min);
+    let change = span(rows.iter().filter_map(|row| row.effort_n_per_kg));
     let is_slow = speeds_mps[0].min(speeds_mps[1]) <= SLOWEST_MPS;
     let is_usable = !is_slow && change < MOST_CHANGE_N_PER_KG && effort_n_per_kg > LEAST_EFFORT_N_PER_KG;
     is_usable.then_some(Driven {

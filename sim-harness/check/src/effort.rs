@@ -10,6 +10,7 @@ use crate::agreement::{Figure, HALF_95};
 use nalgebra::{SMatrix, SVector};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::{Pairs, mean_of};
 
 /// Means over so long are compared, s: a lag of some seconds does not matter.
 const WINDOW_S: f64 = 30.0;
@@ -44,15 +45,7 @@ pub struct Apart {
 pub fn apart<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Option<Apart> {
     let pairs: Vec<(f64, f64)> = recordings.flat_map(|recording| windows(&recording.rows)).collect();
     let n = pairs.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / n;
-    let [change, effort] = [mean(|pair| pair.0), mean(|pair| pair.1)];
-    let [mut cc, mut ee, mut ce] = [0.0; 3];
-    for pair in &pairs {
-        let [c, e] = [pair.0 - change, pair.1 - effort];
-        cc += c * c;
-        ee += e * e;
-        ce += c * e;
-    }
+    let Pairs { y: effort, xx: cc, xy: ce, yy: ee, .. } = Pairs::of(&pairs);
     if pairs.len() < LEAST_WINDOWS || (cc / n).sqrt() < LEAST_CHANGE {
         return None;
     }
@@ -97,17 +90,18 @@ fn powers_below_zero(windows: &[(f64, f64)]) -> bool {
     powers.map(|(_, effort)| effort).sum::<f64>() < 0.0
 }
 
-/// Coefficients by least squares, and the inverse of the normal matrix.
+/// Coefficients by least squares, the inverse of the normal matrix, and the sum of the squares that they leave.
 pub(crate) fn least_squares<const N: usize>(
     rows: &[(SVector<f64, N>, f64)],
-) -> Option<(SVector<f64, N>, SMatrix<f64, N, N>)> {
+) -> Option<(SVector<f64, N>, SMatrix<f64, N, N>, f64)> {
     let (mut normal, mut score) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
     for (x, y) in rows {
         normal += x * x.transpose();
         score += x * *y;
     }
     let inverse = normal.cholesky()?.inverse();
-    Some((inverse * score, inverse))
+    let beta = inverse * score;
+    Some((beta, inverse, rows.iter().map(|(x, y)| (y - x.dot(&beta)).powi(2)).sum()))
 }
 
 /// Acceleration, m/s^2, and mean effort, N/kg, of windows in which the train moves and each row has both.
@@ -135,7 +129,7 @@ pub(crate) fn stretches(rows: &[Sample], least_s: f64) -> Vec<&[Sample]> {
 pub(crate) fn window(rows: &[Sample]) -> Option<(f64, f64)> {
     let (begin, end) = (rows.first()?, rows.last()?);
     let ([first, last], long_s) = ([begin.speed_mps?, end.speed_mps?], end.time_s - begin.time_s);
-    let efforts: Vec<f64> = rows[1..].iter().filter_map(|row| row.effort_n_per_kg).collect();
     let is_moving = first.max(last) > 0.0;
-    is_moving.then(|| ((last - first) / long_s, efforts.iter().sum::<f64>() / efforts.len() as f64))
+    let effort = mean_of(rows[1..].iter().filter_map(|row| row.effort_n_per_kg));
+    is_moving.then_some(((last - first) / long_s, effort))
 }

@@ -18,7 +18,7 @@ use crate::agreement::Figure;
 use nalgebra::{Matrix4, Vector4};
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::{median_of, spread};
+use rundown_files::statistics::{extremes, median_of, spread};
 
 /// A window is at least so long, s.
 const WINDOW_S: f64 = 4.0;
@@ -170,7 +170,7 @@ impl LeastChange {
     fn is_in(self, rows: &[&Sample], [from_s, to_s]: [f64; 2]) -> bool {
         let [from, to] = [from_s, to_s].map(|time_s| rows.partition_point(|row| row.time_s < time_s));
         let efforts: Vec<f64> = rows[from..to].iter().filter_map(|row| row.effort_n_per_kg).collect();
-        let (least, most) = efforts.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), u| (l.min(*u), m.max(*u)));
+        let (least, most) = extremes(&efforts);
         let at_once = efforts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         most - least >= self.n_per_kg && at_once >= self.at_once_n_per_kg
     }

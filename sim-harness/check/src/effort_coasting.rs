@@ -17,7 +17,7 @@ use crate::agreement::Figure;
 use crate::effort::stretches;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::spread;
+use rundown_files::statistics::{mean_of, spread};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -83,7 +83,6 @@ pub(crate) fn moving_stretches<'a>(
         let line = known.line(recording.direction);
         let moves = |rows: &&[Sample]| rows.iter().all(|row| row.speed_mps > Some(SLOWEST_MPS));
         let stretch = |rows: &[Sample]| {
-            let count = rows.len() as f64;
             let [first, last] = [rows.first()?, rows.last()?];
             let taken = || {
                 let line = line.as_ref()?;
@@ -92,10 +91,10 @@ pub(crate) fn moving_stretches<'a>(
                     Some([climb, line.train.davis().resistance_n_per_kg(row.speed_mps?)])
                 });
                 let taken: Vec<[f64; 2]> = taken.collect::<Option<_>>()?;
-                Some([0, 1].map(|i| taken.iter().map(|both| both[i]).sum::<f64>() / count))
+                Some([0, 1].map(|i| mean_of(taken.iter().map(|both| both[i]))))
             };
             Some(MovingStretch {
-                effort_n_per_kg: rows.iter().filter_map(|row| row.effort_n_per_kg).sum::<f64>() / count,
+                effort_n_per_kg: rows.iter().filter_map(|row| row.effort_n_per_kg).sum::<f64>() / rows.len() as f64,
                 mps2: (last.speed_mps? - first.speed_mps?) / (last.time_s - first.time_s),
                 taken_n_per_kg: taken(),
                 run,
@@ -128,9 +127,8 @@ pub(crate) fn densest(sorted: &[MovingStretch], half_width: f64) -> Option<Range
 fn recurring(all: &[MovingStretch], half_width: f64, step: f64) -> Option<Option<CoastingEffort>> {
     let inside = &all[densest(all, half_width)?];
     let count = inside.len();
-    let mean = |of: &dyn Fn(&MovingStretch) -> f64| inside.iter().map(of).sum::<f64>() / count as f64;
     // Of rounded efforts the median would be one of few values.
-    let value = mean(&|one| one.effort_n_per_kg);
+    let value = mean_of(inside.iter().map(|one| one.effort_n_per_kg));
     let mut of_runs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     inside.iter().for_each(|one| of_runs.entry(one.run).or_default().push(one.effort_n_per_kg));
     let is_enough = count >= LEAST && count as f64 >= LEAST_SHARE * all.len() as f64 && of_runs.len() >= LEAST_RUNS;
@@ -142,13 +140,13 @@ fn recurring(all: &[MovingStretch], half_width: f64, step: f64) -> Option<Option
         return None;
     }
     let scatter = spread(inside.iter().map(|one| one.effort_n_per_kg - value)) / (count as f64).sqrt();
-    let run_means = of_runs.values().map(|efforts| efforts.iter().sum::<f64>() / efforts.len() as f64 - value);
+    let run_means = of_runs.values().map(|efforts| mean_of(efforts) - value);
     let between = spread(run_means) / (of_runs.len() as f64).sqrt();
     let effort = Figure { value, sd: scatter.max(between) };
     // A constant is off by up to half of a step in all rows.
     let rounded_n_per_kg = 0.5 * step;
     let taken: Option<Vec<[f64; 2]>> = inside.iter().map(|one| one.taken_n_per_kg).collect();
-    let slows = mean(&|one| one.mps2);
+    let slows = mean_of(inside.iter().map(|one| one.mps2));
     let Some(taken) = taken else {
         return Some((slows < -SLOWS_MPS2).then_some(CoastingEffort {
             effort,
@@ -157,7 +155,7 @@ fn recurring(all: &[MovingStretch], half_width: f64, step: f64) -> Option<Option
             rounded_n_per_kg,
         }));
     };
-    let [climb, resistance] = [0, 1].map(|i| taken.iter().map(|both| both[i]).sum::<f64>() / count as f64);
+    let [climb, resistance] = [0, 1].map(|i| mean_of(taken.iter().map(|both| both[i])));
     let needed = slows + climb + resistance;
     let acts = (needed - value).abs() < needed.abs();
     let is_sure = value.abs() >= DOUBTED_SHARE * resistance;

@@ -53,9 +53,9 @@ pub(crate) fn of<'a>(runs: impl Iterator<Item = (&'a [Sample], Line<'a>)>) -> Op
     }
     let row = |window: &Powered| (Vector2::new(window.effort, -window.resistance), window.gained);
     let rows: Vec<(Vector2<f64>, f64)> = smaller.iter().map(row).collect();
-    let (fitted, inverse) = least_squares(&rows)?;
+    let (fitted, inverse, left) = least_squares(&rows)?;
     let [q, k] = [fitted[0], fitted[1]];
-    let noise = rows.iter().map(|(x, y)| (y - x.dot(&fitted)).powi(2)).sum::<f64>() / rows.len() as f64;
+    let noise = left / rows.len() as f64;
     let of = |window: &Powered| (window.gained + k * window.resistance) / (q * window.effort);
     let times = median(at_most.iter().map(of))?;
     let resistance = median(at_most.iter().map(|window| window.resistance))?;

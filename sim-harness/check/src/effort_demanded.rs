@@ -16,7 +16,7 @@ use crate::agreement::Figure;
 use crate::effort::stretches;
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::{median, sd_of_median, spread};
+use rundown_files::statistics::{extremes, mean_of, median, sd_of_median, spread, upper_quantile};
 
 /// Windows are at least so long, s.
 const WINDOW_S: f64 = 10.0;
@@ -50,9 +50,7 @@ pub(crate) struct Powered {
 /// than all: a unit with its runs, each with its line.
 pub(crate) fn share<'a>(runs: impl Iterator<Item = (&'a [Sample], Line<'a>)>) -> Option<Figure> {
     let mut windows: Vec<Powered> = runs.flat_map(|(rows, line)| powered(rows, &line)).collect();
-    let mut efforts: Vec<f64> = windows.iter().map(|window| window.effort).collect();
-    efforts.sort_by(f64::total_cmp);
-    let largest = *efforts.get((LARGEST * efforts.len() as f64) as usize)?;
+    let largest = upper_quantile(windows.iter().map(|window| window.effort), LARGEST)?;
     windows.retain(|window| window.effort > LARGE * largest);
     windows.sort_by(|a, b| a.mps.total_cmp(&b.mps));
     let third = windows.len() / 3;
@@ -85,10 +83,9 @@ pub(crate) fn powered(rows: &[Sample], line: &Line<'_>) -> Vec<Powered> {
         let speeds = [first.speed_mps?, last.speed_mps?];
         let mps = 0.5 * (speeds[0] + speeds[1]);
         let efforts = || rows.iter().filter_map(|row| row.effort_n_per_kg);
-        let (low, high) = efforts().fold((f64::INFINITY, 0.0_f64), |(low, high), e| (low.min(e), high.max(e)));
-        let gradients: Vec<f64> = rows.iter().filter_map(|row| Some(line.gradient_n_per_kg(row.location_m?))).collect();
+        let (low, high) = extremes(efforts());
         let is_steady = low > 0.0 && high - low < STEADY * high && speeds[0].min(speeds[1]) > MOVES_MPS;
-        let gradient = gradients.iter().sum::<f64>() / gradients.len() as f64;
+        let gradient = mean_of(rows.iter().filter_map(|row| Some(line.gradient_n_per_kg(row.location_m?))));
         let gained = (speeds[1] - speeds[0]) / (last.time_s - first.time_s) + gradient;
         let resistance = line.train.davis().resistance_n_per_kg(mps);
         (is_steady && gained.is_finite()).then(|| Powered {

@@ -8,6 +8,7 @@
 
 use crate::stairs::spacing;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::sorted;
 
 /// A least effort of so many steps of the column is none of them.
 const LEAST_STEPS: f64 = 2.5;
@@ -25,8 +26,7 @@ pub(crate) struct Gap {
 /// None: efforts reach down to 0, or too few do nearly.
 pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<Gap> {
     let efforts = rows.filter_map(|row| row.effort_n_per_kg);
-    let mut sizes: Vec<f64> = efforts.map(f64::abs).filter(|size| *size > 0.0).collect();
-    sizes.sort_by(f64::total_cmp);
+    let sizes = sorted(efforts.map(f64::abs).filter(|size| *size > 0.0));
     let least_n_per_kg = *sizes.first()?;
     let mut small = sizes[..sizes.partition_point(|size| *size < 2.0 * least_n_per_kg)].to_vec();
     let rows = small.len();

@@ -14,6 +14,7 @@
 
 use crate::effort::window;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::span;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -134,8 +135,7 @@ fn has_reason(rows: &[Sample], range: &Range<usize>) -> bool {
     }
     let effort = rows[range.start].effort_n_per_kg.unwrap_or_default();
     let near = |limit: f64| (effort - limit).abs() <= AT_LIMIT * limit.abs();
-    let speeds = || rows[range.clone()].iter().filter_map(|row| row.speed_mps);
-    let held_mps = speeds().fold(f64::MIN, f64::max) - speeds().fold(f64::MAX, f64::min);
+    let held_mps = span(rows[range.clone()].iter().filter_map(|row| row.speed_mps));
     near(most) || near(least) || held_mps < HELD_MPS
 }
 

@@ -15,7 +15,7 @@ use crate::agreement::Figure;
 use crate::effort::{least_squares, stretches, window};
 use nalgebra::Vector3;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::{median_of, spread};
+use rundown_files::statistics::{mean_of, median_of, spread, squares_about};
 
 /// Windows are at least so long, s: the effort of a second earlier or later does not matter.
 const WINDOW_S: f64 = 10.0;
@@ -50,8 +50,7 @@ pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
     let windows: Vec<Answered> = stretches(rows, WINDOW_S).into_iter().filter_map(answered).collect();
     let n = windows.len() as f64;
     let changes: Vec<f64> = windows.iter().map(|(_, change)| *change).collect();
-    let mean = changes.iter().sum::<f64>() / n;
-    let scatter = (changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / n).sqrt();
+    let scatter = (squares_about(mean_of(&changes), &changes) / n).sqrt();
     if windows.len() < LEAST_WINDOWS || scatter < LEAST_CHANGE_MPS2 {
         return None;
     }
@@ -59,10 +58,8 @@ pub(crate) fn of_run(rows: &[Sample]) -> Option<Figure> {
     if windows.iter().all(|(x, _)| (x[0] - effort).abs() < 1e-9) {
         return Some(Figure { value: 0.0, sd: 0.0 });
     }
-    let (beta, inverse) = least_squares(&windows)?;
-    let left = |(x, acceleration): &Answered| (acceleration - x.dot(&beta)).powi(2);
-    let variance = windows.iter().map(left).sum::<f64>() / (n - 3.0);
-    Some(Figure { value: beta[0], sd: WIDER * (variance * inverse[(0, 0)]).sqrt() })
+    let (beta, inverse, left) = least_squares(&windows)?;
+    Some(Figure { value: beta[0], sd: WIDER * (left / (n - 3.0) * inverse[(0, 0)]).sqrt() })
 }
 
 /// Of these runs the ones that are unlike the usual one, by their places: what they have for their effort, over what

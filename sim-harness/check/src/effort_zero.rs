@@ -15,7 +15,7 @@ use crate::{Known, SURE};
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{extremes, mean_of, median};
 use std::ops::Range;
 
 /// So many rows at standstill tell the zero, and this share of them has it within [`SAME_N_PER_KG`].
@@ -67,10 +67,10 @@ pub(crate) fn at_standstill<'a>(recordings: impl Iterator<Item = &'a Recording>)
         recording.rows.windows(3).filter(|rows| rows.iter().all(|row| row.speed_mps == Some(0.0)))
     });
     let efforts: Vec<f64> = standing.filter_map(|rows| rows[1].effort_n_per_kg).collect();
-    let zero = median(efforts.iter().copied())?;
+    let zero = median(&efforts)?;
     let same: Vec<f64> = efforts.iter().copied().filter(|effort| (effort - zero).abs() < SAME_N_PER_KG).collect();
     let is_one = same.len() as f64 >= MOST_STANDING * efforts.len() as f64;
-    let value = same.iter().sum::<f64>() / same.len() as f64;
+    let value = mean_of(&same);
     (same.len() >= LEAST_STANDING && is_one && zero.abs() < LARGEST_ZERO_N_PER_KG)
         .then_some((Figure { value, sd: 0.0 }, same.len()))
 }
@@ -238,7 +238,7 @@ fn driven(line: &Line<'_>, rows: &[Sample], mps2: f64) -> f64 {
 /// How much of the described resistance those have that coast, by what is usual where the efforts are 0.
 fn of_coasts(all: &[Moving]) -> Range<f64> {
     let of_zeros: Vec<f64> = all.iter().filter(|one| one.is_zero).filter_map(|one| one.driven).collect();
-    match median(of_zeros.iter().copied()) {
+    match median(&of_zeros) {
         Some(usual) if of_zeros.len() >= LEAST_STRETCHES && DRIVEN.contains(&usual) => {
             AROUND_USUAL.start * usual..AROUND_USUAL.end * usual
         }
@@ -272,8 +272,7 @@ pub(crate) fn zeros<'a>(recordings: impl Iterator<Item = &'a Recording>, known: 
             found.stops.add(rows.iter().all(|row| row.effort_n_per_kg == Some(0.0)));
         }
         for rows in stretches(&recording.rows, STRETCH_S) {
-            let speeds = rows.iter().filter_map(|row| row.speed_mps);
-            let (low, high) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            let (low, high) = extremes(rows.iter().filter_map(|row| row.speed_mps));
             let (first, last) = (&rows[0], &rows[rows.len() - 1]);
             let long_s = last.time_s - first.time_s;
             let rate = (last.speed_mps.unwrap_or_default() - first.speed_mps.unwrap_or_default()) / long_s;

@@ -9,7 +9,7 @@
 
 use crate::agreement::{Figure, HALF_95};
 use crate::effort_coasting::{DOUBTED_SHARE, HALF_WIDTHS_N_PER_KG, MovingStretch, densest, sort, within};
-use rundown_files::statistics::{mean, median};
+use rundown_files::statistics::{Pairs, mean, median};
 
 /// So many stretches of a run show its zero, so many times as many as in all beside them, in so many half-widths on
 /// either side.
@@ -104,16 +104,12 @@ impl Crowd {
 
 /// By how much what the motion needs rises with what recurs, from run to run: 1 of efforts that act, 0 of zeros.
 fn share_that_acts(crowds: &[Option<Crowd>]) -> Option<Figure> {
-    let both: Vec<[f64; 2]> =
-        crowds.iter().flatten().map(|crowd| [crowd.effort_n_per_kg, crowd.needed_n_per_kg]).collect();
-    let of = |i: usize| mean(both.iter().map(|both| both[i]));
-    let (efforts, needed) = (of(0)?, of(1)?);
-    let sum =
-        |of: &dyn Fn(f64, f64) -> f64| both.iter().map(|both| of(both[0] - efforts, both[1] - needed)).sum::<f64>();
-    let square = sum(&|effort, _| effort * effort);
-    let value = sum(&|effort, needed| effort * needed) / square;
-    let left = sum(&|effort, needed| (needed - value * effort).powi(2));
-    let sd = (left / (both.len() as f64 - 2.0) / square).sqrt();
+    let both: Vec<(f64, f64)> =
+        crowds.iter().flatten().map(|crowd| (crowd.effort_n_per_kg, crowd.needed_n_per_kg)).collect();
+    let pairs = Pairs::of(&both);
+    let value = pairs.slope();
+    let left: f64 = both.iter().map(|(effort, needed)| ((needed - pairs.y) - value * (effort - pairs.x)).powi(2)).sum();
+    let sd = (left / (both.len() as f64 - 2.0) / pairs.xx).sqrt();
     Some(Figure { value, sd }).filter(|share| share.value.is_finite() && share.sd.is_finite())
 }
 

@@ -13,7 +13,7 @@ use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::usual_step_s;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{mean_of, median};
 
 /// Rows of the recorder are looked for at every second row to every 60th.
 const MOST_ROWS: i64 = 60;
@@ -49,7 +49,7 @@ pub(crate) fn leave_out(rows: &mut Vec<Sample>, findings: &mut Vec<Finding>) {
         let is_kept = is_reading(row);
         if is_kept {
             let known: Option<Vec<f64>> = efforts.drain(..).collect();
-            row.effort_n_per_kg = known.map(|known| known.iter().sum::<f64>() / known.len() as f64);
+            row.effort_n_per_kg = known.map(mean_of);
         }
         is_kept
     });

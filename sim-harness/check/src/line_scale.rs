@@ -17,7 +17,7 @@ use crate::agreement::Figure;
 use crate::profile::Profile;
 use crate::{LEAST_SCALE, SURE};
 use rundown_files::recording::Recording;
-use rundown_files::statistics::{median, spread};
+use rundown_files::statistics::{Pairs, median, spread};
 
 /// A wheel is off by less, worn out or described wrongly.
 pub const MOST_OFF: f64 = 0.03;
@@ -227,17 +227,12 @@ pub fn through(calls_m: &[f64], described_m: &[f64], scale: f64, offset_m: f64) 
     };
     let agree: Vec<(f64, f64)> = calls_m.iter().filter_map(near).collect();
     let n = agree.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| agree.iter().map(of).sum::<f64>() / n;
-    let (described, read) = (mean(|pair| pair.0), mean(|pair| pair.1));
-    let square: f64 = agree.iter().map(|(stop, _)| (stop - described).powi(2)).sum();
-    let product: f64 = agree.iter().map(|(stop, call)| (stop - described) * (call - read)).sum();
-    let scale = product / square;
-    let offset_m = read - scale * described;
-    let off_m2: f64 = agree.iter().map(|(stop, call)| (call - offset_m - scale * stop).powi(2)).sum();
+    let pairs = Pairs::of(&agree);
+    let (scale, offset_m) = (pairs.slope(), pairs.offset());
     // A line has two numbers; the others are the posterior mean of a variance.
     let platforms = BELIEVED_PLATFORMS + (n - 2.0).max(0.0);
-    let platform_sd_m = ((BELIEVED_PLATFORMS * PLATFORM_SD_M.powi(2) + off_m2) / platforms).sqrt();
-    let fit = StopsLine { scale, offset_m, stops: agree.len(), spread_m: square.sqrt(), platform_sd_m };
+    let platform_sd_m = ((BELIEVED_PLATFORMS * PLATFORM_SD_M.powi(2) + pairs.left(&agree)) / platforms).sqrt();
+    let fit = StopsLine { scale, offset_m, stops: agree.len(), spread_m: pairs.xx.sqrt(), platform_sd_m };
     scale.is_finite().then_some(fit)
 }
 

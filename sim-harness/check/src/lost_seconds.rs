@@ -16,7 +16,7 @@ use crate::run::{RunCheck, differences};
 use crate::ways;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::spread;
+use rundown_files::statistics::{span, spread};
 
 /// Periods that are looked for, s. A longer one does less than a wheel that matters.
 const PERIODS_S: [f64; 2] = [40.0, 800.0];
@@ -108,8 +108,7 @@ impl Compared {
         let coarse = tried(around(period_s, spacing_s));
         let (near, gain) = best(&coarse)?;
         // Within two standard deviations the likelihood falls by two nats.
-        let likely = || coarse.iter().filter(|(_, other)| *other > gain - 2.0).map(|(comb, _)| comb.period_s);
-        let range_s = likely().fold(f64::MIN, f64::max) - likely().fold(f64::MAX, f64::min);
+        let range_s = span(coarse.iter().filter(|(_, other)| *other > gain - 2.0).map(|(comb, _)| comb.period_s));
         let sd_s = (0.25 * range_s).max(0.125 * spacing_s);
         // As the runs are pooled, what is left of the choice must not be the same in all of them.
         let (comb, gain) = best(&tried(around(near.period_s, 0.125 * spacing_s)))?;
@@ -192,7 +191,7 @@ fn steps_stand_out(asked: &[Compared]) -> bool {
     let mut is_noisy = false;
     for run in asked {
         let left_m = run.left_m();
-        let sd_m = spread(left_m.iter().copied());
+        let sd_m = spread(&left_m);
         ahead += left_m.iter().filter(|metres| **metres > STANDS_OUT * sd_m).count() as f64;
         behind += left_m.iter().filter(|metres| **metres < -STANDS_OUT * sd_m).count() as f64;
         let Differences { by_speed, dt, .. } = &run.differences;
@@ -203,8 +202,7 @@ fn steps_stand_out(asked: &[Compared]) -> bool {
 
 /// How far the locations reach, m.
 fn length_m(rows: &[Sample]) -> f64 {
-    let located = || rows.iter().filter_map(|row| row.location_m);
-    located().fold(f64::MIN, f64::max) - located().fold(f64::MAX, f64::min)
+    span(rows.iter().filter_map(|row| row.location_m))
 }
 
 /// By which share of the way the locations run ahead of the speeds.
@@ -291,7 +289,7 @@ fn lost_at(rows: &[Sample], comb: Comb) -> Vec<usize> {
         })
         .collect();
     let metres: Vec<f64> = beyond.iter().flatten().map(|[metres, _]| *metres).collect();
-    let sd_m = spread(metres.iter().copied());
+    let sd_m = spread(&metres);
     let stands_out = |i: usize| {
         let [metres, speed_mps] = beyond.get(i.checked_sub(1)?).copied().flatten()?;
         (metres > 0.5 * speed_mps && metres > 3.0 * sd_m).then_some(metres)

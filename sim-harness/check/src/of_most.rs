@@ -23,7 +23,7 @@ impl OfMost {
     pub(crate) fn of(agreements: &[Option<Agreement>], offset_mps: f64) -> Option<Self> {
         let alone = |agreement: &Agreement| Some(pooled(slice::from_ref(agreement))?.scale_at(offset_mps).value);
         let scales: Vec<f64> = agreements.iter().flatten().filter_map(alone).collect();
-        let value = median(scales.iter().copied()).filter(|_| scales.len() >= LEAST_USUAL)?;
+        let value = median(&scales).filter(|_| scales.len() >= LEAST_USUAL)?;
         let sd = spread(scales.iter().map(|scale| scale - value));
         Some(Self { offset_mps, scale: Figure { value, sd } })
     }

@@ -11,7 +11,7 @@
 //!
 //! Where much of a run is at one speed, scale and offset are left to the rest of it, and to other speeds.
 
-use crate::compared::{Compared, HeldTime, PAIR_S};
+use crate::compared::{Compared, HeldTime, PAIR_S, dot};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2, Matrix3, Vector2, Vector3};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -68,7 +68,7 @@ impl Equations {
         let speeds = all.iter().map(|(speed_mps, _)| *speed_mps).collect();
         let columns: Vec<Vec<f64>> = all.iter().map(|(_, seconds)| compared.whitened(seconds)).collect();
         let columns: Vec<&[f64]> = fit.columns.iter().chain(&columns).map(Vec::as_slice).collect();
-        let dot = |a: &[f64], b: &[f64]| kept / fit.variance * a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let dot = |a: &[f64], b: &[f64]| kept / fit.variance * dot(a, b);
         let mut matrix = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(columns[i], columns[j]));
         matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&(fit.information * kept));
         let left = DVector::from_fn(columns.len(), |i, _| if i < 3 { 0.0 } else { dot(columns[i], &fit.residuals) });
@@ -185,9 +185,8 @@ pub(crate) fn beside(compared: &Compared, metres: &[f64], place: usize) -> f64 {
     let (taken, column) = compared.taken_up(metres);
     let left = |i: usize| column[i] - (0..3).map(|k| taken[k] * columns[k][i]).sum::<f64>();
     let left: Vec<f64> = (0..column.len()).map(left).collect();
-    let dot = |a: &[f64]| a.iter().zip(&left).map(|(a, b)| a * b).sum::<f64>();
-    let square = dot(&left).max(f64::MIN_POSITIVE);
+    let square = dot(&left, &left).max(f64::MIN_POSITIVE);
     let sides = [0..place + 1, place + 1..column.len()];
     let held = sides.into_iter().flat_map(|side| held(compared, side));
-    held.map(|(_, seconds)| (dot(&compared.taken_up(&seconds).1) / square).powi(2)).sum::<f64>().sqrt()
+    held.map(|(_, seconds)| (dot(&compared.taken_up(&seconds).1, &left) / square).powi(2)).sum::<f64>().sqrt()
 }

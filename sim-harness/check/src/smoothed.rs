@@ -17,6 +17,7 @@ use crate::effort;
 use crate::row_step::usual_step_s;
 use nalgebra::SVector;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::mean;
 use std::ops::Range;
 
 /// Speeds in larger steps show what is none: eight metros in whole km/h had means over 15 s, by seven standard
@@ -89,8 +90,7 @@ pub(crate) fn averaged(rows: &[Sample], long_s: f64) -> Vec<Option<f64>> {
         row.effort_n_per_kg?;
         from += rows[from..].iter().take_while(|other| other.time_s < row.time_s - 0.5 * long_s).count();
         let near = rows[from..].iter().take_while(|other| other.time_s <= row.time_s + 0.5 * long_s);
-        let efforts: Vec<f64> = near.filter_map(|other| other.effort_n_per_kg).collect();
-        Some(efforts.iter().sum::<f64>() / efforts.len() as f64)
+        mean(near.filter_map(|other| other.effort_n_per_kg))
     };
     rows.iter().map(mean).collect()
 }
@@ -103,8 +103,7 @@ fn unexplained(rows: &[Sample]) -> Option<f64> {
         Some((SVector::from([effort, 1.0, mps * mps]), acceleration))
     };
     let rows: Vec<_> = effort::stretches(rows, BESIDE_S).into_iter().filter_map(explained).collect();
-    let (beta, _) = effort::least_squares(&rows)?;
-    Some(rows.iter().map(|(x, y)| (y - x.dot(&beta)).powi(2)).sum())
+    effort::least_squares(&rows).map(|(.., left)| left)
 }
 
 /// The rows of the windows in which the train runs and each row has both readings.
@@ -155,8 +154,7 @@ fn second_order(rows: &[WayDifference], step_s: f64) -> Option<Figure> {
     if rows.len() < LEAST_ROWS || rows.len() as f64 * step_s < LEAST_S {
         return None;
     }
-    let (beta, inverse) = effort::least_squares(rows)?;
-    let left: f64 = rows.iter().map(|(x, apart_m)| (apart_m - x.dot(&beta)).powi(2)).sum();
+    let (beta, inverse, left) = effort::least_squares(rows)?;
     let sd = (left / (rows.len() as f64 - 4.0) * inverse[(0, 0)]).sqrt();
     // Even without any noise no surer than the integral of rows a second apart.
     Some(Figure { value: beta[0] + 0.5 * beta[1] * beta[1] - step_s * step_s / 12.0, sd: sd.max(0.05) })

@@ -16,7 +16,7 @@ use crate::agreement::{Figure, HALF_95};
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
-use rundown_files::statistics::{median, sd_of_median, spread};
+use rundown_files::statistics::{median, sd_of_median, sorted, spread};
 
 /// Fewer changes between repeats say nothing.
 const LEAST_STAIRS: usize = 20;
@@ -62,8 +62,7 @@ pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 
 /// Usual distance between neighbouring readings that are ever shown: the step, whatever scale and offset it has.
 pub(crate) fn level(rows: &[Sample], reading: impl Fn(&Sample) -> Option<f64>) -> f64 {
-    let mut levels: Vec<f64> = rows.iter().filter_map(reading).filter(|reading| *reading != 0.0).collect();
-    levels.sort_by(f64::total_cmp);
+    let mut levels = sorted(rows.iter().filter_map(reading).filter(|reading| *reading != 0.0));
     levels.dedup();
     spacing(&levels)
 }
@@ -110,7 +109,7 @@ impl Stairs {
     /// The usual change, where the column stands still and then changes by several steps at once.
     pub(crate) fn usual(&self, step: f64) -> Option<Figure> {
         let count = self.between.len();
-        let value = median(self.between.iter().copied()).filter(|_| count >= LEAST_STAIRS)?;
+        let value = median(&self.between).filter(|_| count >= LEAST_STAIRS)?;
         let is_some = self.repeats.len() as f64 > LEAST_SHARE * self.readings as f64;
         let spread = spread(self.between.iter().map(|change| change - value));
         let sd = sd_of_median(spread, count).max(0.5 * step / HALF_95);

@@ -2,6 +2,7 @@
 //! mass.
 
 use rundown_files::sample::Sample;
+use rundown_files::statistics::sorted;
 
 /// Steps of a speed, km/h, the largest first; among them a metre per second, a knot, a mile per hour, their halves and
 /// a tenth of the first.
@@ -15,16 +16,16 @@ const LEAST: usize = 8;
 const MULTIPLES: std::ops::RangeInclusive<u8> = 2..=12;
 const LEAST_OF_MULTIPLE: usize = 12;
 
-fn step(mut values: Vec<f64>, steps: &[f64]) -> Option<f64> {
+fn step(values: Vec<f64>, steps: &[f64]) -> Option<f64> {
     let is_multiple = |step: f64| {
         let whole = values.iter().filter(|value| (*value / step - (*value / step).round()).abs() < 2e-3).count();
         whole as f64 >= MOST * values.len() as f64
     };
     let found = steps.iter().copied().find(|step| is_multiple(*step))?;
     let times = MULTIPLES.rev().map(f64::from).find(|times| is_multiple(times * found)).unwrap_or(1.0);
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    match values.len() {
+    let mut levels = sorted(&values);
+    levels.dedup();
+    match levels.len() {
         0..LEAST => None,
         LEAST..LEAST_OF_MULTIPLE => Some(found),
         _ => Some(times * found),
@@ -55,24 +56,23 @@ const LEAST_LEVELS: usize = 10;
 
 /// The step of the efforts, N/kg; none where it is below ten times the digits of a table.
 pub fn of_effort_n_per_kg<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<f64> {
-    any_step(rows.filter_map(|row| row.effort_n_per_kg).filter(|effort| *effort != 0.0).collect(), PRINTED_N_PER_KG)
+    any_step(rows.filter_map(|row| row.effort_n_per_kg).filter(|effort| *effort != 0.0), PRINTED_N_PER_KG)
 }
 
 /// The step of an odometer whose ways were scaled, m, by the ways from row to row; none where it is below ten times the
 /// digits of a table.
 pub fn of_scaled_location_m(rows: &[Sample]) -> Option<f64> {
     let way_m = |two: &[Sample]| Some((two[1].location_m? - two[0].location_m?).abs());
-    let mut ways_m: Vec<f64> = rows.windows(2).filter_map(way_m).filter(|way_m| *way_m > PRINTED_M).collect();
-    ways_m.sort_by(f64::total_cmp);
+    let ways_m = sorted(rows.windows(2).filter_map(way_m).filter(|way_m| *way_m > PRINTED_M));
     // Where the odometer began again a way is any.
     let are_usual = |same: &&[f64]| same.len() >= USUAL_WAYS;
     let usual_m = ways_m.chunk_by(|a, b| b - a < PRINTED_M).filter(are_usual).flatten().copied();
-    any_step(usual_m.collect(), PRINTED_M)
+    any_step(usual_m, PRINTED_M)
 }
 
 /// The step that these values are multiples of, whatever it is. `printed`: nearer ones are one.
-fn any_step(mut values: Vec<f64>, printed: f64) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
+fn any_step(values: impl Iterator<Item = f64>, printed: f64) -> Option<f64> {
+    let values = sorted(values);
     let mut levels = values.clone();
     levels.dedup_by(|next, kept| *next - *kept < printed);
     let gaps = levels.windows(2).map(|pair| pair[1] - pair[0]);

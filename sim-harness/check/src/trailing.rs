@@ -67,7 +67,7 @@ pub(crate) fn of(runs: &[Asked<'_>]) -> Option<Figure> {
         Some((of_run(Asked { rows: &rows, ..*run }, Reading::Momentary)?.age_s, run.step_s))
     };
     let left: Vec<(Figure, f64)> = runs.iter().filter_map(left).collect();
-    let quarter_s = 0.25 * median_of(&left.iter().map(|(_, step_s)| *step_s).collect::<Vec<_>>());
+    let quarter_s = 0.25 * median_of(left.iter().map(|(_, step_s)| step_s));
     let (left_s, _) = pooled(left.iter().map(|(age_s, _)| *age_s));
     let value = tried_s - left_s.value - quarter_s;
     let sd = left_s.sd.hypot(quarter_s).hypot(SHAPE_SD * value);

@@ -83,7 +83,7 @@ fn far_part(mut pieces: Vec<Piece>) -> Option<(f64, u64)> {
     }
     let part = |split: usize| {
         let halves = [&pieces[..split], &pieces[split..]];
-        let [one, two] = halves.map(|part| median_of(&part.iter().map(|piece| piece.ratio).collect::<Vec<f64>>()));
+        let [one, two] = halves.map(|part| median_of(part.iter().map(|piece| piece.ratio)));
         let (far, near) = if is_far(one) { (one, two) } else { (two, one) };
         let agrees = |piece: &Piece, usual: f64| (usual / ALIKE..usual * ALIKE).contains(&piece.ratio);
         let agree = halves.iter().zip([one, two]).map(|(part, usual)| part.iter().filter(|p| agrees(p, usual)).count());

@@ -2,7 +2,7 @@
 
 use crate::perturbed::near_m;
 use crate::profile::Profile;
-use rundown_files::statistics::median_of;
+use rundown_files::statistics::{extremes, mean, mean_of, median_of, sorted, squares_about};
 
 /// Trains stop no farther from one place, m: platforms are long, and a train is as long as they are.
 const MOST_NEAR_M: f64 = 150.0;
@@ -74,7 +74,7 @@ pub fn groups(profiles: &[Profile]) -> Vec<Group> {
 impl Group {
     /// Stops as a track describes them.
     pub fn described(stops_m: &[f64], near_m: f64) -> Self {
-        let ends_m = stops_m.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], m| [m.min(a), m.max(b)]);
+        let ends_m = extremes(stops_m).into();
         Self { runs: Vec::new(), places_m: stops_m.iter().map(|at_m| vec![*at_m]).collect(), ends_m, near_m }
     }
 
@@ -87,7 +87,7 @@ impl Group {
         self.runs.push(run);
         self.ends_m = [self.ends_m[0].min(from_m), self.ends_m[1].max(to_m)];
         for at_m in calls_m {
-            match self.places_m.iter_mut().find(|place| (median_of(place) - at_m).abs() <= self.near_m) {
+            match self.places_m.iter_mut().find(|place| (median_of(place.iter()) - at_m).abs() <= self.near_m) {
                 Some(place) => place.push(*at_m),
                 None => self.places_m.push(vec![*at_m]),
             }
@@ -97,9 +97,7 @@ impl Group {
     /// Where at least half of them stop, m, from the first to the last.
     fn stations_m(&self) -> Vec<f64> {
         let usual = |place: &&Vec<f64>| 2 * place.len() >= self.runs.len();
-        let mut stations_m: Vec<f64> = self.places_m.iter().filter(usual).map(|place| median_of(place)).collect();
-        stations_m.sort_by(f64::total_cmp);
-        stations_m
+        sorted(self.places_m.iter().filter(usual).map(median_of))
     }
 
     /// Share of the stops of one that the other makes, too, where both pass: of that one of the two that stops less.
@@ -112,7 +110,7 @@ impl Group {
                 |at_m: &&f64| (others.ends_m[0] - self.near_m..=others.ends_m[1] + self.near_m).contains(*at_m);
             let stations_m = own.stations_m();
             let all = stations_m.iter().filter(passed).count();
-            let places_m: Vec<f64> = others.places_m.iter().map(|place| median_of(place)).collect();
+            let places_m: Vec<f64> = others.places_m.iter().map(median_of).collect();
             let same = stations_m.iter().filter(passed).filter(|at_m| is_near(&places_m, **at_m, self.near_m)).count();
             same as f64 / all.max(1) as f64
         };
@@ -137,8 +135,7 @@ impl Group {
     fn scatter_m(&self) -> f64 {
         let (mut squares, mut free) = (0.0, 0_usize);
         for place in self.places_m.iter().filter(|place| place.len() > 1) {
-            let mean = place.iter().sum::<f64>() / place.len() as f64;
-            squares += place.iter().map(|at_m| (at_m - mean).powi(2)).sum::<f64>();
+            squares += squares_about(mean_of(place), place);
             free += place.len() - 1;
         }
         (squares / free.max(1) as f64).sqrt()
@@ -215,9 +212,8 @@ fn matched(
     };
     let each: Vec<f64> = here_m.iter().filter_map(nearest).collect();
     let n = each.len() as f64;
-    let mean_m = each.iter().sum::<f64>() / n;
-    let squares = each.iter().map(|m| (m - mean_m).powi(2)).sum::<f64>();
-    (!each.is_empty()).then(|| Matched { mean_m, sd_m: (squares / (n - 1.0).max(1.0)).sqrt(), count: each.len() })
+    let mean_m = mean(&each)?;
+    Some(Matched { mean_m, sd_m: (squares_about(mean_m, &each) / (n - 1.0).max(1.0)).sqrt(), count: each.len() })
 }
 
 impl Matched {

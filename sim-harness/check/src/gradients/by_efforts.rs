@@ -17,6 +17,7 @@ use crate::effort::least_squares;
 use nalgebra::SVector;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
+use rundown_files::statistics::{mean_of, rms};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Fewer windows say nothing.
@@ -142,7 +143,7 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
         (SVector::from([-climb, u, one, v, squared]), window.acceleration_mps2)
     });
     let freely: Vec<(SVector<f64, 5>, f64)> = freely.collect();
-    let (beta, inverse) = least_squares(&freely)?;
+    let (beta, inverse, left) = least_squares(&freely)?;
     let mut scores: BTreeMap<i64, f64> = BTreeMap::new();
     for (window, (x, acceleration)) in windows.iter().zip(&freely) {
         let place = (window.fronts_m[0] / PLACE_M).floor() as i64;
@@ -157,7 +158,7 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
     let described = windows.iter().zip(climbs_n_per_kg);
     let described = described.map(|(window, climb)| (SVector::from(others(window)), window.acceleration_mps2 + climb));
     let described: Vec<(SVector<f64, 4>, f64)> = described.collect();
-    let (gamma, _) = least_squares(&described)?;
+    let (gamma, ..) = least_squares(&described)?;
     let residuals: Vec<f64> = described.iter().map(|(x, y)| y - x.dot(&gamma)).collect();
     let of_run = |(window, residual): (&Driven, &f64)| Leaves {
         cell: places::cell(window.fronts_m),
@@ -166,23 +167,17 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
         residual: window.direction.sign() * residual,
     };
     let off = places::recurring(windows.iter().zip(&residuals).map(of_run));
-    let sds_n_per_kg = [rms(freely.iter().map(|(x, y)| y - x.dot(&beta))), rms(residuals.iter().copied())];
+    let sds_n_per_kg = [(left / freely.len() as f64).sqrt(), rms(&residuals)];
     Some(ByEfforts {
         steep: Figure { value: beta[0], sd },
         sds_n_per_kg,
         off: off.filter(|off| off.z > LEAST_Z && off.sd_n_per_kg > LEAST_SD_N_PER_KG),
         // All windows of a run at a place are one.
-        mean_way_m: (windows.iter().map(|window| window.way_m).sum::<f64>() / windows.len() as f64)
-            .max(places::PLACE_M),
-        climbs_n_per_kg: rms(climbs_n_per_kg.iter().copied()),
+        mean_way_m: mean_of(windows.iter().map(|window| window.way_m)).max(places::PLACE_M),
+        climbs_n_per_kg: rms(climbs_n_per_kg),
         windows: windows.len(),
         runs: windows.iter().map(|window| window.run).collect::<BTreeSet<usize>>().len(),
     })
-}
-
-fn rms(residuals: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = residuals.len() as f64;
-    (residuals.map(|residual| residual * residual).sum::<f64>() / count).sqrt()
 }
 
 #[cfg(test)]

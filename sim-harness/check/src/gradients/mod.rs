@@ -36,6 +36,7 @@ use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown::tick::track_doubt::TrackDoubtConfig;
 use rundown_files::recording::Recording;
+use rundown_files::statistics::mean_of;
 use stretch::Stretch;
 
 /// Runs that are looked at; further ones say the same.
@@ -267,7 +268,7 @@ impl Coasts {
     }
 
     fn off_by_place_permille(&self, sd_n_per_kg: f64, train: &Train) -> f64 {
-        let mean_way_m = self.stretches.iter().map(|s| s.way_m).sum::<f64>() / self.stretches.len() as f64;
+        let mean_way_m = mean_of(self.stretches.iter().map(|s| s.way_m));
         let permille = off_by_place_permille(sd_n_per_kg, mean_way_m, train);
         if sd_n_per_kg > STEEP_N_PER_KG { permille.max(UNKNOWN_PERMILLE) } else { permille }
     }

@@ -8,6 +8,7 @@
 
 use super::{Cause, LEAST_OTHERS, Perturbation};
 use crate::profile::{CELL_M, Medians, Profile, get};
+use rundown_files::statistics::mean_of;
 
 /// A stretch that costs less is a driver's style, s.
 const LEAST_LOST_S: f64 = 15.0;
@@ -81,14 +82,13 @@ fn stretch(slow: &[Slow]) -> Option<Perturbation> {
         .iter()
         .map(|one| CELL_M / f64::from(one.mps).max(CREEP_MPS) - CELL_M / f64::from(one.lower_mps).max(CREEP_MPS))
         .sum();
-    let mean = |value: fn(&Slow) -> f32| slow.iter().map(|one| f64::from(value(one))).sum::<f64>() / slow.len() as f64;
     (lost_s >= LEAST_LOST_S).then(|| Perturbation {
         cause: Cause::HeldBack,
         from_m: first.cell as f64 * CELL_M,
         to_m: (last.cell + 1) as f64 * CELL_M,
         duration_s: lost_s,
         speed_kmh: 3.6 * slow.iter().map(|one| f64::from(one.mps)).fold(f64::INFINITY, f64::min),
-        others_kmh: Some(3.6 * mean(|one| one.lower_mps)),
+        others_kmh: Some(3.6 * mean_of(slow.iter().map(|one| f64::from(one.lower_mps)))),
         others_stopping: 0,
         others: slow.iter().map(|one| one.others).min().unwrap_or(0),
     })

@@ -44,7 +44,7 @@ pub(crate) fn take_off(
         share(&differences(&recordings[*i].rows, *step_s), &again.as_ref()?.agreement)
     };
     let shares: Vec<f64> = runs.iter().zip(&again).filter_map(of_run).collect();
-    let usual = median(shares.iter().copied())?;
+    let usual = median(&shares)?;
     if usual < LEAST_SHARE {
         return None;
     }

@@ -36,7 +36,7 @@ impl Noise {
     pub(super) fn of(parts: &[Vec<Row>]) -> Option<Self> {
         let compared = Compared::roughly(Differences::of(parts))?;
         let left_m = compared.left_m();
-        let dt_s = median(compared.differences.dt.iter().copied())?;
+        let dt_s = median(&compared.differences.dt)?;
         let two_m = left_m.windows(2).map(|two| two[0] + two[1]);
         let bends_m =
             parts.iter().flat_map(|part| part.windows(3).map(|rows| apart_m(&rows[1..]) - apart_m(&rows[..2])));

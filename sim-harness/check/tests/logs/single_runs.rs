@@ -5,6 +5,7 @@ use crate::simulated::{Recorder, all, check_for_replay, clean, kinds, one, only}
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_check::{Check, check};
 use rundown_files::recording::Recording;
+use rundown_files::statistics::rms;
 
 /// Six runs of one recorder, the third of them spoilt.
 fn third(seed: u64, spoil: impl Fn(&mut Recording)) -> (Check, Vec<Recording>) {
@@ -93,9 +94,7 @@ fn an_offset_that_no_rounding_explains_is_put_right_and_is_no_wheel() {
 
 /// Root mean square of the distance between locations.
 fn off_m(a: &Recording, b: &Recording) -> f64 {
-    let squares = a.rows.iter().zip(&b.rows).filter_map(|(a, b)| Some((a.location_m? - b.location_m?).powi(2)));
-    let squares: Vec<f64> = squares.collect();
-    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    rms(a.rows.iter().zip(&b.rows).filter_map(|(a, b)| Some(a.location_m? - b.location_m?)))
 }
 
 /// Locations as old as the speeds are those of the same train by a recorder without skew, that many rows later.
