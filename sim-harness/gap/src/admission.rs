@@ -4,7 +4,6 @@ use crate::config::{GapConfig, TrackConfig};
 use crate::data::believed::Context;
 use crate::data::rows::Row;
 use crate::efforts::rows_as_read;
-use crate::fit::median;
 use crate::input::Input;
 use crate::investigation::most_held_out;
 use crate::leap::leap;
@@ -14,6 +13,7 @@ use crate::refusal::Refusal;
 use crate::slopes;
 use rundown_check::agreement::Figure;
 use rundown_files::off_track::OffTrack;
+use rundown_files::statistics::median;
 
 /// # Errors
 /// [`Refusal`]: why they cannot.

@@ -3,6 +3,7 @@
 use crate::data::interval::{Interval, Point};
 use crate::data::{believed::Context, rows::Row};
 use rundown::model::{direction::Direction, effects::Coordinate, effects::share_inside, line::Line};
+use rundown_files::statistics::sorted;
 
 /// One column by a law of the line, the row and the point.
 pub fn along(context: &Context<'_>, rows: &[Row], law: impl Fn(&Line<'_>, &Row, &Point) -> f64) -> Vec<f64> {
@@ -86,8 +87,7 @@ pub fn hats(which: Coordinate, knots: &[f64], rows: &[Row]) -> Vec<Vec<f64>> {
 
 /// Knots between the smallest and the largest value, equally filled.
 pub fn knots(values: impl Iterator<Item = f64>, count: usize) -> Vec<f64> {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
+    let sorted = sorted(values);
     if sorted.is_empty() {
         return Vec::new();
     }

@@ -7,12 +7,12 @@ use crate::config::EffortConfig;
 use crate::data::believed::{Context, believed_load};
 use crate::data::runs::{EffortReading, Run, usual_step_s};
 use crate::data::{cut, interval::Interval, rows::Row};
-use crate::fit::median;
 use crate::noise::calibrate::{Calibrated, Own};
 use crate::traction::exceeded::{Reading, calculated, traction};
 use crate::traction::powering::{SteadyPower, powering, sampled_powering};
 use core::f64::consts::SQRT_2;
 use rundown_check::steps;
+use rundown_files::statistics::median;
 
 /// Runs with their intervals, and the model that they are looked at with.
 #[derive(Clone, Copy)]

@@ -19,6 +19,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rundown::model::{direction::Direction, effects::Coordinate};
+use rundown_files::statistics::mean_of;
 
 /// Along what residuals may vary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +90,7 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
 /// Takes out the mean: what differs from run to run shows in comparison, and what all runs have alike, habits of
 /// drivers among it, does not.
 fn centre(column: &mut [f64]) {
-    let mean = column.iter().sum::<f64>() / column.len() as f64;
+    let mean = mean_of(&*column);
     column.iter_mut().for_each(|value| *value -= mean);
 }
 

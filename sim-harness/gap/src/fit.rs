@@ -2,8 +2,7 @@
 
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
-
-pub use rundown_files::statistics::median;
+use rundown_files::statistics::sorted;
 
 /// Log-likelihood that a value at the end of its 95 % interval loses: half the square of
 /// [`HALF_95`](rundown_check::agreement::HALF_95).
@@ -30,6 +29,12 @@ pub fn mixed_odds(share: f64, gain: f64) -> f64 {
 /// What runs of two kinds gain together, log-likelihood: of which kind each is, is integrated out.
 pub fn mixed_gain(share: f64, gains: impl Iterator<Item = f64>) -> f64 {
     gains.map(|gain| (1.0 - share).ln() + mixed_odds(share, gain).ln_1p()).sum()
+}
+
+/// Of normal equations: log of the root of the determinant, and what of the squares their solution explains.
+pub fn explained(gram: DMatrix<f64>, with: &DVector<f64>) -> Option<(f64, f64)> {
+    let cholesky = gram.cholesky()?;
+    Some((cholesky.l_dirty().diagonal().iter().map(|d| d.ln()).sum(), with.dot(&cholesky.solve(with))))
 }
 
 /// A coordinate search: each coordinate is moved by its step to either side as long as that gains, then the steps are
@@ -203,15 +208,10 @@ impl Base {
         let correction = count / (count - beta.len() as f64).max(1.0);
         let robust = &naive * (&scores * scores.transpose()) * &naive * correction;
         let naive_gain = 0.5 * (self.residual.norm_squared() - left.norm_squared());
-        let mut of_runs: Vec<f64> = self
-            .runs
-            .iter()
-            .map(|range| {
-                let sum = |e: &DVector<f64>| e.rows(range.start, range.len()).norm_squared();
-                0.5 * (sum(&self.residual) - sum(&left))
-            })
-            .collect();
-        of_runs.sort_by(f64::total_cmp);
+        let of_runs = sorted(self.runs.iter().map(|range| {
+            let sum = |e: &DVector<f64>| e.rows(range.start, range.len()).norm_squared();
+            0.5 * (sum(&self.residual) - sum(&left))
+        }));
         let kept = of_runs.len() - (of_runs.len() / 10).max(1).min(of_runs.len());
         let without_best = of_runs[..kept].iter().sum::<f64>() * of_runs.len() as f64 / kept.max(1) as f64;
         // How much wider the spread between runs is than the noise model says, over the directions of these columns.

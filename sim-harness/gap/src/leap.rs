@@ -10,8 +10,8 @@
 
 use crate::config::GapConfig;
 use crate::data::runs::{Run, usual_step_s};
-use crate::fit::median;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::median;
 
 /// A leap of the locations.
 #[derive(Clone, Copy, Debug, PartialEq)]

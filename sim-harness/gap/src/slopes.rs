@@ -9,10 +9,11 @@
 
 use crate::data::believed::Context;
 use crate::data::rows::Row;
-use crate::fit::{Base, median};
+use crate::fit::Base;
 use crate::readings::offset::{is_strong, places};
 use nalgebra::DVector;
 use rundown_check::agreement::Figure;
+use rundown_files::statistics::{mean_of, median, squares_about};
 use std::collections::BTreeMap;
 
 /// Times the described slopes that the motion of the trains needs; none on a level line or from too few rows. `rows`:
@@ -68,8 +69,8 @@ pub fn of_level(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
     }
     let of_place = |residuals: &Vec<f64>| {
         let count = residuals.len() as f64;
-        let mean = residuals.iter().sum::<f64>() / count;
-        let variance = residuals.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let mean = mean_of(residuals);
+        let variance = squares_about(mean, residuals) / (count - 1.0);
         (mean, (variance / count).sqrt())
     };
     let seen: Vec<(f64, f64)> = places.values().filter(|rows| rows.len() >= LEAST_IN_PLACE).map(of_place).collect();

@@ -3,6 +3,7 @@
 use crate::data::runs::Run;
 use crate::named::Named;
 use rundown_files::effect_file::date_of;
+use rundown_files::statistics::extremes;
 
 /// What a run is known by.
 type Label = fn(&Run) -> &str;
@@ -27,8 +28,7 @@ pub(super) fn acting(named: &Named, runs: &[Run]) -> String {
     }
     let days = |runs: &[&Run]| runs.iter().map(|run| run.day).collect::<Option<Vec<f64>>>();
     if let Some((acts, others)) = days(&acts).zip(days(&others)) {
-        let (first, last) =
-            acts.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), day| (a.min(*day), b.max(*day)));
+        let (first, last) = extremes(acts);
         let outside = others.iter().any(|day| *day < first || *day > last);
         if let (true, Some(first), Some(last)) = (outside, date_of(first), date_of(last)) {
             text.push_str(&format!(", {first} to {last}"));

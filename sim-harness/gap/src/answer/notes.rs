@@ -9,7 +9,6 @@ use crate::config::GapConfig;
 use crate::data::load::about_gradients;
 use crate::data::runs::{EffortReading, usual_step_s};
 use crate::findings::Findings;
-use crate::fit::median;
 use crate::investigation::Investigation;
 use crate::levels::{NotCompared, Standout};
 use crate::named::Named;
@@ -20,6 +19,7 @@ use crate::traction::less_power::less_power;
 use crate::wording::{listed, section};
 use rundown::model::effects::Effect;
 use rundown_check::gradients::{SeenBy, SmallErrors};
+use rundown_files::statistics::{median, sorted};
 use rundown_pages::numbers::counted;
 
 /// Sentences, the weightiest first.
@@ -156,9 +156,7 @@ fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
 
 /// Mean speeds of the intervals that count, km/h, rising.
 fn speeds_kmh(findings: &Findings) -> Vec<f64> {
-    let mut speeds: Vec<f64> = findings.rows.iter().map(|row| 3.6 * row.interval.mean_speed_mps()).collect();
-    speeds.sort_by(f64::total_cmp);
-    speeds
+    sorted(findings.rows.iter().map(|row| 3.6 * row.interval.mean_speed_mps()))
 }
 
 /// So many intervals show nothing, and a starting resistance acts below this, km/h.

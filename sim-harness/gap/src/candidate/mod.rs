@@ -20,6 +20,7 @@ use crate::data::{believed::Context, rows::Row};
 use crate::named::{Interval95, Named};
 use crate::traction::limit::FoundLimit;
 use rundown::model::effects::{Effect, EffectKind};
+use rundown_files::statistics::{sorted, upper_quantile};
 use serde_json::Value;
 
 /// Terms among which a search looks for the best.
@@ -135,21 +136,18 @@ pub struct Size<'a> {
 }
 
 impl Size<'_> {
-    fn sorted(&self) -> Vec<f64> {
-        let extra = self.term.extra(self.beta, self.context, self.rows).into_iter();
-        let mut sizes: Vec<f64> = extra.map(f64::abs).collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes
+    fn sizes(&self) -> impl Iterator<Item = f64> {
+        self.term.extra(self.beta, self.context, self.rows).into_iter().map(f64::abs)
     }
 
     /// The largest extra resistance, N/kg.
     pub fn most(&self) -> f64 {
-        self.sorted().last().copied().unwrap_or(0.0)
+        sorted(self.sizes()).last().copied().unwrap_or(0.0)
     }
 
     /// What acts always must be seen in more than the few slowest or fastest rows: exceeded in a fifth of them, N/kg.
     pub fn often(&self) -> f64 {
-        self.sorted().get(self.rows.len() * 4 / 5).copied().unwrap_or(0.0)
+        upper_quantile(self.sizes(), 0.8).unwrap_or(0.0)
     }
 
     pub fn least(&self) -> f64 {

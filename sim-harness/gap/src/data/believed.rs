@@ -4,6 +4,7 @@ use crate::config::{GapConfig, PenaltyConfig};
 use crate::data::interval::{Interval, Point};
 use crate::data::runs::Run;
 use rundown::model::{direction::Direction, line::Line, track::Track, train::Train};
+use rundown_files::statistics::mean;
 
 /// The believed model, with a line for each direction.
 #[derive(Clone, Copy, Debug)]
@@ -84,8 +85,8 @@ impl Conditions {
         let days = || runs.iter().filter_map(|run| run.day);
         let first_day = days().fold(f64::INFINITY, f64::min).min(1e6);
         let period_days = (days().fold(0.0, f64::max) - first_day).max(0.0);
-        let temperatures = || runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c));
-        let temperature_c = temperatures().sum::<f64>() / temperatures().count().max(1) as f64;
+        let temperatures = runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c));
+        let temperature_c = mean(temperatures).unwrap_or_default();
         Self { temperature_c, first_day, period_days, runs: runs.len() }
     }
 }

@@ -7,6 +7,7 @@ use crate::data::efforts::Efforts;
 use crate::data::runs::Run;
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::midmean;
 
 /// A reading of location and speed at one time.
 #[derive(Clone, Copy, Debug)]
@@ -196,12 +197,9 @@ impl Nodes<'_> {
                 let nearest = from.min(shifts.len() - 1);
                 &shifts[nearest..=nearest]
             };
-            let mut values: Vec<f64> = around.iter().map(|s| s.1).collect();
-            values.sort_by(f64::total_cmp);
-            // The mean of the middle half: neither outliers nor single readings count much.
-            let (low, high) = (values.len() / 4, values.len() - values.len() / 4);
-            let middle = &values[low..high];
-            node.location_m = sign * distance_m[node.sample] + middle.iter().sum::<f64>() / middle.len() as f64;
+            // Neither outliers nor single readings count much.
+            let middle = midmean(around.iter().map(|s| s.1)).unwrap_or(f64::NAN);
+            node.location_m = sign * distance_m[node.sample] + middle;
         }
     }
 }

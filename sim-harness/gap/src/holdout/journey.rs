@@ -12,8 +12,9 @@ use crate::config::HoldoutConfig;
 use crate::data::{believed::Believed, interval::Point, rows::Row};
 use crate::explained::extra;
 use crate::holdout::forward::{Repaired, RepairedModel, acceleration_mps2, begin_m, end_m, windows};
-use crate::holdout::share::{Share, Squares, quantile};
+use crate::holdout::share::{Share, Squares};
 use rundown::model::effects::{EffectError, Effects};
+use rundown_files::statistics::{quantile, sorted};
 
 /// Step of the integration, s.
 const STEP_S: f64 = 1.0;
@@ -203,8 +204,7 @@ impl Summary {
     pub fn of(errors: &[Error], config: &HoldoutConfig) -> Option<Self> {
         let measured: f64 = errors.iter().map(|e| e.measured).sum();
         let spread = |of: fn(&Error) -> f64| {
-            let mut sorted: Vec<f64> = errors.iter().map(of).collect();
-            sorted.sort_by(f64::total_cmp);
+            let sorted = sorted(errors.iter().map(of));
             let sum: f64 = sorted.iter().sum();
             Some(Spread {
                 mean: sum / sorted.len() as f64,

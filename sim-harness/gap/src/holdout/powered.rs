@@ -4,6 +4,7 @@ use crate::config::HoldoutConfig;
 use crate::holdout::forward::Compared;
 use crate::traction::powering::{SteadyPower, by_number};
 use rundown::model::{effects::Effects, train::Train};
+use rundown_files::statistics::upper_quantile;
 
 /// Full power: the change of speed that limit and driver's share foresee, against the one that was.
 pub fn powered(
@@ -26,16 +27,10 @@ pub fn powered(
             let described = 1.0 - config.free_share < limit && limit < 1.0 + config.free_share;
             described || part.ratio < limit - config.free_sd * part.sd
         });
-        let mut ratios: Vec<f64> = free.map(|part| part.ratio).collect();
-        ratios.sort_by(f64::total_cmp);
-        match ratios.get(ratios.len() * 4 / 5) {
-            Some(ratio) => *ratio,
-            None => {
-                let given = parts.iter().map(|part| limit(effects, part));
-                let given = given.fold(1.0, f64::min);
-                0.5 * (1.0 + given)
-            }
-        }
+        upper_quantile(free.map(|part| part.ratio), 0.8).unwrap_or_else(|| {
+            let given = parts.iter().map(|part| limit(effects, part));
+            0.5 * (1.0 + given.fold(1.0, f64::min))
+        })
     };
     let mut compared = Vec::new();
     for parts in by_number(powering) {

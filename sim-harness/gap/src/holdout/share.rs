@@ -10,6 +10,7 @@
 use crate::config::HoldoutConfig;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rundown_files::statistics::{quantile, sorted};
 
 /// Sums of squares of one run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -169,25 +170,11 @@ fn bootstrap(runs: &[&Squares], config: &HoldoutConfig, of: impl Fn(&Squares) ->
         let drawn = (0..runs.len()).map(|_| runs[rng.random_range(0..runs.len())]);
         of(&drawn.fold(Squares::default(), |sum, r| sum.and(r)))
     };
-    let mut shares: Vec<f64> = (0..config.resamples).filter_map(draw).collect();
+    let shares = sorted((0..config.resamples).filter_map(draw));
     if (config.resamples - shares.len()) as f64 > config.most_without * config.resamples as f64 {
         return None;
     }
-    shares.sort_by(f64::total_cmp);
     Some((quantile(&shares, 0.025)?, quantile(&shares, 0.975)?))
-}
-
-/// Of sorted values; between two of them in proportion.
-///
-/// ```
-/// use rundown_gap::holdout::share::quantile;
-/// assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.75), Some(3.0));
-/// assert_eq!(quantile(&[], 0.5), None);
-/// ```
-pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
-    let at = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
-    let (low, high) = (sorted.get(at.floor() as usize)?, sorted.get(at.ceil() as usize)?);
-    Some(low + (high - low) * at.fract())
 }
 
 #[cfg(test)]

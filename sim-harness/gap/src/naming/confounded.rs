@@ -10,6 +10,7 @@ use crate::named::Named;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{DavisError, Effect, EffectKind, PowerLimitSection, TractionScale};
 use rundown_check::agreement::HALF_95;
+use rundown_files::statistics::mean;
 
 /// Length of the places at which the described gradient is looked at, m.
 const PLACE_M: f64 = 100.0;
@@ -149,8 +150,7 @@ fn coasted<'a>([from_m, to_m]: [f64; 2], naming: &Naming<'a>) -> impl Iterator<I
 
 /// A wind that blows would add as much at the usual speed: r2 ((v + w)² - v²).
 fn is_like_wind(davis: &DavisError, naming: &Naming<'_>) -> bool {
-    let speeds = || naming.rows.iter().map(|row: &Row| row.interval.mean_speed_mps());
-    let speed_mps = speeds().sum::<f64>() / speeds().count().max(1) as f64;
+    let speed_mps = mean(naming.rows.iter().map(|row| row.interval.mean_speed_mps())).unwrap_or_default();
     let extra = davis.dr0 + davis.dr1 * speed_mps + davis.dr2 * speed_mps * speed_mps;
     let air = speed_mps * speed_mps + extra / naming.context.believed.train().davis().r2;
     let wind_mps = air.max(0.0).sqrt() - speed_mps;

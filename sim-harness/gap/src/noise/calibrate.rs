@@ -8,7 +8,7 @@ use crate::candidates::sensors::LOCATION_OFFSET;
 use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::NoiseConfig;
 use crate::data::{believed::Context, interval::Interval, rows::Row};
-use crate::fit::Base;
+use crate::fit::{Base, explained};
 use crate::noise::gradients::{self, Errors};
 use crate::noise::habits::{self, DRIVEN, Scatter, regime};
 use crate::noise::whitening::{Noise, Whitening};
@@ -308,12 +308,9 @@ fn restricted(y: &[f64], flexible: &[Vec<f64>], whitening: &Whitening) -> f64 {
     for i in 0..gram.nrows() {
         gram[(i, i)] *= 1.0 + 1e-10;
     }
-    let Some(cholesky) = gram.cholesky() else {
+    let Some((log_root, explained)) = explained(gram, &(x.transpose() * &y)) else {
         return f64::NEG_INFINITY;
     };
-    let with = x.transpose() * &y;
-    let explained = with.dot(&cholesky.solve(&with));
-    let log_root: f64 = cholesky.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
     -whitening.log_determinant() - log_root - 0.5 * (y.norm_squared() - explained)
 }
 

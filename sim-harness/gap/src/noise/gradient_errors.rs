@@ -9,7 +9,7 @@ use crate::candidates::{self, sensors};
 use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::GradientsConfig;
 use crate::data::{believed::Context, rows::Row};
-use crate::fit::{Base, median};
+use crate::fit::{Base, explained};
 use crate::noise::{
     calibrate::Calibrated,
     gradients::{Errors, at},
@@ -18,7 +18,7 @@ use crate::noise::{
 use nalgebra::{DMatrix, DVector};
 use rundown::model::direction::Direction;
 use rundown::model::effects::{Coordinate, EffectKind};
-use rundown_files::statistics::MEDIAN_TO_SD;
+use rundown_files::statistics::{MEDIAN_TO_SD, median};
 use std::collections::BTreeMap;
 
 /// What may act along the whole line by the speed, the effort or the described line, and so is no error at a place.
@@ -136,10 +136,9 @@ impl Places {
     fn gain(&self, size: f64) -> Option<f64> {
         let likelihood = |size: f64| {
             let precisions = self.precisions(size);
-            let cholesky = (&self.gram + DMatrix::from_diagonal(&precisions)).cholesky()?;
-            let log_root: f64 = cholesky.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
+            let (log_root, explained) = explained(&self.gram + DMatrix::from_diagonal(&precisions), &self.with)?;
             let of_prior: f64 = precisions.iter().map(|precision| 0.5 * precision.ln()).sum();
-            Some(of_prior - log_root + 0.5 * self.with.dot(&cholesky.solve(&self.with)))
+            Some(of_prior - log_root + 0.5 * explained)
         };
         Some(likelihood(size)? - likelihood(LEAST_SIZE)?)
     }

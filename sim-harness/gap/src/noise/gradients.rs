@@ -8,6 +8,7 @@
 //! with s the middle of the train. [`super::gradient_errors`] has τ.
 
 use crate::data::{believed::Context, rows::Row};
+use rundown_files::statistics::extremes;
 
 /// Errors of the described gradients, as far as the places of a line show them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,8 +30,7 @@ pub fn at(context: &Context<'_>, row: &Row) -> (f64, f64) {
 pub fn columns(context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
     let config = &context.config.gradients;
     let places: Vec<(f64, f64)> = rows.iter().map(|row| at(context, row)).collect();
-    let locations = || places.iter().map(|(at_m, _)| *at_m);
-    let (from_m, to_m) = (locations().fold(f64::INFINITY, f64::min), locations().fold(f64::NEG_INFINITY, f64::max));
+    let (from_m, to_m) = extremes(places.iter().map(|(at_m, _)| at_m));
     let step_m = config.step_m.max((to_m - from_m) / config.most_steps as f64);
     let count = ((to_m - from_m) / step_m).ceil().max(1.0) as usize + 1;
     let alike = (-step_m / config.alike_m).exp();

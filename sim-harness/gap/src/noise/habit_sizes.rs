@@ -9,6 +9,7 @@
 //!
 //! with Z the habits, D their standard deviations and M what a flexible model leaves of whitened rows.
 
+use crate::fit::explained;
 use nalgebra::{DMatrix, DVector};
 
 /// Sizes that are tried: from the most that a habit may be, each this factor above the next, and none. The smallest is
@@ -40,12 +41,8 @@ impl Habits {
         let sd: Vec<f64> = self.of.iter().map(|of| sizes[*of]).collect();
         let mut inner = DMatrix::from_fn(sd.len(), sd.len(), |i, j| sd[i] * self.gram[(i, j)] * sd[j]);
         (0..sd.len()).for_each(|i| inner[(i, i)] += 1.0);
-        let Some(cholesky) = inner.cholesky() else {
-            return f64::NEG_INFINITY;
-        };
         let with = DVector::from_fn(sd.len(), |i, _| sd[i] * self.with[i]);
-        let log_root: f64 = cholesky.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
-        0.5 * with.dot(&cholesky.solve(&with)) - log_root
+        explained(inner, &with).map_or(f64::NEG_INFINITY, |(log_root, explained)| 0.5 * explained - log_root)
     }
 
     /// The likeliest sizes, N/kg, none of them more than `most`: what drivers do cannot scatter more than driven rows

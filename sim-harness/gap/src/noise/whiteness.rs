@@ -3,10 +3,10 @@
 use crate::candidate::Fitted;
 use crate::config::GapConfig;
 use crate::data::{believed::Context, rows::Row};
-use crate::holdout::share::quantile;
 use crate::noise::calibrate::Calibrated;
 use crate::noise::habits::regime;
 use crate::trials::column;
+use rundown_files::statistics::{mean, quantile, sorted};
 use serde_json::{Value, json};
 
 /// Where the quantiles are taken: standard deviations of the normal distribution.
@@ -44,11 +44,10 @@ impl Whiteness {
         let mean_square = |which: i8| {
             let those = rows.iter().zip(white.iter()).filter(|(row, _)| regime(row, config) == which);
             let squares: Vec<f64> = those.map(|(_, value)| value * value).collect();
-            (squares.len() >= config.least_rows).then(|| squares.iter().sum::<f64>() / squares.len() as f64)
+            mean(&squares).filter(|_| squares.len() >= config.least_rows)
         };
         let in_runs = whitening.runs().iter().flat_map(|run| (run.start + 1..run.end).map(|i| white[i - 1] * white[i]));
-        let mut sorted: Vec<f64> = white.iter().copied().collect();
-        sorted.sort_by(f64::total_cmp);
+        let sorted = sorted(white.iter());
         let at = |step: i32| {
             let z = f64::from(step) / STEPS_A_DEVIATION;
             Some((z, quantile(&sorted, 0.5 * libm::erfc(-z / core::f64::consts::SQRT_2))?))

@@ -21,7 +21,7 @@ use crate::data::runs::{EffortReading, Run};
 use crate::efforts::Looked;
 use core::ops::Range;
 use rundown_check::agreement::Figure;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{median, upper_quantile};
 
 /// Shown over true effort of the brake, beside that of powering.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,9 +50,8 @@ pub fn needed(row: &Row) -> f64 {
 
 /// Rows in which the motion needs more than half of the power that it needs where trains are driven hardest.
 pub fn powered_hard(rows: &[Row]) -> Vec<&Row> {
-    let mut driven: Vec<f64> = rows.iter().map(needed).filter(|needed| *needed > 0.0).collect();
-    driven.sort_by(f64::total_cmp);
-    let hard = driven.get(driven.len() * 95 / 100).map_or(f64::INFINITY, |most| 0.5 * most);
+    let driven = rows.iter().map(needed).filter(|needed| *needed > 0.0);
+    let hard = upper_quantile(driven, 0.95).map_or(f64::INFINITY, |most| 0.5 * most);
     rows.iter().filter(|row| needed(row) >= hard).collect()
 }
 

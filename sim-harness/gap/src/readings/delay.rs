@@ -16,10 +16,10 @@ use crate::config::NuisanceConfig;
 use crate::data::believed::{Context, believed_load};
 use crate::data::runs::{EffortReading, Run, usual_step_s};
 use crate::data::{cut, interval::Interval};
-use crate::fit::median;
 use crate::readings::brakes::is_braked;
 use rundown_check::agreement::Figure;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::{median, squares_about};
 
 /// How the column is read, and how old it is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -140,7 +140,7 @@ fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f
     let of_run = |of_run: &Vec<[f64; 2]>| {
         let left: Vec<f64> = of_run.iter().map(|[effort, needed]| gain * effort - needed).collect();
         // What acts all through a run, such as its wind, is no age.
-        let usual = median(left.iter().copied()).unwrap_or(0.0);
+        let usual = median(&left).unwrap_or(0.0);
         (left.iter().map(|left| (left - usual).abs()).sum(), left.len() as f64)
     };
     given.iter().map(of_run).collect()
@@ -198,8 +198,8 @@ pub fn delay(context: &Context<'_>, runs: &[Run], brakes: bool) -> Delay {
         let around = (1 - fine..fine).filter(|i| *i != 0).map(|i| near_s + f64::from(i) * config.delay_step_s);
         tried.extend(around.map(|delay_s| of(reading, delay_s)));
         let (value, reached) = best(&tried, None)?;
-        let parts: Vec<f64> = (0..GROUPS).filter_map(|part| best(&tried, Some(part))).map(|(d, _)| d).collect();
-        let scatter = parts.iter().map(|d| (d - value).powi(2)).sum::<f64>();
+        let parts = (0..GROUPS).filter_map(|part| best(&tried, Some(part))).map(|(d, _)| d);
+        let scatter = squares_about(value, parts);
         let jackknife = (scatter * (GROUPS as f64 - 1.0) / GROUPS as f64).sqrt();
         let sd = jackknife.hypot(0.5 * config.delay_step_s);
         let none =

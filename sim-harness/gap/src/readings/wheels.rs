@@ -11,7 +11,6 @@
 
 use crate::config::{GapConfig, WheelConfig};
 use crate::data::{believed::Surroundings, runs::Run};
-use crate::fit::median;
 use crate::named::{Named, around, beside};
 use crate::trial::Trial;
 use crate::trials::of_scale;
@@ -19,7 +18,8 @@ use rundown::model::direction::Direction;
 use rundown::model::effects::{Effect, SpeedScale};
 use rundown_check::agreement::Figure;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::spread;
+use rundown_files::statistics::{mean_of, median, spread};
+use std::collections::BTreeSet;
 
 /// A wheel that is not as believed.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,7 +95,7 @@ fn exceptions<'a>(scales: &'a [Scale], locations: bool, config: &WheelConfig) ->
     }
     unlike.sort_by(|a, b| a.value.total_cmp(&b.value));
     let wheels = unlike.chunk_by(|a, b| b.value - a.value < config.same);
-    let mean = |of: &[&Scale]| of.iter().map(|s| s.value).sum::<f64>() / of.len() as f64;
+    let mean = |of: &[&Scale]| mean_of(of.iter().map(|s| s.value));
     let or_stops = |of: &[&Scale]| of.iter().all(|s| s.is_single);
     let is_at = |s: &Scale, at: f64| (s.value - at).abs() < config.agreeing * scatter.max(s.sd);
     // Beside runs with several distances one with a single distance counts where it agrees with them.
@@ -184,10 +184,7 @@ fn stood_at(place_m: f64, all: &[(f64, usize)], config: &WheelConfig) -> Option<
 }
 
 fn runs_of(stops: &[(f64, usize)]) -> usize {
-    let mut runs: Vec<usize> = stops.iter().map(|(_, run)| *run).collect();
-    runs.sort_unstable();
-    runs.dedup();
-    runs.len()
+    stops.iter().map(|(_, run)| run).collect::<BTreeSet<_>>().len()
 }
 
 /// Places at which at least three runs, and a third of all, stand. `all`: location and run.

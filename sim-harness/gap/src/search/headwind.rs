@@ -13,6 +13,7 @@ use crate::data::believed::{Context, wind_n_per_kg};
 use crate::data::rows::Row;
 use crate::search::fits::Search;
 use rundown_check::agreement::HALF_95;
+use rundown_files::statistics::rms;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headwind {
@@ -51,13 +52,10 @@ pub fn headwind(search: &Search<'_>, model: &[Term]) -> Option<Headwind> {
     let sd = gain.naive[(0, 0)].max(gain.robust[(0, 0)]).sqrt().hypot(search.context.config.certainty.law * scale);
     let measured = search.rows.iter().zip(&column).filter(|(row, _)| row.interval.wind_mps.is_some());
     let measured: Vec<(f64, f64)> = measured.map(|(row, wind)| (row.residual_n_per_kg, *wind)).collect();
-    let root = |of: fn(&(f64, f64)) -> f64| {
-        (measured.iter().map(|one| of(one).powi(2)).sum::<f64>() / measured.len() as f64).sqrt()
-    };
     column.iter().any(|wind| *wind != 0.0).then(|| Headwind {
         rows: measured.len(),
-        before_n_per_kg: root(|(left, wind)| left + wind),
-        after_n_per_kg: root(|(left, _)| *left),
+        before_n_per_kg: rms(measured.iter().map(|(left, wind)| left + wind)),
+        after_n_per_kg: rms(measured.iter().map(|(left, _)| left)),
         scale: (scale, [scale - HALF_95 * sd, scale + HALF_95 * sd]),
     })
 }

@@ -9,6 +9,7 @@ use crate::data::{believed::Context, rows::Row};
 use crate::fit::{ANYWHERE, Base, Climb};
 use crate::noise::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
+use rundown_files::statistics::sorted;
 
 /// A section with a smaller share of its information beside the model is the model's own.
 const LEAST_INFORMATION: f64 = 1e-6;
@@ -85,8 +86,7 @@ impl Scan {
             edges_m.iter().map(|edge| whitening.whiten(&cumulative.before(*edge))).collect();
         let columns = DMatrix::from_columns(&columns);
         let gram = columns.transpose() * &columns;
-        let mut middles_m: Vec<f64> = rows.iter().map(|row| row.interval.middle().location_m).collect();
-        middles_m.sort_by(f64::total_cmp);
+        let middles_m = sorted(rows.iter().map(|row| row.interval.middle().location_m));
         Self { term, config, edges_m, middles_m, columns, gram }
     }
 

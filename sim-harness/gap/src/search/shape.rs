@@ -7,6 +7,7 @@ use crate::columns::in_the_middle;
 use crate::fit::{ANYWHERE, Base, Climb, Gain, LOSS_AT_LIMIT};
 use crate::search::fits::Search;
 use rundown::model::effects::Coordinate;
+use rundown_files::statistics::extremes;
 
 /// First step of the logarithm of a second number.
 const SECOND_STEP: f64 = 0.5;
@@ -89,8 +90,7 @@ pub fn refined(search: &Search<'_>, base: &Base, term: Term) -> Term {
 fn ramp(search: &Search<'_>, base: &Base, term: &Term, (which, ends, side): (Coordinate, [f64; 2], Side)) -> [f64; 2] {
     /// Longest move, of days or degrees, and the shortest.
     const MOVES: (f64, f64) = (8.0, 0.1);
-    let seen = search.rows.iter().filter_map(|row| in_the_middle(which, row));
-    let range = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), at| (least.min(at), most.max(at)));
+    let range = extremes(search.rows.iter().filter_map(|row| in_the_middle(which, row)));
     if range.0 > range.1 {
         return ends;
     }

@@ -4,8 +4,8 @@
 //! has effort and power alike. It is not named, for all drivers may demand less there; but it must not be silent.
 
 use crate::config::TractionConfig;
-use crate::holdout::share::quantile;
 use crate::traction::powering::SteadyPower;
+use rundown_files::statistics::{quantile, sorted};
 use std::collections::BTreeSet;
 
 /// What trains give of the described power, where they give all of the effort.
@@ -36,12 +36,6 @@ pub fn less_power(powering: &[Vec<SteadyPower>], config: &TractionConfig) -> Opt
     let (intervals, runs) = (by_power.len(), runs(&by_power));
     let is_less = |share: f64| share < 1.0 - config.less_power;
     (is_less(share) && is_less(power) && !is_less(effort)).then_some(LessPower { share, above_kmh, intervals, runs })
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted
 }
 
 impl LessPower {

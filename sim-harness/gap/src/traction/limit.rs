@@ -3,6 +3,7 @@
 use crate::config::CertaintyConfig;
 use crate::named::{Named, around, beside};
 use rundown::model::effects::Effect;
+use rundown_files::statistics::sorted;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundLimit {
@@ -36,8 +37,7 @@ impl FoundLimit {
 
 /// Sum without the best tenth: what rests on a few runs is no limit of the train.
 pub fn trimmed(gains: impl Iterator<Item = f64>) -> f64 {
-    let mut gains: Vec<f64> = gains.collect();
-    gains.sort_by(f64::total_cmp);
+    let gains = sorted(gains);
     let kept = gains.len() - (gains.len() / 10).max(1);
     gains[..kept].iter().sum::<f64>() * gains.len() as f64 / kept as f64
 }

@@ -6,6 +6,7 @@ use crate::traction::limit::{FoundLimit, factor_sd, trimmed};
 use crate::traction::shares::{ByPower, SHARES, Shares, density, over_shares, shares};
 use crate::traction::{edges::edges, powering::SteadyPower};
 use rundown::model::effects::{Effect, PowerLimitSection};
+use rundown_files::statistics::{extremes, sorted};
 
 struct Bins {
     low: f64,
@@ -15,9 +16,8 @@ struct Bins {
 
 impl Bins {
     fn of(runs: &[Shares<'_>], edge_m: f64) -> Self {
-        let at = || runs.iter().flat_map(|run| run.powering.iter().map(|p| p.location_m));
-        let low = at().fold(f64::INFINITY, f64::min) - edge_m;
-        let high = at().fold(f64::NEG_INFINITY, f64::max) + edge_m;
+        let (first, last) = extremes(runs.iter().flat_map(|run| run.powering.iter().map(|p| p.location_m)));
+        let (low, high) = (first - edge_m, last + edge_m);
         let count = (((high - low) / edge_m).ceil() as usize).clamp(2, 160);
         Self { low, width: (high - low) / count as f64, count }
     }
@@ -146,8 +146,7 @@ pub fn section(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyCo
         .take(config.starts)
         .map(|(_, start)| climb.from(*start, |[from, to, factor]| (to > from).then(|| gain_of(from, to, factor))));
     let ([mut from, mut to, factor], most) = climbed.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let mut powered_m: Vec<f64> = at_power(runs).collect();
-    powered_m.sort_by(f64::total_cmp);
+    let powered_m = sorted(at_power(runs));
     let edges = edges(&powered_m, [from, to], most, |[from, to]| gain_of(from, to, factor), config);
     [from, to] = edges.likely_m;
     let inside = powered_m.iter().filter(|at| (from..to).contains(*at)).count();

@@ -7,10 +7,11 @@ use crate::holdout::forward::Compared;
 use maud::{Markup, html};
 use plotters::style::RGBColor;
 use rundown_check::agreement::HALF_95;
+use rundown_files::statistics::{mean_of, rms};
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::shell::{choice_column, column, sortable, text_column};
 use rundown_pages::{colours, numbers::number};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 const BEFORE: RGBColor = colours::HELD;
 const AFTER: RGBColor = colours::TRUTH;
@@ -76,14 +77,13 @@ pub(super) fn by_run(answer: &Answer) -> Markup {
         choice_column("with the effects"),
     ];
     let rows = html! { @for (run, compared) in &runs {
-        @let rms = |square: &dyn Fn(&Compared) -> f64| (compared.iter().map(|c| square(c)).sum::<f64>() / compared.len() as f64).sqrt();
-        @let (before, after) = (rms(&|c| c.before_mps.powi(2)), rms(&|c| c.after_mps.powi(2)));
+        @let (before, after) = (rms(compared.iter().map(|c| c.before_mps)), rms(compared.iter().map(|c| c.after_mps)));
         tr {
             th scope="row" { (name(answer, *run)) }
             td { (compared.len()) }
             td { (number(before, 3)) }
             td { (number(after, 3)) }
-            td { (number(rms(&|c| c.floor), 3)) }
+            td { (number(mean_of(compared.iter().map(|c| c.floor)).sqrt(), 3)) }
             td.word { (if after < before { "nearer" } else if after > before { "further off" } else { "the same" }) }
         }
     } };
@@ -96,13 +96,8 @@ pub(super) fn by_run(answer: &Answer) -> Markup {
 
 /// The run whose error before is the middle one of all hold-out runs: a typical one.
 fn typical(compared: &[&Compared]) -> Option<usize> {
-    let mut runs: Vec<usize> = compared.iter().map(|c| c.run).collect();
-    runs.sort_unstable();
-    runs.dedup();
-    let error = |run: usize| {
-        let of_run = || compared.iter().filter(|c| c.run == run);
-        of_run().map(|c| c.before_mps.powi(2)).sum::<f64>() / of_run().count().max(1) as f64
-    };
+    let runs: BTreeSet<usize> = compared.iter().map(|c| c.run).collect();
+    let error = |run: usize| mean_of(compared.iter().filter(|c| c.run == run).map(|c| c.before_mps.powi(2)));
     let mut errors: Vec<(f64, usize)> = runs.iter().map(|run| (error(*run), *run)).collect();
     errors.sort_by(|a, b| a.0.total_cmp(&b.0));
     errors.get(errors.len() / 2).map(|(_, run)| *run)
