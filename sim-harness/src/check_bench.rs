@@ -265,7 +265,7 @@ fn tally(defect: Defect, outcomes: &[SetOutcome]) -> DefectRow {
         found: outcomes.iter().filter(|outcome| outcome.found).count(),
         accused: outcomes.iter().filter(|outcome| !outcome.accused.is_empty()).count(),
         accused_of,
-        error: median(errors.iter().copied()),
+        error: median(&errors),
         largest_error: errors.iter().copied().reduce(f64::max),
         intervals: [with_interval().count(), with_interval().filter(holds).count()],
     }

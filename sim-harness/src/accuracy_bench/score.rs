@@ -11,6 +11,7 @@ use rundown::tick::measurement::Measurement;
 use rundown::tick::memory::Vehicle;
 use rundown::tick::regime::Regime;
 use rundown_check::agreement::HALF_95;
+use rundown_files::statistics::{Pairs, mean_of, upper_quantile};
 use rundown_truth::driver::Regime as TrueRegime;
 use rundown_truth::scenario::Run;
 use rundown_truth::train::DavisTruth;
@@ -213,10 +214,7 @@ impl FleetFigures {
 
     /// Root mean square of the smallest possible errors of the vehicle's r(v) after 1, 10 and all runs, %.
     pub fn possible_percent(&self) -> [f64; 3] {
-        [0, 1, 2].map(|slot| {
-            let squares = &self.possible[slot];
-            100.0 * (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
-        })
+        [0, 1, 2].map(|slot| 100.0 * mean_of(&self.possible[slot]).sqrt())
     }
 
     /// Adds the vehicles of another table.
@@ -267,15 +265,7 @@ impl FleetFigures {
 
     /// Slope of estimated on true deviation at 60, 100, 140 km/h.
     pub fn slopes(&self) -> [f64; 3] {
-        [0, 1, 2].map(|i| {
-            let pairs = &self.slope[i];
-            let count = pairs.len() as f64;
-            let mean = |f: fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>() / count;
-            let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-            let covariance: f64 = pairs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-            let variance: f64 = pairs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
-            covariance / variance
-        })
+        [0, 1, 2].map(|i| Pairs::of(&self.slope[i]).slope())
     }
 
     /// Accuracy and macro F1, causal and one sample later.
@@ -297,12 +287,7 @@ impl FleetFigures {
 
     /// 90th percentile of the absolute feature errors: brake start s, coast start s, cruise km/h, power %.
     pub fn feature_p90(&self) -> [f64; 4] {
-        [0, 1, 2, 3].map(|i| {
-            let mut errors = self.features[i].clone();
-            errors.sort_by(f64::total_cmp);
-            let index = (0.9 * errors.len() as f64) as usize;
-            errors.get(index).copied().unwrap_or(f64::NAN)
-        })
+        [0, 1, 2, 3].map(|i| upper_quantile(&self.features[i], 0.9).unwrap_or(f64::NAN))
     }
 
     /// As lines of text.
@@ -317,7 +302,7 @@ impl FleetFigures {
         println!("  slope at 60/100/140 km/h: {:.2?}", self.slopes());
         println!("  regimes (accuracy, macro F1) causal, confirmed: {:.3?}", self.regime_scores());
         println!("  p90 of brake start s, coast start s, cruise km/h, power %: {:.2?}", self.feature_p90());
-        let learned_s = self.learned_s.iter().sum::<f64>() / self.learned_s.len() as f64;
+        let learned_s = mean_of(&self.learned_s);
         println!("  learned from {learned_s:.0} s of a run");
     }
 }

@@ -3,6 +3,7 @@
 use super::fleets::Fleet;
 use super::score::FleetFigures;
 use rundown::estimator::config::Mode;
+use rundown_files::statistics::mean_of;
 
 /// The fleets beside each other: r(v), then regimes and features.
 pub fn tables(judged: &[(Fleet, FleetFigures)]) -> String {
@@ -16,7 +17,7 @@ pub fn tables(judged: &[(Fleet, FleetFigures)]) -> String {
         let [vehicle, running] =
             [&table.vehicle, &table.running].map(|errors| slots(errors, |errors| rms(errors.rmse_percent())));
         let possible = slots(&table.possible_percent(), |percent| rms(*percent));
-        let learned_s = table.learned_s.iter().sum::<f64>() / table.learned_s.len() as f64;
+        let learned_s = mean_of(&table.learned_s);
         text += &format!("| {}{mode} | {vehicle} | {possible} | {running} | {inside} | {learned_s:.0} |\n", fleet.what);
     }
     text += "\n| fleet | regimes right, at the sample / one later | macro F1 one later | 90 % of brake starts, coast starts \

@@ -28,7 +28,7 @@ use rundown::tick::measurement::Measurement;
 use rundown::tick::published::{FORGOTTEN_SHARE, sds};
 use rundown_check::agreement::HALF_95;
 use rundown_files::replay::ReplayedRun;
-use rundown_files::statistics::{mean_median, sd_of_median, spread};
+use rundown_files::statistics::{Pairs, mean_median, mean_of, sd_of_median, spread};
 use rundown_wire::Learned;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -209,7 +209,7 @@ fn missing(falls: &VecDeque<Vec<Fall>>, davis: &Gaussian<3>) -> Option<Missing> 
     let of_stops = ratios.chunk_by(|(a, _), (b, _)| is_one(a, b));
     let of_stops: Vec<f64> =
         of_stops.filter_map(|of_one| mean_median(of_one.iter().map(|(_, ratio)| *ratio))).collect();
-    let (stops, middle) = (of_stops.len(), mean_median(of_stops.iter().copied())?);
+    let (stops, middle) = (of_stops.len(), mean_median(&of_stops)?);
     let speed_mps = mean_median(ratios.iter().map(|(fall, _)| fall.speed_mps))?;
     let learned = Resistance::at(davis, speed_mps)?;
     let error = sd_of_median(spread(of_stops.iter().map(|ratio| ratio - middle)), stops);
@@ -231,7 +231,7 @@ fn falls(estimator: &Estimator, run: &ReplayedRun) -> Vec<Fall> {
             hop.len() - hop.iter().rev().position(|row| described.resistance_n_per_kg(row.speed_mps) > least)?;
         let before = before_brake(&hop[..until], |rows| fall_n_per_kg(estimator, run.direction, rows))?;
         let fall_n_per_kg = fall_n_per_kg(estimator, run.direction, before)?;
-        let speed_mps = before.iter().map(|row| row.speed_mps).sum::<f64>() / before.len() as f64;
+        let speed_mps = mean_of(before.iter().map(|row| row.speed_mps));
         Some(Fall { direction: run.direction, stop_m: rows[at].location_m, speed_mps, fall_n_per_kg })
     };
     stops.filter_map(of_stop).collect()
@@ -271,21 +271,14 @@ fn before_brake(rows: &[Row], fall_n_per_kg: impl Fn(&[Row]) -> Option<f64>) -> 
 /// By how much the speed falls, but for the slopes; of three rows and more.
 fn fall_n_per_kg(estimator: &Estimator, direction: Direction, rows: &[Row]) -> Option<f64> {
     let [first, .., last] = rows else { return None };
-    let n = rows.len() as f64;
-    let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / n;
-    let (time_s, speed_mps) = (mean(|row| row.time_s), mean(|row| row.speed_mps));
-    let (mut tt, mut tv) = (0.0, 0.0);
-    for row in rows {
-        tt += (row.time_s - time_s).powi(2);
-        tv += (row.time_s - time_s) * (row.speed_mps - speed_mps);
-    }
+    let speeds: Vec<(f64, f64)> = rows.iter().map(|row| (row.time_s, row.speed_mps)).collect();
     let train = estimator.train();
     let height_m = |row: &Row| {
         estimator.track().height_integral_m2(row.location_m, train.length_m(), direction) / train.length_m()
     };
     let way_m = direction.sign() * (last.location_m - first.location_m);
     let climb = train.gravity_n_per_kg() * (height_m(last) - height_m(first)) / way_m;
-    (rows.len() > 2 && way_m > 0.0).then(|| -tv / tt - climb)
+    (rows.len() > 2 && way_m > 0.0).then(|| -Pairs::of(&speeds).slope() - climb)
 }
 
 #[cfg(test)]

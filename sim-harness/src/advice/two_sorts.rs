@@ -15,7 +15,7 @@ use super::vehicle::named;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::direction::Direction;
 use rundown_check::agreement::Figure;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{mean_of, median, squares_about};
 
 /// Runs of each sort at least. Judgement: three are some that are unlike the others.
 const LEAST_RUNS: usize = 4;
@@ -87,11 +87,8 @@ pub(super) fn note(unit: &str, runs: &[Taught], vehicle: &Gaussian<3>) -> Option
 
 /// Where shares in rising order fall apart.
 fn split(shares: &[Figure]) -> Option<Split> {
-    let mean = |part: &[Figure]| part.iter().map(|share| share.value).sum::<f64>() / part.len() as f64;
-    let squares = |part: &[Figure]| {
-        let mean = mean(part);
-        part.iter().map(|share| (share.value - mean).powi(2)).sum::<f64>()
-    };
+    let mean = |part: &[Figure]| mean_of(part.iter().map(|share| share.value));
+    let squares = |part: &[Figure]| squares_about(mean(part), part.iter().map(|share| share.value));
     let within = |lower: usize| squares(&shares[..lower]) + squares(&shares[lower..]);
     let last = shares.len().checked_sub(LEAST_RUNS)?;
     let lower = (LEAST_RUNS..=last).min_by(|a, b| within(*a).total_cmp(&within(*b)))?;

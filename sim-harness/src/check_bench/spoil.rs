@@ -3,6 +3,7 @@
 use super::Defect;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use rundown_files::statistics::{extremes, mean_of};
 use rundown_files::{recording::Recording, sample::Sample};
 
 /// What is done to rows is done to one run; what a sensor does, to all. Out: its true figure.
@@ -60,7 +61,7 @@ fn smooth(rows: &mut [Sample], beside: usize) {
     for (i, row) in rows.iter_mut().enumerate() {
         let near: Vec<f64> =
             read[i.saturating_sub(beside)..read.len().min(i + beside + 1)].iter().flatten().copied().collect();
-        row.speed_mps = row.speed_mps.map(|_| near.iter().sum::<f64>() / near.len() as f64);
+        row.speed_mps = row.speed_mps.map(|_| mean_of(&near));
     }
 }
 
@@ -237,8 +238,8 @@ fn back_again(rows: &mut Vec<Sample>) -> f64 {
 /// As the run back would read with its own zero: the places in reverse order, and growing. Out: sum of both locations
 /// of a place, m.
 fn turned(rows: &mut [Sample]) -> f64 {
-    let ends_m = rows.iter().filter_map(|row| row.location_m);
-    let sum_m = ends_m.clone().fold(f64::INFINITY, f64::min) + ends_m.fold(f64::NEG_INFINITY, f64::max);
+    let (low_m, high_m) = extremes(rows.iter().filter_map(|row| row.location_m));
+    let sum_m = low_m + high_m;
     let end_s = rows.last().map_or(0.0, |row| row.time_s);
     rows.reverse();
     for row in rows {

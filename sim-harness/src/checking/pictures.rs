@@ -6,6 +6,7 @@ use rundown_check::compared::Row;
 use rundown_check::{RecorderCheck, RunCheck, parts};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::{Pairs, upper_quantile};
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Point, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
@@ -77,11 +78,7 @@ pub(super) fn speed_against_location(recorder: &RecorderCheck, windows: &[Compar
         layers.push(Layer::line(legend, colours::ESTIMATED, Stroke::Solid, points));
     }
     // The spread of single windows is that of the locations: the means must still be seen.
-    let spread = {
-        let mut sizes: Vec<f64> = windows.iter().map(|w| w.1.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(1.0)
-    };
+    let spread = upper_quantile(windows.iter().map(|w| w.1.abs()), 0.9).unwrap_or(1.0);
     let of_means = range_of(means.iter().map(|mean| mean.1));
     let y = of_means.start.min(0.0) - 1.3 * spread..of_means.end.max(0.0) + 1.3 * spread;
     let empty = "too little moves with both readings";
@@ -109,10 +106,8 @@ fn classes(windows: &[ComparedWindow]) -> (Vec<Point>, Vec<Vec<Option<Point>>>) 
     let (mut means, mut bars) = (Vec::new(), Vec::new());
     for class in by_class.iter().filter(|class| class.len() >= LEAST_IN_CLASS) {
         let n = class.len() as f64;
-        let mean = |of: fn(&ComparedWindow) -> f64| class.iter().map(of).sum::<f64>() / n;
-        let (x, y) = (mean(|w| w.0), mean(|w| w.1));
-        let variance = class.iter().map(|w| (w.1 - y) * (w.1 - y)).sum::<f64>() / (n - 1.0);
-        let half = HALF_95 * (variance / n).sqrt();
+        let Pairs { x, y, yy, .. } = Pairs::of(class);
+        let half = HALF_95 * (yy / (n - 1.0) / n).sqrt();
         means.push((x, y));
         bars.push(vec![Some((x, y - half)), Some((x, y + half))]);
     }

@@ -15,6 +15,7 @@ use ratatui::style::{Color, Modifier, Style, Stylize};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, LegendPosition, Paragraph};
 use ratatui::{Frame, symbols::Marker};
+use rundown_files::statistics::extremes;
 use rundown_pages::numbers::counted;
 use rundown_wire::{Learned, Phase, Regime, Statistic, Validity, Value};
 use std::{io, time::Duration};
@@ -167,8 +168,7 @@ fn axis<'a>(title: &'a str, [from, to]: [f64; 2], decimals: usize) -> Axis<'a> {
 }
 
 fn draw_speed(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
-    let x = state.points.iter().map(|point| f64::from(point.location_m) / 1000.0);
-    let (low, high) = x.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) = extremes(state.points.iter().map(|point| f64::from(point.location_m) / 1000.0));
     // In steps of 5 km, so that the scale stays for a while; a location that is a little below its step is noise.
     let seen =
         if low <= high { [(low / 5.0 + 0.02).floor() * 5.0, ((high / 5.0).floor() + 1.0) * 5.0] } else { [0.0, 5.0] };

@@ -5,6 +5,7 @@ use crate::gap_bench::draw::Set;
 use crate::gap_bench::nuisance::{DrawnNuisance, LENGTH_IN_RUNS};
 use rundown::model::effects::{DavisError, Effect};
 use rundown_check::agreement::{Figure, HALF_95};
+use rundown_files::statistics::mean;
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::candidates;
 use rundown_gap::named::Named;
@@ -162,9 +163,8 @@ fn told(set: &Set, answer: &Answer) -> Vec<(&'static str, f64, f64)> {
         let of_runs = check.runs.iter().map(|run| &run.findings);
         let all = of_runs.chain(check.recorders.iter().map(|recorder| &recorder.findings)).flatten();
         let figures: Vec<Figure> = all.filter(|found| found.kind == kind).map(|found| found.figure).collect();
-        let mean = |of: &dyn Fn(&Figure) -> f64| figures.iter().map(of).sum::<f64>() / figures.len() as f64;
-        let sd = (mean(&|figure| figure.sd * figure.sd) / figures.len() as f64).sqrt();
-        (!figures.is_empty()).then(|| Some((nuisance.told_as()?, mean(&|figure| figure.value), sd)))?
+        let sd = (mean(figures.iter().map(|figure| figure.sd * figure.sd))? / figures.len() as f64).sqrt();
+        Some((nuisance.told_as()?, mean(figures.iter().map(|figure| figure.value))?, sd))
     });
     let lengths = answer.found.named.iter().filter_map(length_in_runs);
     told.map(|nuisance| (nuisance.kind.name(), nuisance.value, nuisance.sd)).chain(diagnosed).chain(lengths).collect()

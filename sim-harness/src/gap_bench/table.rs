@@ -4,7 +4,7 @@ use crate::gap_bench::draw::{SIZES, SetRequest};
 use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
 use rundown_check::agreement::HALF_95;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{mean, median};
 use rundown_pages::numbers::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -60,9 +60,9 @@ pub fn reliability(names: &[(f64, bool)]) -> String {
         let to = BINS.get(i + 1).copied().unwrap_or(1.0);
         let inside = |(confidence, _): &&(f64, bool)| *confidence >= from && (*confidence < to || to == 1.0);
         let those: Vec<&(f64, bool)> = names.iter().filter(inside).collect();
-        let mean = those.iter().map(|(confidence, _)| confidence).sum::<f64>() / those.len().max(1) as f64;
+        let mean = mean(those.iter().map(|(confidence, _)| confidence));
         let right = those.iter().filter(|(_, right)| *right).count();
-        let mean = if those.is_empty() { "-".to_owned() } else { format!("{mean:.2}") };
+        let mean = mean.map_or_else(|| "-".to_owned(), |mean| format!("{mean:.2}"));
         text.push_str(&format!("| {from} to {to} | {} | {mean} | {} |\n", those.len(), share(right, those.len())));
     }
     text.push('\n');

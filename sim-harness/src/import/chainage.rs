@@ -8,7 +8,7 @@ use super::staged::Staged;
 use rundown_check::line_scale::{self, through};
 use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::sample::MOST_LOCATION_M;
-use rundown_files::statistics::{correlation, median};
+use rundown_files::statistics::{correlation, median, sorted};
 use rundown_files::track_file::CentreLinePoint;
 
 /// Where the locations of a run go.
@@ -202,7 +202,7 @@ fn decided(runs: &[Staged], given: &Given) -> (Method, String) {
 /// The length that four fifths of the runs have, and how many have it.
 fn one_length(runs: &[&Staged]) -> Option<(f64, usize)> {
     let lengths_m: Vec<f64> = runs.iter().map(|run| run.length_m()).collect();
-    let length_m = median(lengths_m.iter().copied())?;
+    let length_m = median(&lengths_m)?;
     let alike = lengths_m.iter().filter(|other| (**other - length_m).abs() < STOP_M).count();
     (runs.len() > 1 && 10 * alike >= 8 * runs.len()).then_some((length_m, alike))
 }
@@ -220,8 +220,7 @@ fn by_stops_of(runs: &[Staged], stops_m: &[f64]) -> (Method, String) {
 
 /// Own locations where a run stands, its ends among them.
 fn own_stops(run: &Staged) -> Vec<f64> {
-    let mut stops: Vec<f64> = run.stops.iter().map(|(at_m, _)| *at_m).collect();
-    stops.sort_by(f64::total_cmp);
+    let mut stops = sorted(run.stops.iter().map(|(at_m, _)| at_m));
     stops.dedup_by(|a, b| (*a - *b).abs() < STOP_M);
     stops
 }
@@ -323,7 +322,7 @@ impl KnownLine {
                             .min_by(|a, b| a.abs().total_cmp(&b.abs()))
                     };
                     let near: Vec<f64> = own.iter().filter_map(off).filter(|off| off.abs() < STOP_M).collect();
-                    let refined = offset_m + median(near.iter().copied()).unwrap_or(0.0);
+                    let refined = offset_m + median(&near).unwrap_or(0.0);
                     best.push((near.len(), sign, refined));
                 }
             }

@@ -6,6 +6,7 @@
 //! readings, or all at one time: nothing.
 
 use nalgebra::{Matrix4, Vector4};
+use rundown_files::statistics::mean_of;
 
 /// A cubic through fewer readings than these goes through their noise.
 pub const LEAST: usize = 5;
@@ -36,7 +37,7 @@ pub fn fit(readings: &[(f64, f64)]) -> Option<CubicFit> {
     }
     let cubic = square.cholesky()?.solve(&side);
     let left = readings.iter().map(|(time_s, reading)| (reading - cubic.dot(&powers(*time_s))).powi(2));
-    Some(CubicFit { per_s: cubic[1] / longest_s, left: left.sum::<f64>() / readings.len() as f64 })
+    Some(CubicFit { per_s: cubic[1] / longest_s, left: mean_of(left) })
 }
 
 #[cfg(test)]

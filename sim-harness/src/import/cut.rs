@@ -8,7 +8,7 @@ use super::{geo, speeds};
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_check::row_step::MOST_MEAN_S;
 use rundown_files::sample::Sample;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{median, median_of, span};
 use std::ops::Range;
 
 /// A train that is slower comes to a stop, m/s.
@@ -64,14 +64,8 @@ impl Stretch {
         let located: Vec<(usize, f64)> =
             self.rows.iter().enumerate().filter_map(|(i, row)| Some((i, row.location_m?))).collect();
         // The middle of three: one wild reading is no turn.
-        let calm: Vec<(usize, f64)> = located
-            .windows(3)
-            .map(|three| {
-                let mut metres = [three[0].1, three[1].1, three[2].1];
-                metres.sort_by(f64::total_cmp);
-                (three[1].0, metres[1])
-            })
-            .collect();
+        let calm: Vec<(usize, f64)> =
+            located.windows(3).map(|three| (three[1].0, median_of(three.iter().map(|(_, at_m)| at_m)))).collect();
         let Some(first) = calm.first() else { return Vec::new() };
         let (mut low, mut high, mut sign, mut turns) = (*first, *first, 0.0, Vec::new());
         for here in &calm {
@@ -180,9 +174,8 @@ impl Stretch {
         let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else {
             return None;
         };
-        let located = self.rows.iter().filter_map(|row| row.location_m);
-        let (low, high) = located.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)));
-        let (length_m, seconds) = ((high - low).max(0.0), last.time_s - first.time_s);
+        let length_m = span(self.rows.iter().filter_map(|row| row.location_m)).max(0.0);
+        let seconds = last.time_s - first.time_s;
         if length_m < settings.min_length_m || seconds < settings.min_duration_s {
             account.place("pieces too short for a run, left out", || {
                 format!("lines {} to {}: expected {} m and {} s or more, found {length_m:.0} m in {seconds:.0} s; begins because {}", first.line, last.line, settings.min_length_m, settings.min_duration_s, self.reason)

@@ -3,7 +3,7 @@
 use super::geo::{self, Fix};
 use super::staged::{Mark, Staged};
 use rundown_files::map_matching::{CentreLine, Match, MatchState};
-use rundown_files::statistics::median;
+use rundown_files::statistics::{mean_of, median, sorted};
 use rundown_files::track_file::CentreLinePoint;
 
 /// Distance between points of the line, m.
@@ -46,10 +46,9 @@ const STATION_M: f64 = 80.0;
 
 /// Where on the line runs stand; of several runs one that stands alone stands at a signal.
 pub fn stations(runs: &[Staged], line: &[CentreLinePoint]) -> Vec<f64> {
-    let mut stops_m: Vec<f64> = runs.iter().flat_map(|run| stops_on(run, line)).collect();
-    stops_m.sort_by(f64::total_cmp);
+    let stops_m = sorted(runs.iter().flat_map(|run| stops_on(run, line)));
     let groups = stops_m.chunk_by(|a, b| b - a < STATION_M);
-    groups.filter(|group| group.len() >= 2.min(runs.len())).filter_map(|group| median(group.iter().copied())).collect()
+    groups.filter(|group| group.len() >= 2.min(runs.len())).filter_map(median).collect()
 }
 
 fn stops_on(run: &Staged, line: &[CentreLinePoint]) -> Vec<f64> {
@@ -192,7 +191,7 @@ fn moved(line: &[CentreLinePoint], runs: &[&&Staged]) -> Vec<Fix> {
     let medians: Vec<f64> = across.into_iter().map(|all| median(all).unwrap_or(0.0)).collect();
     let smooth = |i: usize| {
         let near = &medians[i.saturating_sub(1)..(i + 2).min(medians.len())];
-        near.iter().sum::<f64>() / near.len() as f64
+        mean_of(near)
     };
     let place = |i: usize| {
         let (north, east) = along(line, i.max(1));

@@ -7,6 +7,7 @@ use super::meaning::Meaning;
 use super::rows::Converter;
 use super::source::row::{Event, RowField};
 use rundown_files::sample::Sample;
+use rundown_files::statistics::extremes;
 use rundown_pages::chart::{Figure, Layer, Panel, standalone};
 use rundown_pages::colours;
 use serde::Serialize;
@@ -108,11 +109,7 @@ pub fn picture(groups: &[Group]) -> String {
         rows.iter().map(|row| Some((x(row)?, 3.6 * row.speed_mps?))).collect::<Vec<_>>()
     };
     let lines: Vec<Vec<Option<(f64, f64)>>> = samples.iter().map(line).collect();
-    let ends = lines
-        .iter()
-        .flatten()
-        .flatten()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (x, _)| (low.min(*x), high.max(*x)));
+    let ends = extremes(lines.iter().flatten().flatten().map(|(x, _)| x));
     let x = if ends.0 < ends.1 { ends.0..ends.1 } else { 0.0..1.0 };
     let label = if by_place { "location / km" } else { "time / min" };
     let panel = Panel::new("speed / km/h", 560, [Layer::threads("", colours::MEASURED, 0.6, lines)], "no speeds");

@@ -1,8 +1,9 @@
 //! A track from runs: its length, where trains stop, the centre line, and gradients by the altitudes with their doubt.
 
 use rundown_files::WriteError;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{Pairs, median, rms, squares_about};
 use rundown_files::track_file::CentreLinePoint;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -47,8 +48,7 @@ pub fn track_toml(runs: &[Passed], line: &[CentreLinePoint]) -> String {
         text +=
             "\n# No gradients: the logs have no altitude. Without them hardly anything is learned of the resistance.\n";
     } else {
-        let square = sections.iter().map(|(_, _, sd)| sd * sd).sum::<f64>() / sections.len() as f64;
-        let _ = writeln!(text, "gradient_sd_permille = {:.2}", square.sqrt());
+        let _ = writeln!(text, "gradient_sd_permille = {:.2}", rms(sections.iter().map(|(_, _, sd)| sd)));
     }
     for (from_m, permille, sd) in sections {
         let _ = write!(text, "\n[[gradient]]\nfrom_m = {from_m:.1}\npermille = {permille:.2} # sd {sd:.2}\n");
@@ -83,13 +83,9 @@ fn stations(runs: &[Passed]) -> Vec<(f64, usize, f64)> {
         let at_m = median(group.iter().map(|stop| stop.0))?;
         let passing =
             runs.iter().filter(|run| run.ends_m.0 - STATION_M <= at_m && at_m <= run.ends_m.1 + STATION_M).count();
-        let mut of_runs: Vec<usize> = group.iter().map(|stop| stop.1).collect();
-        of_runs.dedup();
-        of_runs.sort_unstable();
-        of_runs.dedup();
-        let often = of_runs.len() >= 2.min(passing) && 4 * of_runs.len() >= passing;
-        let square = group.iter().map(|stop| (stop.0 - at_m).powi(2)).sum::<f64>() / group.len() as f64;
-        often.then_some((at_m.max(0.0), of_runs.len(), square.sqrt()))
+        let of_runs = group.iter().map(|stop| stop.1).collect::<BTreeSet<_>>().len();
+        let often = of_runs >= 2.min(passing) && 4 * of_runs >= passing;
+        often.then(|| (at_m.max(0.0), of_runs, rms(group.iter().map(|stop| stop.0 - at_m))))
     };
     groups.iter().filter_map(station).take(150).collect()
 }
@@ -102,9 +98,9 @@ fn gradients(runs: &[Passed], length_m: f64) -> Vec<(f64, f64, f64)> {
     while from_m < length_m {
         let (low, high) = (from_m - 0.5 * section_m, from_m + 1.5 * section_m);
         let slopes: Vec<f64> = runs.iter().filter_map(|run| slope(run, low, high)).collect();
-        if let Some(permille) = median(slopes.iter().copied()) {
+        if let Some(permille) = median(&slopes) {
             let count = slopes.len() as f64;
-            let square = slopes.iter().map(|slope| (slope - permille).powi(2)).sum::<f64>();
+            let square = squares_about(permille, &slopes);
             let alone = 1000.0 * DRIFT_M / section_m;
             let sd = if slopes.len() > 2 { (square / (count - 1.0) / count).sqrt().max(0.1) } else { alone };
             found.push((from_m, permille.clamp(-60.0, 60.0), sd));
@@ -119,7 +115,7 @@ fn gradients(runs: &[Passed], length_m: f64) -> Vec<(f64, f64, f64)> {
 /// Least squares of altitude over location, permille.
 fn slope(run: &Passed, low: f64, high: f64) -> Option<f64> {
     let inside: Vec<&(f64, f64)> = run.altitudes.iter().filter(|(at_m, _)| (low..=high).contains(at_m)).collect();
-    let mut bins: std::collections::BTreeMap<i64, Vec<f64>> = std::collections::BTreeMap::new();
+    let mut bins: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
     for (at_m, altitude_m) in inside {
         bins.entry((at_m / BIN_M).floor() as i64).or_default().push(*altitude_m);
     }
@@ -129,14 +125,7 @@ fn slope(run: &Passed, low: f64, high: f64) -> Option<f64> {
     if last - first < 0.5 * (high - low) || points.len() < 5 {
         return None;
     }
-    let count = points.len() as f64;
-    let (x, y) = (
-        points.iter().map(|point| point.0).sum::<f64>() / count,
-        points.iter().map(|point| point.1).sum::<f64>() / count,
-    );
-    let (xy, xx) = points
-        .iter()
-        .fold((0.0, 0.0), |(xy, xx), point| (xy + (point.0 - x) * (point.1 - y), xx + (point.0 - x).powi(2)));
+    let Pairs { xx, xy, .. } = Pairs::of(&points);
     (xx > 0.0).then_some(1000.0 * xy / xx)
 }
 

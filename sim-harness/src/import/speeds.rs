@@ -4,6 +4,7 @@
 
 use rundown_check::row_step::MOST_MEAN_S;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::span;
 
 /// A train that is slower stands, m/s, as long as no location is further off, m.
 pub const STANDS_MPS: f64 = 0.3;
@@ -43,9 +44,7 @@ fn stays(rows: &[Sample], [a, b]: [usize; 2]) -> bool {
     let is_located = |row: &Sample| row.location_m.is_some();
     let from = rows[..=a].iter().rev().take(SEARCHED).position(is_located).map_or(a, |before| a - before);
     let to = rows[b..].iter().take(SEARCHED).position(is_located).map_or(b, |behind| b + behind);
-    let located = rows[from..=to].iter().filter_map(|row| row.location_m);
-    let (low, high) = located.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)));
-    (0.0..STAYS_M).contains(&(high - low))
+    (0.0..STAYS_M).contains(&span(rows[from..=to].iter().filter_map(|row| row.location_m)))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::geo::Fix;
 use super::speeds;
 use super::stretch::{Stretch, fix};
 use rundown_files::sample::{COLUMNS, Sample};
+use rundown_files::statistics::extremes;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -69,8 +70,7 @@ impl Staged {
         file.flush()?;
         let marks = marks(piece);
         std::fs::write(path.with_extension("marks"), marks.iter().flat_map(Mark::bytes).collect::<Vec<u8>>())?;
-        let wider = |(low, high): (f64, f64), mark: &Mark| (low.min(mark.at_m), high.max(mark.at_m));
-        let (low, high) = marks.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider);
+        let (low, high) = extremes(marks.iter().map(|mark| mark.at_m));
         let (begin_s, end_s) =
             piece.rows.first().zip(piece.rows.last()).map_or((0.0, 0.0), |(first, last)| (first.time_s, last.time_s));
         let lines = piece.rows.first().zip(piece.rows.last()).map_or((0, 0), |(first, last)| (first.line, last.line));

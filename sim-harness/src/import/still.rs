@@ -8,6 +8,7 @@
 use super::geo;
 use super::stretch::fix;
 use rundown_files::sample::Sample;
+use rundown_files::statistics::mean;
 use std::ops::Range;
 
 /// Fixes within so many metres in every direction, over so long, are of one place: a train that goes on at 3 km/h
@@ -124,8 +125,7 @@ fn standstills(stands: &[bool]) -> Vec<Range<usize>> {
 
 fn mean_fix<'a>(rows: impl Iterator<Item = &'a Sample>) -> Option<geo::Fix> {
     let fixes: Vec<geo::Fix> = rows.filter_map(fix).collect();
-    let mean = |of: fn(&geo::Fix) -> f64| fixes.iter().map(of).sum::<f64>() / fixes.len() as f64;
-    (!fixes.is_empty()).then(|| (mean(|fix| fix.0), mean(|fix| fix.1)))
+    Some((mean(fixes.iter().map(|fix| fix.0))?, mean(fixes.iter().map(|fix| fix.1))?))
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ use rundown::{estimator::Estimator, filter::gaussian::Gaussian, model::resistanc
 use rundown_check::agreement::HALF_95;
 use rundown_files::column::{Column, record};
 use rundown_files::replay::{Tick, replay};
+use rundown_files::statistics::Pairs;
 use rundown_files::table::Record;
 use rundown_truth::plan::plan as planned;
 use rundown_truth::scenario::{DriveError, Scenario, simulate_planned};
@@ -239,18 +240,12 @@ pub struct Fit {
 
 /// Least squares; the spread has n - 2 in the denominator. Not a number for fewer than three points.
 pub fn fit(points: &[(f64, f64)]) -> Fit {
-    let n = points.len() as f64;
     if points.len() < 3 {
         return Fit { offset: f64::NAN, slope: f64::NAN, spread: f64::NAN };
     }
-    let x = points.iter().map(|p| p.0).sum::<f64>() / n;
-    let y = points.iter().map(|p| p.1).sum::<f64>() / n;
-    let xy: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    let xx: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    let slope = xy / xx;
-    let offset = y - slope * x;
-    let rest = points.iter().map(|p| (p.1 - offset - slope * p.0).powi(2));
-    Fit { offset, slope, spread: (rest.sum::<f64>() / (n - 2.0)).sqrt() }
+    let pairs = Pairs::of(points);
+    let spread = (pairs.left(points) / (points.len() as f64 - 2.0)).sqrt();
+    Fit { offset: pairs.offset(), slope: pairs.slope(), spread }
 }
 
 /// The columns of `slope.csv`.

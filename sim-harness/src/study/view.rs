@@ -10,7 +10,7 @@ use rundown::tick::measurement::Measurement;
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
-use rundown_files::statistics::mean_median;
+use rundown_files::statistics::{mean, mean_median};
 use rundown_pages::numbers::counted;
 use rundown_truth::regime::Regime as TrueRegime;
 use rundown_truth::sensors::TruthSample;
@@ -281,12 +281,7 @@ impl Seen {
 pub fn speed_rms_kmh(run: &ReplayedRun) -> Option<f64> {
     let pairs = run.estimates.iter().zip(&run.measurements);
     let off_kmh = pairs.filter_map(|(e, read)| Some(3.6 * (e.belief.mean[state::SPEED] - read.speed_mps?)));
-    let (mut squares, mut readings) = (0.0, 0.0);
-    for off_kmh in off_kmh {
-        squares += off_kmh.powi(2);
-        readings += 1.0;
-    }
-    (readings > 0.0).then(|| (squares / readings).sqrt())
+    Some(mean(off_kmh.map(|off_kmh| off_kmh.powi(2)))?.sqrt())
 }
 
 /// Where the filtered speed of the paper's mode is no reading's: those that were not believed; nothing where all were.

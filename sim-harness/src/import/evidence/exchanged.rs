@@ -123,8 +123,7 @@ impl SeenRows {
                 begin = Some((fix, 0.0));
             }
         }
-        let [named, other] =
-            ratios.map(|ratios| median(ratios.iter().copied()).filter(|_| ratios.len() >= LEAST_CHORDS));
+        let [named, other] = ratios.map(|ratios| median(&ratios).filter(|_| ratios.len() >= LEAST_CHORDS));
         Some([named?, other?])
     }
 }

@@ -7,7 +7,7 @@ use rundown_files::statistics::median;
 pub(super) fn kind_of(times: &[f64], texts: &[&String], has_unit: bool, beside_dates: bool) -> ClockKind {
     if 2 * times.len() > texts.len() || texts.is_empty() {
         let is_dated = |text: &&String| matches!(clock::parse(text, DateOrder::Ymd), Some(WrittenTime::Civil(_)));
-        return match median(times.iter().copied()) {
+        return match median(times) {
             _ if !has_unit
                 && texts.len() > 1
                 && texts.iter().take(1000).all(|text| text.len() >= 14 && is_dated(text)) =>

@@ -6,13 +6,13 @@
 use super::super::columns::Columns;
 use super::super::geo;
 use super::super::meaning::Meaning;
-use rundown_files::statistics::median;
+use rundown_files::statistics::{median, upper_quantile};
 
-/// A step is no gap up to so many usual ones, or so many of those that this share of the steps do not exceed, %.
+/// A step is no gap up to so many usual ones, or so many of those that this share of the steps do not exceed.
 /// Judgement: of rows in bursts of ten one step in ten is long, and between two rows of a moving train that far apart
 /// it hardly stops.
 const MOST_STEPS: f64 = 10.0;
-const LONG_STEP: usize = 90;
+const LONG_STEP: f64 = 0.9;
 const MOST_LONG_STEPS: f64 = 2.0;
 /// A train moves above this share of the speed that is hardly ever exceeded.
 pub const MOVES: f64 = 0.25;
@@ -32,17 +32,13 @@ fn steps_of(pieces: &[Vec<Passing>]) -> impl Iterator<Item = f64> {
 
 /// The speed that is hardly ever exceeded, and the usual step of the clock.
 pub fn usual(pieces: &[Vec<Passing>]) -> Option<(f64, f64)> {
-    let mut speeds: Vec<f64> = pieces.iter().flatten().map(|row| row.speed).collect();
-    speeds.sort_by(f64::total_cmp);
-    let fastest = *speeds.get(speeds.len() * 99 / 100)?;
+    let fastest = upper_quantile(pieces.iter().flatten().map(|row| row.speed), 0.99)?;
     Some((fastest, median(steps_of(pieces))?))
 }
 
 /// The longest step that is no gap: rows that come in bursts have short ones in them and long ones between them.
 pub fn longest(pieces: &[Vec<Passing>], step: f64) -> f64 {
-    let mut steps: Vec<f64> = steps_of(pieces).collect();
-    steps.sort_by(f64::total_cmp);
-    let long = steps.get(steps.len() * LONG_STEP / 100).copied().unwrap_or(step);
+    let long = upper_quantile(steps_of(pieces), LONG_STEP).unwrap_or(step);
     (MOST_STEPS * step).max(MOST_LONG_STEPS * long)
 }
 

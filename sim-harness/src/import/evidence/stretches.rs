@@ -138,7 +138,7 @@ impl Stretches {
         // A train that stands where its speed is large denies the speed.
         let tried = ratios.len();
         ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
-        let ratio = median(ratios.iter().copied()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
+        let ratio = median(&ratios).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
         let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / tried as f64;
         Some(Self { ratio, alike, fastest, step })
     }

@@ -5,6 +5,7 @@
 
 use super::row::{Header, RowField};
 use crate::import::meaning::{Meaning, plain};
+use rundown_files::statistics::{mean_of, squares_about};
 
 /// What the column is called.
 pub const NAMES: &str =
@@ -40,8 +41,7 @@ impl Thousandths {
         let unevenness = |share: f64| {
             let at = |row: &[f64; 2]| row[0] + share * 1e-3 * row[1];
             let steps: Vec<f64> = seen.windows(2).map(|pair| at(&pair[1]) - at(&pair[0])).collect();
-            let mean = steps.iter().sum::<f64>() / steps.len().max(1) as f64;
-            steps.iter().map(|step| (step - mean).powi(2)).sum::<f64>()
+            squares_about(mean_of(&steps), &steps)
         };
         seen.len() > 1 && unevenness(1.0) <= unevenness(0.0)
     }

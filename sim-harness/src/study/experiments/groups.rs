@@ -7,6 +7,7 @@
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
+use rundown_files::statistics::{mean_of, squares_about};
 
 pub const PERMUTATIONS: usize = 999;
 
@@ -21,10 +22,10 @@ fn f_ratio(values: &[f64], labels: &[usize]) -> Option<f64> {
     }
     let filled = counts.iter().filter(|count| **count > 0.0).count();
     let all = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / all;
+    let mean = mean_of(values);
     let of_groups = sums.iter().zip(&counts).filter(|(_, count)| **count > 0.0);
     let between: f64 = of_groups.map(|(sum, count)| count * (sum / count - mean).powi(2)).sum();
-    let total: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    let total = squares_about(mean, values);
     let within = (total - between) / (all - filled as f64);
     let ratio = between / (filled as f64 - 1.0) / within;
     ratio.is_finite().then_some(ratio)

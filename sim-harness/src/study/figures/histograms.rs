@@ -4,6 +4,7 @@ use super::{Drawn, Eyes, Picture};
 use crate::study::view::{Seen, ViewOutcome};
 use rundown::model::resistance::Davis;
 use rundown_files::column::{Column, filled};
+use rundown_files::statistics::mean_of;
 use rundown_files::table::Cell;
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
@@ -71,8 +72,8 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
         let ends = range_of(values.iter().copied().chain([per_unit * stated]));
         let counted = bins(&values, ((ends.end - ends.start) / BINS as f64).max(1e-9));
         let truths = drawn.iter().flat_map(|run| &run.truth);
-        let truths: Vec<f64> = truths.map(|t| per_unit * t.outcome.davis[index]).collect();
-        let mean = truths.iter().sum::<f64>() / truths.len() as f64;
+        let truths = truths.map(|t| per_unit * t.outcome.davis[index]);
+        let mean = mean_of(truths);
         let margin = 0.04 * (ends.end - ends.start).max(1e-6);
         let x = ends.start - margin..ends.end + margin;
         let mut layers = vec![

@@ -9,6 +9,7 @@ use super::pass::{Filter, Pass};
 use argmin::core::{CostFunction, Error, Executor};
 use argmin::solver::neldermead::NelderMead;
 use rundown::tick::paper::PaperConfig;
+use rundown_files::statistics::mean_of;
 
 const COUNT: usize = 5;
 /// First step of the simplex, decades.
@@ -42,8 +43,7 @@ fn bad(passes: &[Pass]) -> f64 {
 
 /// Logarithm of the likelihood a sample, nats.
 fn likelihood(passes: &[Pass]) -> f64 {
-    let logs = || passes.iter().flat_map(|pass| &pass.log_likelihood);
-    logs().sum::<f64>() / logs().count() as f64
+    mean_of(passes.iter().flat_map(|pass| &pass.log_likelihood))
 }
 
 /// Negative logarithm of the likelihood a sample, nats, with the cost of negative coefficients and restarts.

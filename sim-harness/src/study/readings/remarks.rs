@@ -8,6 +8,7 @@ use super::pass::{Filter, Pass, R0_NOISE, way};
 use crate::study::moments::Moments;
 use crate::study::tallies::R0_BAND;
 use crate::study::{dynamics, dynamics::SLOW_MPS, visible};
+use rundown_files::statistics::{mean, sorted};
 
 /// Runs of a seed on which other settings are tried.
 pub const TRIED: usize = 20;
@@ -120,9 +121,9 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
     });
     let skewness = moments.each_ref().map(|moments| moments.skewness().unwrap_or(f64::NAN));
     let rms_kmh = 3.6 * rms(passes.iter().flat_map(|pass| pass.off_mps.iter().copied()));
-    let likelihoods = || passes.iter().flat_map(|pass| pass.log_likelihood.iter().copied());
+    let likelihoods = passes.iter().flat_map(|pass| &pass.log_likelihood);
     let r0_ends = [OUTLIERS, 1.0 - OUTLIERS]
-        .map(|share| quantile(passes.iter().flat_map(|pass| &pass.davis).map(|davis| davis[0]).collect(), share));
+        .map(|share| nearest_quantile(passes.iter().flat_map(|pass| &pass.davis).map(|davis| davis[0]), share));
     let margin = MARGIN_SHARE * (R0_BAND.end() - R0_BAND.start());
     let negative = [10.0, 100.0].map(|factor| negative_with(factor, filter, &again));
     let few = &passes[..passes.len().min(TRIED)];
@@ -141,7 +142,7 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
             share(passes, rises) >= 0.5,
             share(passes, is_larger_when_slow) >= 0.5,
             share(passes, |pass| alike(pass).is_some()) >= 0.5
-                && quantile(passes.iter().filter_map(alike).collect(), 0.5) > 0.8,
+                && nearest_quantile(passes.iter().filter_map(alike), 0.5) > 0.8,
             (r0_ends[0] - R0_BAND.start()).abs() <= margin,
             r0_ends[1] <= R0_BAND.end() + margin,
             skewness.iter().all(|skewness| visible::SKEWNESS.sees(-skewness))
@@ -154,7 +155,7 @@ pub fn judge(filter: &Filter, passes: &[Pass], again: impl Fn(&Filter) -> Vec<Pa
             noise.iter().any(|noise| noise.strong_negative.iter().any(|share| *share > 0.0)),
             of_r.iter().flatten().any(Pass::is_negative),
         ],
-        log_likelihood_per_sample: likelihoods().sum::<f64>() / likelihoods().count().max(1) as f64,
+        log_likelihood_per_sample: mean(likelihoods).unwrap_or_default(),
         rms_kmh,
         r0_ends,
         skewness,
@@ -181,9 +182,9 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     values.map(|value| value * value).collect::<Moments>().mean().map_or(f64::NAN, f64::sqrt)
 }
 
-/// The value below which this share lies; not a number without values.
-pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
+/// The value nearest to that below which this share lies; NaN without values.
+fn nearest_quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
+    let values = sorted(values);
     let last = values.len().saturating_sub(1);
     values.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
 }
@@ -277,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_quantile_is_a_value() {
-        assert_eq!(quantile(vec![3.0, 1.0, 2.0], 0.5), 2.0);
-        assert!(quantile(Vec::new(), 0.5).is_nan());
+        assert_eq!(nearest_quantile([3.0, 1.0, 2.0], 0.5), 2.0);
+        assert!(nearest_quantile([], 0.5).is_nan());
     }
 }
