@@ -94,7 +94,7 @@ pub(crate) fn moving_stretches<'a>(
                 Some([0, 1].map(|i| mean_of(taken.iter().map(|both| both[i]))))
             };
             Some(MovingStretch {
-                effort_n_per_kg: rows.iter().filter_map(|row| row.effort_n_per_kg).sum::<f64>() / rows.len() as f64,
+                effort_n_per_kg: mean_of(rows.iter().filter_map(|row| row.effort_n_per_kg)),
                 mps2: (last.speed_mps? - first.speed_mps?) / (last.time_s - first.time_s),
                 taken_n_per_kg: taken(),
                 run,

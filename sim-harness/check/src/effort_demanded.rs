@@ -88,12 +88,7 @@ pub(crate) fn powered(rows: &[Sample], line: &Line<'_>) -> Vec<Powered> {
         let gradient = mean_of(rows.iter().filter_map(|row| Some(line.gradient_n_per_kg(row.location_m?))));
         let gained = (speeds[1] - speeds[0]) / (last.time_s - first.time_s) + gradient;
         let resistance = line.train.davis().resistance_n_per_kg(mps);
-        (is_steady && gained.is_finite()).then(|| Powered {
-            mps,
-            effort: efforts().sum::<f64>() / rows.len() as f64,
-            gained,
-            resistance,
-        })
+        (is_steady && gained.is_finite()).then(|| Powered { mps, effort: mean_of(efforts()), gained, resistance })
     };
     stretches(rows, WINDOW_S).into_iter().filter_map(of).collect()
 }

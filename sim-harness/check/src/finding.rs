@@ -79,6 +79,8 @@ kinds! {
         => "look at the column: which train's, which sign, which clock";
     EffortDemanded "efforts are what the lever asks for, or are cut off at a maximum, and not what acts: the fast train needs this share of them, where the slow one needs all"
         => "record the effort that the traction gives";
+    EffortSmall "small efforts have this many times the gain of large ones, as speeds that are held on slopes show beside starts and coasts"
+        => "calibrate the column where little effort is asked for";
     EffortCut "efforts are cut off at a maximum, where the motion of the trains needs this many times as much"
         => "look at the range of the column's signal";
     EffortSteps "measured efforts have steps too large for a resistance:" => "record the effort with more digits";

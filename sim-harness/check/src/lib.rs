@@ -38,6 +38,7 @@
 //! | what does an age of the speed add to the way besides? | `second_order` |
 //! | is the effort older than the speed? | `effort_age` |
 //! | is it what acts, or what the lever asks for? | `effort_demanded` |
+//! | have small efforts the gain of large ones? | `effort_small` |
 //! | is the effort of a run unlike that of the others? | `effort_unlike` |
 //! | what does it have for trains that coast? | `effort_coasting` |
 //! | is its zero one? | `effort_zero` |
@@ -88,6 +89,7 @@ mod dead_band;
 pub mod dead_zone;
 mod diagnosis;
 mod drifting;
+mod driven;
 pub mod effort;
 mod effort_age;
 mod effort_coasting;
@@ -95,6 +97,7 @@ mod effort_cut;
 mod effort_demanded;
 mod effort_gap;
 mod effort_held;
+mod effort_small;
 mod effort_stairs;
 mod effort_unlike;
 mod effort_zero;

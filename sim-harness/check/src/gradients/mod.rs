@@ -27,6 +27,9 @@ pub use doubt::{Doubt, SeenBy};
 pub use units::{CONVERSIONS, OtherUnits, converted};
 pub use version::Version;
 
+pub(crate) use stretch::climb_n_per_kg;
+
+use crate::driven::{self, Driven};
 use by_efforts::ByEfforts;
 use doubt::explains;
 use mixture::{MOST_SD_N_PER_KG, MixtureFit};

@@ -9,8 +9,8 @@ use crate::effort_zero::{Stretches, Zero};
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{
-    Known, SURE, effort, effort_age, effort_cut, effort_demanded, effort_gap, effort_held, effort_unlike, effort_zero,
-    effort_zero_of_run, limits, read_of, smoothed, steps, trailing,
+    Known, SURE, effort, effort_age, effort_cut, effort_demanded, effort_gap, effort_held, effort_small, effort_unlike,
+    effort_zero, effort_zero_of_run, limits, read_of, smoothed, steps, trailing,
 };
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
@@ -44,6 +44,7 @@ impl RecorderCheck {
         if !self.has(Kind::EffortApart) {
             let moving = self.zeros_of_runs(recordings, runs, known);
             self.effort_zero(recordings, runs, known, moving);
+            self.small_efforts(recordings, runs, known);
         }
         self.trailing_speeds(recordings, runs, known);
         self.smoothed_speeds(recordings, runs, known);
@@ -95,6 +96,15 @@ impl RecorderCheck {
         let own = self.usable(runs);
         let Some(share) = effort_demanded::share(with_lines(&own, recordings, known)) else { return };
         self.found(Kind::EffortDemanded, share, "", Done::LeftOut);
+        own.into_iter().for_each(|i| without_efforts(&mut recordings[i].rows));
+    }
+
+    /// Leaves out efforts of which those that hold a speed have a gain of their own: where it changes is not known.
+    fn small_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
+        let own = self.usable(runs);
+        let Some(small) = effort_small::of(with_lines(&own, recordings, known)) else { return };
+        let text = format!("below {:.2} N/kg", small.below_n_per_kg);
+        self.found_by(Kind::EffortSmall, small.times, "", Done::LeftOut, text);
         own.into_iter().for_each(|i| without_efforts(&mut recordings[i].rows));
     }
 

@@ -7,6 +7,7 @@ mod creep;
 mod drifting;
 mod effort_age;
 mod effort_demanded;
+mod effort_small;
 mod effort_zero;
 mod held_speeds;
 mod late_rows;
