@@ -22,13 +22,13 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 124 988.
+/// Code, constants and first values of variables: 124 892.
 const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 125_000, goal: 96 << 10 };
-/// 81 892; the goal is SRAM1 of the reference board.
+/// 81 912; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
-/// 7968; the goal is a quarter of SRAM2.
+/// 7992; the goal is a quarter of SRAM2.
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
-/// 7164 to 7428.
+/// 7196 to 7460.
 const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most: 8170, ..STACK };
 /// One call of the application, without the time of the line, 317 500: at 80 MHz and one instruction a cycle 1.9 ms for
 /// the goal.
