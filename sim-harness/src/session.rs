@@ -67,9 +67,8 @@ pub enum SessionError {
 /// What helps against a refusal.
 const fn remedy(refusal: Refusal) -> &'static str {
     match refusal {
-        Refusal::Version | Refusal::Malformed => {
-            "board and program are of different versions: flash that of this program"
-        }
+        Refusal::Version => "flash the firmware of this program",
+        Refusal::Malformed => "its firmware may be older than this program",
         Refusal::NotSecured => "give the board's `--key`",
         Refusal::Unprovisioned => "the board has no key: write one to it (`rundown provision`)",
         Refusal::WrongMac => "give the `--key` that was written to the board",
@@ -81,7 +80,7 @@ const fn remedy(refusal: Refusal) -> &'static str {
         Refusal::Running => "end the run first",
         Refusal::NotRunning => "begin a run first",
         Refusal::NotDescribed => "describe train and track first",
-        Refusal::TimeNotIncreasing => "its time is not after the last one",
+        Refusal::TimeNotIncreasing => "look at the clock of the log",
         Refusal::Snapshot => "it is damaged, of another description, or of a run that is over",
         Refusal::UnknownEffect => "this firmware has no such effect: flash that of this program",
         Refusal::HeartbeatOnly => "it has crashed too often: take its power away, and read its log",

@@ -56,9 +56,9 @@ errors! {
     /// Why a measurement gave no estimate. Nothing has changed but its counter.
     #[non_exhaustive]
     pub enum StepError {
-        TimeNotIncreasing { last_s: Real, found_s: Real } => "time_s: expected beyond {last_s}, found {found_s}",
+        TimeNotIncreasing { last_s: Real, found_s: Real } => "time_s: expected one that goes on from {last_s}, found {found_s}",
         TimeOutOfRange { found_s: Real } =>
-            "time_s: expected a time within 4e12 s of zero and within a day after the last one, found {found_s}",
+            "time_s: expected a time that goes on from the last one, by at most a day, found {found_s}",
     }
 }
 

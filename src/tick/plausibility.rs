@@ -55,7 +55,7 @@ settings! {
         /// How far a location may lie beyond the ends of the track, m.
         off_track_m: Real = 2000.0, 0.0 to 1e9;
         /// A longer pause is a new beginning, s.
-        long_gap_s: Real = 600.0, 10.0 to 1e6;
+        long_gap_s: Real = 600.0, 10.0 to 86_400.0;
         /// Rejected readings in a row which, agreeing with each other, are believed.
         agreeing: u32 = 3, 1.0 to 100.0;
     }
@@ -298,7 +298,7 @@ impl Plausibility {
         }
         let mut order = if ahead_s > 0.0 && ahead_s <= FAR_S { Order::Pause } else { Order::Other };
         let mut is_same = ahead_s.abs() < SOONEST_S;
-        for clock in &self.rejected {
+        for clock in self.rejected.iter().filter(|clock| clock.agreeing > 0 || clock.time_s.to_bits() != 0) {
             let ahead_s = clock.ahead_s(time_s);
             is_same |= clock.agreeing > 0 && ahead_s.abs() < SOONEST_S;
             if ahead_s.abs() <= long_gap_s {

@@ -475,7 +475,8 @@ pub struct RunSummary {
     pub wind_sd_mps: f32,
     /// Gain of the measured effort.
     pub gain: Value,
-    /// How long the resistance was learned, s.
+    /// How long the resistance was learned, s; 0 where more than half of the ticks are invalid: such a run does not
+    /// change the vehicle.
     pub learned_s: f32,
 }
 
@@ -548,7 +549,7 @@ words! {
         NotRunning "not_running",
         /// Train and track must come first.
         NotDescribed "not_described",
-        /// The time of the measurement is not after the last one.
+        /// The time of the measurement does not go on from the last one.
         TimeNotIncreasing "time_not_increasing",
         /// The snapshot is damaged, or was taken with another train, track or configuration, or in a run that is over.
         Snapshot "snapshot",

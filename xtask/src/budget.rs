@@ -12,9 +12,8 @@ use emulator::{Board, Image, NS_PER_INSTRUCTION};
 use std::process::{Command, Stdio};
 
 /// A line of the budget. The limit is what was measured when it was set (in the comment) and a tenth more, so that a
-/// change has room and nothing gets much worse unseen; never above a goal that is reached, and the flash not above the
-/// next step to its goal. docs/firmware.md has what is
-/// measured today.
+/// change has room and nothing gets much worse unseen; never above a goal that is reached. Of the flash it is the next
+/// step to its goal. docs/firmware.md has what is measured today.
 struct Limit {
     what: &'static str,
     unit: &'static str,
@@ -22,13 +21,13 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 124 892.
+/// Code, constants and first values of variables: 124 960.
 const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 125_000, goal: 96 << 10 };
 /// 81 912; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
 /// 7992; the goal is a quarter of SRAM2.
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
-/// 7196 to 7460.
+/// At most 7460.
 const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most: 8170, ..STACK };
 /// One call of the application, without the time of the line, 317 500: at 80 MHz and one instruction a cycle 1.9 ms for
 /// the goal.

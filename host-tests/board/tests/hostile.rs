@@ -82,7 +82,7 @@ fn a_wrong_clock_costs_a_few_ticks_by_the_clock() {
 
 /// What comes beside each row once its clock has been set: how far, and times by that of the row.
 type Beside = (&'static str, f64, fn(f64) -> Vec<f64>);
-const BESIDE: [Beside; 8] = [
+const BESIDE: [Beside; 10] = [
     ("twice", -3600.0, |time_s| vec![time_s; 2]),
     ("three times", -3600.0, |time_s| vec![time_s; 3]),
     ("twice, a week ahead", 604_800.0, |time_s| vec![time_s; 2]),
@@ -90,6 +90,8 @@ const BESIDE: [Beside; 8] = [
     ("a second source that is late, a week ahead", 604_800.0, |time_s| vec![time_s, time_s - 3.0]),
     ("one far back", -3600.0, |time_s| vec![time_s, -1e6]),
     ("one far ahead", -3600.0, |time_s| vec![time_s, 1e9]),
+    ("one that is another each time", -3600.0, |time_s| vec![time_s, 1e3 * time_s]),
+    ("one that is another each time, before it", -3600.0, |time_s| vec![-1e4 * time_s, time_s]),
     ("the same one within the next day, by the right clock", 0.0, |time_s| vec![time_s, 50_000.0]),
 ];
 

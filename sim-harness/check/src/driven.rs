@@ -15,6 +15,7 @@ const SLOWEST_MPS: f64 = 5.0;
 const MOST_CHANGE_N_PER_KG: f64 = 0.05;
 /// Brakes are left out, N/kg: many columns have a gain of their own for them, or none of some brakes.
 const LEAST_EFFORT_N_PER_KG: f64 = -0.02;
+
 /// What a train did in some seconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Driven {

@@ -126,7 +126,7 @@ impl TwoGains {
         let mut all = Sums::default();
         let (mut runs, mut places) = (BTreeMap::<usize, Sums>::new(), BTreeMap::<i64, Sums>::new());
         for ((window, _), (x, y)) in windows.iter().zip(&rows) {
-            let place = (window.fronts_m[0] / PLACE_M).floor() as i64 % PLACES;
+            let place = ((window.fronts_m[0] / PLACE_M).floor() as i64).rem_euclid(PLACES);
             let parts = [runs.entry(window.run).or_default(), places.entry(place).or_default()];
             parts.into_iter().chain([&mut all]).for_each(|sums| sums.add(x, *y));
         }

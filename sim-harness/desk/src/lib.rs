@@ -107,7 +107,7 @@ impl Description {
 pub enum DeskError {
     /// The board has not yet announced its freshness; ask it for its status first.
     #[error(
-        "the board has announced no freshness: ask for its status; where that does not help, it has no key (`rundown provision`) or cannot write its flash"
+        "the board has announced no freshness: ask for its status; where that does not help, it has no key (`rundown provision`), cannot write its flash, or has crashed too often and only says how it is"
     )]
     NotAnnounced,
     /// The board's announcement was made with another key.

@@ -125,7 +125,7 @@ pub struct Now {
     pub health: Option<Health>,
     /// Which firmware it is.
     pub versions: Option<Versions>,
-    /// Its recorder cuts speeds off.
+    /// The recorder cuts speeds off, as said in this run.
     pub recorder: Option<Recorder>,
     /// What these frames say together.
     pub judged: Conclusion,
@@ -232,10 +232,10 @@ impl State {
     }
 
     fn begin_run(&mut self) {
-        let Now { parameters, effects, status, health, versions, recorder, judged, .. } = std::mem::take(&mut self.now);
+        let Now { parameters, effects, status, health, versions, judged, .. } = std::mem::take(&mut self.now);
         // These are not of the run alone.
         let judged = judged.next_run();
-        self.now = Now { parameters, effects, status, health, versions, recorder, judged, ..Now::default() };
+        self.now = Now { parameters, effects, status, health, versions, judged, ..Now::default() };
         if !self.points.is_empty() {
             self.previous = std::mem::take(&mut self.points);
         }

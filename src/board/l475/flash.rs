@@ -2,7 +2,7 @@
 
 use super::device::FLASH;
 use super::{L475, RECORDS_ARE_READ};
-use core::sync::atomic::Ordering;
+use core::sync::atomic::{Ordering, compiler_fence};
 use rundown::onboard::board::Board;
 use rundown::onboard::stm32l4_flash::{FlashController, FlashRegister, PAGE, Stm32l4Flash};
 
@@ -66,10 +66,13 @@ impl FlashController for Controller {
     }
 
     fn byte(&mut self, offset: u32) -> u8 {
-        RECORDS_ARE_READ.store(true, Ordering::SeqCst);
+        RECORDS_ARE_READ.store(true, Ordering::Relaxed);
+        compiler_fence(Ordering::SeqCst);
         // SAFETY: within the records, which the sequence has checked; volatile, because the controller changes it.
         let byte = unsafe { Self::base().add(offset as usize).read_volatile() };
-        RECORDS_ARE_READ.store(false, Ordering::SeqCst);
+        // An error is reported before the flag falls.
+        cortex_m::asm::dsb();
+        RECORDS_ARE_READ.store(false, Ordering::Relaxed);
         byte
     }
 

@@ -58,9 +58,9 @@ pub const SLOT: usize = 1024;
 pub const DATA_ID: u16 = 1;
 
 /// Standing for as long as this ends a run, s: the stop at a terminus, and longer than any on the way.
-const LONG_STOP_S: Real = 300.0;
+const LONG_STOP_S: f32 = 300.0;
 /// A longer step between two rows ends none by itself, s.
-const LONGEST_STEP_S: Real = 0.5 * LONG_STOP_S;
+const LONGEST_STEP_S: f32 = 60.0;
 /// Slower than this the train has not yet run, m/s.
 const MOVING_MPS: Real = 3.0;
 
@@ -321,10 +321,15 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
     }
 
     /// Whether a measurement of this time takes the place of one that waits: it goes on better from those before, or is
-    /// newer; of two that no clock shows the one that came last waits, which the estimator judges.
+    /// newer; of two that no clock shows either waits, which the estimator judges.
     fn comes_before(&self, time_s: Real, waiting_s: Real) -> bool {
         let (now, before) = (self.order(time_s), self.order(waiting_s));
-        now > before || now == before && (now == Order::Other || is_later(waiting_s, time_s))
+        let is_next = match now {
+            // The first and the last by turns: one of them may be right.
+            Order::Other => self.silent_ticks.is_multiple_of(2),
+            _ => is_later(waiting_s, time_s),
+        };
+        now > before || now == before && is_next
     }
 
     fn order(&self, time_s: Real) -> Order {

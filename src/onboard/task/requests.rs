@@ -115,17 +115,18 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
 
     /// A long stop ends the run.
     pub(super) fn is_over(&mut self, estimate: &Estimate) -> bool {
-        if estimate.belief.mean[SPEED] > MOVING_MPS {
-            self.moved = true;
-        }
-        if estimate.regime != Regime::Standstill {
-            self.standing_since_s = None;
-            return false;
-        }
-        let since_s = *self.standing_since_s.get_or_insert(estimate.time_s);
+        let stands = estimate.regime == Regime::Standstill;
+        // In single precision, which the board compares at once.
+        let dt_s = estimate.dt_s as f32;
+        let stood_s = (estimate.time_s - *self.standing_since_s.get_or_insert(estimate.time_s)) as f32;
         // A single row far ahead may have a wrong time: the next one shows it.
-        let goes_on = estimate.dt_s > 0.0 && estimate.dt_s <= LONGEST_STEP_S;
-        goes_on && self.moved && estimate.time_s - since_s >= LONG_STOP_S
+        let stood_s = if stands && dt_s <= LONGEST_STEP_S { stood_s } else { stood_s - dt_s };
+        if !stands {
+            self.standing_since_s = None;
+        }
+        let is_over = self.moved && dt_s > 0.0 && stood_s >= LONG_STOP_S;
+        self.moved |= estimate.belief.mean[SPEED] > MOVING_MPS;
+        is_over
     }
 
     #[inline(never)]

@@ -58,7 +58,8 @@ fn a_run_ends_with_the_tick_in_which_the_train_has_stood_for_five_minutes() {
 #[test]
 fn a_wrong_time_at_a_stop_on_the_way_ends_no_run() {
     type Wrong = fn(usize, f64) -> f64;
-    let clocks: [(&str, Wrong); 5] = [
+    let clocks: [(&str, Wrong); 6] = [
+        ("one row 140 s ahead", |k, time_s| if k == 13 { time_s + 140.0 } else { time_s }),
         ("one row 290 s ahead", |k, time_s| if k == 0 { time_s + 290.0 } else { time_s }),
         ("one row 400 s ahead", |k, time_s| if k == 0 { time_s + 400.0 } else { time_s }),
         ("one row an hour ahead", |k, time_s| if k == 0 { time_s + 3600.0 } else { time_s }),
@@ -80,5 +81,27 @@ fn a_wrong_time_at_a_stop_on_the_way_ends_no_run() {
             let frames = board.measure(&Measurement { time_s, ..*row });
             assert!(said!(frames, RunSummary).is_none(), "{name}: at row {number} of {}", rows.len());
         }
+    }
+}
+
+#[test]
+fn a_long_stop_in_few_rows_ends_the_run_with_the_row_behind_it() {
+    // Standing is recorded every 180 s, or where it begins and where it ends.
+    for (step_s, ended_s) in [(180.0, 540.0), (1800.0, 1810.0)] {
+        let (mut board, _, log) = running(described());
+        for measurement in &log {
+            board.measure(measurement);
+        }
+        let last = *log.last().unwrap();
+        let at = |since_s: f64, speed_mps: f64| Measurement {
+            time_s: last.time_s + since_s,
+            speed_mps: Some(speed_mps),
+            ..last
+        };
+        let stands =
+            (0..4).map(|k| at(step_s * f64::from(k), 0.0)).take_while(|row| row.time_s <= last.time_s + 1800.0);
+        let rows: Vec<Measurement> = stands.chain([at(1810.0, 5.0), at(1820.0, 5.0)]).skip(1).collect();
+        let ended = rows.iter().find(|row| said!(board.measure(row), RunSummary).is_some());
+        assert_eq!(ended.map(|row| row.time_s - last.time_s), Some(ended_s), "{step_s}");
     }
 }

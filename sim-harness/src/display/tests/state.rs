@@ -83,7 +83,7 @@ fn the_board_s_firmware_is_shown_from_its_first_status_on() {
 }
 
 #[test]
-fn that_speeds_are_cut_off_is_shown_in_the_next_run_too() {
+fn that_speeds_are_cut_off_is_shown_until_the_run_is_over() {
     let recorder = Recorder { speed_offset_mps: Value { value: 0.14, sd: 0.01 }, put_right: false };
     let mut state = State::default();
     let mut take = |tick, body| {
@@ -91,7 +91,8 @@ fn that_speeds_are_cut_off_is_shown_in_the_next_run_too() {
         state.now.recorder
     };
     assert_eq!(take(300, Body::Recorder(recorder)), Some(recorder));
-    assert_eq!(take(1, Body::Answer(Answer { to: 4, result: Ok(()) })), Some(recorder));
+    let answer = || Body::Answer(Answer { to: 4, result: Ok(()) });
+    assert_eq!((take(301, answer()), take(1, answer())), (Some(recorder), None));
 }
 
 #[test]
