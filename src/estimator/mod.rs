@@ -1,4 +1,4 @@
-//! The tick: measurement -> plausibility -> [`modes`]: kinematics -> effort -> regime -> learning (ukf) -> features.
+//! The tick: measurement -> plausibility -> `modes`: kinematics -> effort -> regime -> learning (ukf) -> features.
 //! Only these two files know the order.
 //!
 //! What is set once ([`Estimator`]: configuration, train, track) comes by `&`, what changes every tick ([`RunState`])
