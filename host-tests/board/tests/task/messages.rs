@@ -79,6 +79,7 @@ fn a_crash_loop_leaves_a_heartbeat() {
         assert_eq!(answer.result, Err(Refusal::HeartbeatOnly));
     }
     assert!(!board.status().running);
+    assert!(board.task.release().is_none(), "what is in the flash may be why it fell");
 }
 
 /// A board without a clock.
