@@ -12,7 +12,7 @@
 //! efforts, tell it from a wrong steepness.
 
 use crate::agreement::Figure;
-use crate::driven::{self, Driven};
+use crate::gradients::driven::{self, Driven};
 use nalgebra::{SMatrix, SVector};
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;

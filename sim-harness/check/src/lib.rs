@@ -89,7 +89,6 @@ mod dead_band;
 pub mod dead_zone;
 mod diagnosis;
 mod drifting;
-mod driven;
 pub mod effort;
 mod effort_age;
 mod effort_coasting;

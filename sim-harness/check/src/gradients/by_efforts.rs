@@ -9,10 +9,10 @@
 //! other slopes would. With known efforts they are explained. How surely k is known is what places say of it; what the
 //! slopes are off by is what different runs have in common at a place, with k = 1.
 
+use super::driven::Driven;
 use super::places::{self, Leaves, Recurring};
 use super::{Doubt, SeenBy, Version, off_by_place_permille};
 use crate::agreement::Figure;
-use crate::driven::Driven;
 use crate::effort::least_squares;
 use nalgebra::SVector;
 use rundown::model::track::Track;

@@ -16,6 +16,7 @@
 mod answer;
 mod by_efforts;
 mod doubt;
+pub(crate) mod driven;
 mod mixture;
 mod places;
 mod stretch;
@@ -27,11 +28,9 @@ pub use doubt::{Doubt, SeenBy};
 pub use units::{CONVERSIONS, OtherUnits, converted};
 pub use version::Version;
 
-pub(crate) use stretch::climb_n_per_kg;
-
-use crate::driven::{self, Driven};
 use by_efforts::ByEfforts;
 use doubt::explains;
+use driven::Driven;
 use mixture::{MOST_SD_N_PER_KG, MixtureFit};
 use places::{AtPlaces, Locked};
 use rundown::model::direction::Direction;

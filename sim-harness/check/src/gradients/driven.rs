@@ -1,7 +1,7 @@
 //! What trains did in windows of some seconds in which the effort hardly changes.
 
+use super::stretch::climb_n_per_kg;
 use crate::effort;
-use crate::gradients::climb_n_per_kg;
 use rundown::model::direction::Direction;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
