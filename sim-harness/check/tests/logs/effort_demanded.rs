@@ -1,14 +1,12 @@
 //! Is a column of what the lever asks for, or one that ends at a most, left out, and one of what acts not?
 
-use crate::simulated::recording;
+use crate::simulated::{found_of_efforts, recording};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::model::resistance::Davis;
 use rundown::model::track::{Gradient, Track};
 use rundown::model::train::{Train, TrainDescription};
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::limits::Described;
-use rundown_check::{Known, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -60,7 +58,7 @@ fn runs(step_s: usize, late_s: usize, read: impl Fn(f64, f64) -> f64) -> Vec<Rec
 }
 
 /// With r described as so many times the true one: what is found of the efforts, and how many rows keep theirs.
-fn found(mut recordings: Vec<Recording>, times_r: f64) -> (Vec<Finding>, usize) {
+fn found(recordings: Vec<Recording>, times_r: f64) -> (Vec<Finding>, usize) {
     let train = Train::try_new(TrainDescription {
         mass_kg: 200e3,
         rotating_mass_factor: 1.0,
@@ -71,17 +69,7 @@ fn found(mut recordings: Vec<Recording>, times_r: f64) -> (Vec<Finding>, usize) 
         max_brake_mps2: 1.2,
     });
     let track = Track::try_new(100e3, [Gradient { from_m: 0.0, permille: 0.0 }]).unwrap();
-    let known = Known {
-        limits: Described::of(train.ok(), None),
-        track: Some(track),
-        moves_locations: true,
-        ..Known::default()
-    };
-    let check = check_beside(&mut recordings, &known);
-    let of = |finding: &&Finding| matches!(finding.kind, Kind::EffortDemanded | Kind::EffortCut);
-    let findings = check.recorders.iter().flat_map(|recorder| &recorder.findings).filter(of).cloned().collect();
-    let kept = recordings.iter().flat_map(|one| &one.rows).filter(|row| row.effort_n_per_kg.is_some()).count();
-    (findings, kept)
+    found_of_efforts(recordings, train.unwrap(), track, &[Kind::EffortDemanded, Kind::EffortCut])
 }
 
 #[test]

@@ -1,14 +1,12 @@
 //! Is a column whose small efforts have a gain of their own left out, and a right one not?
 
-use crate::simulated::recording;
+use crate::simulated::{found_of_efforts, recording};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::model::resistance::Davis;
 use rundown::model::track::{Gradient, Track};
 use rundown::model::train::{Train, TrainDescription};
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::limits::Described;
-use rundown_check::{Known, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
@@ -78,22 +76,10 @@ fn runs(shown: Shown, times_slopes: f64) -> Vec<Recording> {
 }
 
 /// What is found of small efforts, and how many rows keep theirs.
-fn found(mut recordings: Vec<Recording>) -> (Vec<Finding>, usize) {
-    let track = Track::try_new(
-        LENGTH_M,
-        (0..90).map(|place| Gradient { from_m: 1000.0 * place as f64, permille: permille(place) }),
-    );
-    let known = Known {
-        limits: Described::of(Some(train()), None),
-        track: Some(track.unwrap()),
-        moves_locations: true,
-        ..Known::default()
-    };
-    let check = check_beside(&mut recordings, &known);
-    let findings = check.recorders.iter().flat_map(|recorder| &recorder.findings);
-    let findings = findings.filter(|finding| finding.kind == Kind::EffortSmall).cloned().collect();
-    let kept = recordings.iter().flat_map(|one| &one.rows).filter(|row| row.effort_n_per_kg.is_some()).count();
-    (findings, kept)
+fn found(recordings: Vec<Recording>) -> (Vec<Finding>, usize) {
+    let gradient = |place: usize| Gradient { from_m: 1000.0 * place as f64, permille: permille(place) };
+    let track = Track::try_new(LENGTH_M, (0..90).map(gradient)).unwrap();
+    found_of_efforts(recordings, train(), track, &[Kind::EffortSmall])
 }
 
 #[test]

@@ -3,7 +3,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rundown::model::track::Track;
+use rundown::model::train::Train;
 use rundown_check::finding::{Finding, Kind};
+use rundown_check::limits::Described;
 use rundown_check::{Check, Known, check, check_beside};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -309,4 +312,24 @@ pub fn only(check: &Check, kind: Kind) -> Finding {
     let mut left: Vec<&Finding> = all(check).into_iter().filter(|finding| !others.contains(&finding.kind)).collect();
     assert!(left.iter().all(|finding| finding.kind == kind), "{left:?}");
     left.pop().unwrap_or_else(|| panic!("{kind:?} is not found")).clone()
+}
+
+/// What is found of the efforts of trains that are described so, of these kinds; and how many rows keep theirs.
+pub fn found_of_efforts(
+    mut recordings: Vec<Recording>,
+    train: Train,
+    track: Track,
+    kinds: &[Kind],
+) -> (Vec<Finding>, usize) {
+    let known = Known {
+        limits: Described::of(Some(train), None),
+        track: Some(track),
+        moves_locations: true,
+        ..Known::default()
+    };
+    let check = check_beside(&mut recordings, &known);
+    let findings = check.recorders.iter().flat_map(|recorder| &recorder.findings);
+    let findings = findings.filter(|finding| kinds.contains(&finding.kind)).cloned().collect();
+    let kept = recordings.iter().flat_map(|one| &one.rows).filter(|row| row.effort_n_per_kg.is_some()).count();
+    (findings, kept)
 }
