@@ -298,6 +298,7 @@ impl Plausibility {
         }
         let mut order = if ahead_s > 0.0 && ahead_s <= FAR_S { Order::Pause } else { Order::Other };
         let mut is_same = ahead_s.abs() < SOONEST_S;
+        // Zeros are no clock.
         for clock in self.rejected.iter().filter(|clock| clock.agreeing > 0 || clock.time_s.to_bits() != 0) {
             let ahead_s = clock.ahead_s(time_s);
             is_same |= clock.agreeing > 0 && ahead_s.abs() < SOONEST_S;

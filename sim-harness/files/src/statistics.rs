@@ -13,6 +13,7 @@
 //! assert_eq!(squares_about(2.0, [1.0, 5.0]), 10.0);
 //! assert_eq!(midmean([9.0, 1.0, 2.0, -40.0]), Some(1.5));
 //! assert_eq!(midmean([3.0]), Some(3.0));
+//! assert_eq!(midmean([0.0; 0]), None);
 //! assert_eq!(upper_quantile([4.0, 1.0, 3.0, 2.0], 0.75), Some(4.0));
 //! assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.75), Some(3.0));
 //! assert_eq!(quantile(&[], 0.5), None);
@@ -20,6 +21,7 @@
 //! assert_eq!(median_of(&[4.0, 1.0, 2.0]), 2.0);
 //! assert_eq!(mean_median([4.0, 1.0, 2.0, 3.0]), Some(2.5));
 //! assert_eq!(mean_median([4.0, 1.0, 2.0]), Some(2.0));
+//! assert_eq!(mean_median([0.0; 0]), None);
 //! assert_eq!(spread([0.0, -1.0, 90.0]), MEDIAN_TO_SD);
 //! let line = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];
 //! let pairs = Pairs::of(&line);
