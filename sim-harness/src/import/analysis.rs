@@ -73,6 +73,7 @@ impl Group {
             seen.look(source, columns).map_err(|error| error.to_string())?;
         }
         seen.are_there()?;
+        notes.extend(seen.no_run(columns, mapping));
         notes.extend(seen.clock(columns, mapping)?);
         notes.extend(seen.exchanged(columns, mapping)?);
         notes.extend(seen.positions(columns));
@@ -81,9 +82,10 @@ impl Group {
         if let Some(first) = sources.first() {
             needed(columns, first).map_err(|missing| format!("{missing}; {}", notes.join("; ")))?;
         }
-        // Where a name stands twice, the other column may be the one that agrees.
-        let repeated = columns.repeated(sources.first().map_or(&[], |first| &first.headers));
-        let also: String = repeated.iter().map(|note| format!("; {note}")).collect();
+        // Where two columns have a name for the same, the other one may be the one that agrees.
+        let headers: &[Header] = sources.first().map_or(&[], |first| &first.headers);
+        let other = columns.repeated(headers).into_iter().chain(columns.outranked(headers));
+        let also: String = other.map(|note| format!("; {note}")).collect();
         notes.extend(seen.units(columns).map_err(|why| why + &also)?);
         // The way by a location of which nothing named the unit is known now.
         notes.extend(seen.exchanged(columns, mapping)?);
@@ -158,8 +160,9 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
             && let Some(first) = units::of(*meaning).first()
         {
             notes.push(format!(
-                "column {:?} is not used: its unit is not known; {SAY_IT} (or another unit): {}",
+                "column {:?} is not used: its unit{} is not known; {SAY_IT} (or another unit): {}",
                 column.header,
+                column.unknown_unit().map_or(String::new(), |unit| format!(" {unit:?}")),
                 line([(*meaning, column.header.as_str(), format!("unit = {:?}", first.name))])
             ));
         }

@@ -45,6 +45,8 @@ pub struct Column {
     name: String,
     pub unit: Option<Unit>,
     pub how: How,
+    /// What stands in the header as its unit.
+    written: Option<String>,
 }
 
 impl Column {
@@ -52,9 +54,17 @@ impl Column {
         let header = headers[index].written.clone();
         let is_led_to = !header.is_empty() && index_of(headers, &header) == Some(index);
         let name = if is_led_to { header.clone() } else { format!("#{}", index + 1) };
-        Self { index, header, name, unit, how }
+        Self { index, header, name, unit, how, written: headers[index].unit.clone() }
+    }
+
+    /// What its header has as a unit and is none that is known.
+    pub fn unknown_unit(&self) -> Option<&str> {
+        self.written.as_deref().filter(|_| self.unit.is_none())
     }
 }
+
+/// What trains weigh: in tonnes none does.
+const OF_TRAINS_KG: std::ops::RangeInclusive<f64> = 2e3..=1e8;
 
 /// What the fields of a row mean.
 #[derive(Clone, Debug)]
@@ -107,7 +117,9 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
         .map(|(i, header)| if taken.contains(&i) || is_misnamed(header) { String::new() } else { header.name.clone() })
         .collect();
     for (meaning, index) in Meaning::of_names(&names) {
-        if !mapping.columns.contains_key(&meaning) {
+        // `Zug [kN]` and `Trip [km]` are measured.
+        let is_measured = meaning == Meaning::Run && headers[index].unit.is_some();
+        if !mapping.columns.contains_key(&meaning) && !is_measured {
             let (unit, how) = unit_of(meaning, &headers[index], None)?;
             of.insert(meaning, Column::new(index, headers, unit, how));
         }
@@ -130,8 +142,9 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
         TimeZone::get(name).map_err(|_| format!("zone: expected a name such as Europe/Berlin, found {name:?}"))
     })?;
     let (rotating_mass_kg, unit_name) = (mapping.rotating_mass_kg, mapping.unit.clone());
-    if let Some(mass) = rotating_mass_kg.filter(|mass| !(*mass > 0.0 && mass.is_finite())) {
-        return Err(format!("rotating_mass_kg: expected above 0, found {mass}"));
+    if let Some(mass) = rotating_mass_kg.filter(|mass| !OF_TRAINS_KG.contains(mass)) {
+        let [least, most] = [OF_TRAINS_KG.start(), OF_TRAINS_KG.end()];
+        return Err(format!("rotating_mass_kg: expected kg, {least} to {most}, found {mass}"));
     }
     Ok(Columns {
         of,
@@ -150,7 +163,12 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
 /// `Tempo [km/h]` is no time.
 fn is_misnamed(header: &Header) -> bool {
     let named = Meaning::of_names(std::slice::from_ref(&header.name));
-    !named.iter().any(|(meaning, _)| meaning.is_speed()) && header.unit_of(Meaning::Speed).is_some()
+    let is_of_name = |meaning: Meaning| {
+        let unit = header.unit.as_deref().and_then(|unit| units::by_name(meaning, unit));
+        // `effort_kn` is no speed in knots.
+        meaning.is_speed() || meaning.is_force() && unit.is_some()
+    };
+    !named.iter().any(|(meaning, _)| is_of_name(*meaning)) && header.unit_of(Meaning::Speed).is_some()
 }
 
 /// What no name says: the only column without a meaning that has such a unit. A place needs it only where there is
@@ -233,12 +251,13 @@ impl Columns {
         quoted(unused(headers, &self.of).map(|(_, header)| header))
     }
 
-    /// Headers of those without a name that is known, quoted.
+    /// Headers of those without a name that is known, or that is not that of what they hold, quoted.
     pub fn nameless(&self, headers: &[Header]) -> String {
         quoted(
             unused(headers, &self.of)
                 .map(|(_, header)| header)
-                .filter(|header| Meaning::of_name(&header.name).is_none() && !header.name.is_empty()),
+                .filter(|header| !header.name.is_empty())
+                .filter(|header| Meaning::of_name(&header.name).is_none_or(|meaning| !self.has(meaning))),
         )
     }
 

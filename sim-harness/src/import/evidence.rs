@@ -1,8 +1,10 @@
 //! Clock and units by what the readings say: the units whose distance by speed agrees with the distance by location.
 
+mod decided;
 mod exchanged;
 mod kind;
 mod ratios;
+mod run_column;
 mod signed;
 mod stretches;
 mod written;
@@ -17,20 +19,16 @@ use super::number;
 use super::source::SourceFile;
 use super::source::row::{Event, RowField};
 use super::units::{self, Unit};
+use decided::deny;
 use exchanged::mostly;
 use kind::kind_of;
 use rundown_files::refusal::ReadError;
 use std::collections::BTreeMap;
-use stretches::{LEAST_ALIKE, OF_TRAINS_MPS, Stretches, Tried, ratio_of, stretches};
+use stretches::{LEAST_ALIKE, stretches};
 use written::{WrittenRow, is_plain, unit_behind, value};
 
 /// Rows of a file that are looked at.
 const ROWS: usize = 20_000;
-/// A wheel may be off by so much; the units that are closest lie 10 % apart.
-const NEAR: f64 = 0.06;
-/// Named units are believed where the distances agree so.
-const MAY_BE: std::ops::Range<f64> = 0.8..1.25;
-
 /// Rows as they are written.
 #[derive(Debug, Default)]
 pub struct SeenRows {
@@ -239,62 +237,6 @@ impl SeenRows {
         }]
     }
 
-    /// Units of time, location and speed that nothing names.
-    ///
-    /// # Errors
-    /// Names the candidates, and the line that decides.
-    pub fn units(&self, columns: &mut Columns) -> Result<Vec<String>, String> {
-        self.forces(columns);
-        for (meaning, unit) in &self.behind {
-            if let Some(column) = columns.of.get_mut(meaning).filter(|column| column.unit.is_none()) {
-                column.unit = Some(*unit);
-                column.how = How::Evidence(format!("{} stands behind the values", unit.name));
-            }
-        }
-        let is_number = columns.kind.has_unit();
-        let unnamed = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none());
-        let unknown: Vec<Meaning> =
-            DECIDED.into_iter().filter(unnamed).filter(|meaning| *meaning != Meaning::Time || is_number).collect();
-        let stretches = match stretches(&self.rows, columns) {
-            Ok(stretches) => stretches,
-            Err(_) if unknown.is_empty() => return Ok(Vec::new()),
-            Err(why) => return Err(not_decided(columns, &unknown, &[], &why)),
-        };
-        let tried = stretches.tried(columns, &unknown);
-        let agree: Vec<Tried> = tried.iter().filter(|(ratio, _)| (ratio - 1.0).abs() < NEAR).copied().collect();
-        match agree.as_slice() {
-            [] if unknown.is_empty() => {
-                let ratio = tried.first().map_or(1.0, |(ratio, _)| *ratio);
-                let is_believed = is_said(columns) || MAY_BE.contains(&ratio);
-                if is_believed {
-                    Ok(vec![figure(ratio)])
-                } else {
-                    Err(format!("units: {}", contradiction(columns, ratio, &stretches)))
-                }
-            }
-            [(ratio, found)] => {
-                for (meaning, unit) in DECIDED.into_iter().zip(found).filter(|(meaning, _)| unknown.contains(meaning)) {
-                    if let Some(column) = columns.of.get_mut(&meaning) {
-                        column.unit = Some(*unit);
-                        column.how =
-                            How::Evidence(format!("distance by location over distance by speed is {ratio:.4}"));
-                    }
-                }
-                Ok(vec![figure(*ratio)])
-            }
-            [] => Err(not_decided(columns, &unknown, &[], "no units make the distance by speed that by location")),
-            several => Err(not_decided(columns, &unknown, several, "these agree alike")),
-        }
-    }
-
-    /// What is to be warned of: the distances do not agree in the units that a person said.
-    pub fn doubt(&self, columns: &Columns) -> Option<String> {
-        let stretches = stretches(&self.rows, columns).ok().filter(|_| is_said(columns))?;
-        let (ratio, _) = stretches.tried(columns, &[]).first().copied()?;
-        let is_denied = !MAY_BE.contains(&ratio);
-        is_denied.then(|| format!("units of the mapping are believed: {}", contradiction(columns, ratio, &stretches)))
-    }
-
     /// Of each file, whether its own rows deny what was decided of all: times that are not read so, or distances that
     /// do not agree. Never what a person said.
     pub fn denied(&self, columns: &Columns) -> Vec<bool> {
@@ -303,58 +245,24 @@ impl SeenRows {
             let rows = &self.rows[*begin..end];
             let written = rows.iter().filter(|row| row.time.is_some()).count();
             let read = rows.iter().filter(|row| row.time(columns).is_some()).count();
-            2 * read < written
-                || (!is_said(columns) && ratio_of(rows, columns).is_some_and(|ratio| !MAY_BE.contains(&ratio)))
+            2 * read < written || deny(rows, columns)
         };
         self.begins.iter().zip(ends).map(of_file).collect()
     }
 
-    /// A force without unit is one per mass if it is as small as that.
+    /// A force without unit is one per mass if it is as small as that. One in a unit that is not known is not.
     fn forces(&self, columns: &mut Columns) {
         for (meaning, seen) in FORCES.into_iter().zip(&self.forces) {
             let largest = seen.iter().map(|force| force.abs()).fold(0.0, f64::max);
             let Some(column) = columns.of.get_mut(&meaning) else { continue };
             // A column of 0 and 1 says only whether.
             let is_measured = seen.iter().any(|force| force.fract() != 0.0);
-            if column.unit.is_none() && largest < 3.0 && is_measured {
+            if column.unit.is_none() && column.unknown_unit().is_none() && largest < 3.0 && is_measured {
                 column.unit = units::by_name(meaning, "N/kg");
                 column.how = How::Evidence(format!("no value beyond {largest:.2}"));
             }
         }
     }
-}
-
-/// That the distances do not agree in the named units, and the line with those in which they would.
-fn contradiction(columns: &Columns, ratio: f64, stretches: &Stretches) -> String {
-    let of = |meaning: Meaning| units::of(meaning).iter().map(move |unit| (meaning, *unit));
-    let others: Vec<String> = of(Meaning::Location)
-        .filter(|_| columns.has(Meaning::Location))
-        .chain(of(Meaning::Speed))
-        .filter(|(meaning, unit)| {
-            let named = columns.unit(*meaning).map_or(1.0, Unit::factor);
-            let change = unit.factor() / named;
-            let ratio = if *meaning == Meaning::Speed { ratio / change } else { ratio * change };
-            let mps = if *meaning == Meaning::Speed {
-                unit.to_si(stretches.fastest)
-            } else {
-                columns.unit(Meaning::Speed).map_or(1.0, |unit| unit.to_si(stretches.fastest))
-            };
-            (ratio - 1.0).abs() < NEAR && OF_TRAINS_MPS.contains(&mps)
-        })
-        .map(|(meaning, unit)| line([(meaning, columns.header(meaning), format!("unit = {:?}", unit.name))]))
-        .collect();
-    let remedy = if others.is_empty() {
-        "look at the columns; a unit that --mapping gives is believed".to_owned()
-    } else {
-        format!("{SAY_IT}: {}", others.join(" or "))
-    };
-    format!("expected 1, found: {}; {remedy}", figure(ratio))
-}
-
-/// A person said what place or speed are in.
-fn is_said(columns: &Columns) -> bool {
-    let said = |meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::Mapping);
-    [Meaning::Location, Meaning::Speed].iter().any(said)
 }
 
 /// What a mass may divide.
@@ -363,36 +271,3 @@ const FORCES: [Meaning; 2] = [Meaning::Effort, Meaning::Braking];
 /// What a row says of where the train is.
 const EXPECTED: [Meaning; 5] =
     [Meaning::Time, Meaning::Location, Meaning::Speed, Meaning::Latitude, Meaning::Longitude];
-
-/// What evidence decides.
-const DECIDED: [Meaning; 3] = [Meaning::Time, Meaning::Location, Meaning::Speed];
-
-fn figure(ratio: f64) -> String {
-    format!("distance by location over distance by speed is {ratio:.4} with these units")
-}
-
-fn not_decided(columns: &Columns, unknown: &[Meaning], agree: &[Tried], why: &str) -> String {
-    let keys: Vec<&str> = unknown.iter().map(|meaning| meaning.key()).collect();
-    let place = |meaning: &Meaning| DECIDED.iter().position(|one| one == meaning).unwrap_or(0);
-    let sets: Vec<String> = agree
-        .iter()
-        .map(|(ratio, set)| {
-            let names: Vec<&str> = unknown.iter().map(|meaning| set[place(meaning)].name).collect();
-            format!("{} ({ratio:.3})", names.join(" with "))
-        })
-        .collect();
-    let lists: Vec<String> = unknown
-        .iter()
-        .map(|meaning| units::candidates(*meaning).iter().map(|unit| unit.name).collect::<Vec<_>>().join(", "))
-        .collect();
-    let candidates = if sets.is_empty() { lists.join("; ") } else { sets.join(" or ") };
-    let said = unknown.iter().map(|meaning| {
-        let unit = agree.first().map(|(_, set)| set[place(meaning)]).or(units::candidates(*meaning).first().copied());
-        (*meaning, columns.header(*meaning), format!("unit = {:?}", unit.map_or("", |unit| unit.name)))
-    });
-    format!(
-        "{}: expected a unit, found none in the header, and {why}: {candidates}; {SAY_IT} (or another unit): {}",
-        keys.join(" and "),
-        line(said)
-    )
-}

@@ -1,9 +1,10 @@
 //! Latitude and longitude under each other's name.
 
+use super::SeenRows;
+use super::decided::NEAR;
 use super::ratios::usual;
 use super::stretches::{OF_TRAINS_MPS, pieces};
 use super::written::WrittenRow;
-use super::{NEAR, SeenRows};
 use crate::import::columns::Columns;
 use crate::import::geo;
 use crate::import::mapping::{SAY_IT, SourceMapping, line};
