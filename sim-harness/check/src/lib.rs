@@ -14,6 +14,7 @@
 //! | which readings stay the same? | [`stuck_rows`] |
 //! | does the location stand still? | `stuck_locations` |
 //! | and the speed? | `stuck_speeds`, `stuck_goes_on` |
+//! | does it end at a largest value? | `saturated` |
 //! | did the train go there and back in one log? | `two_directions` |
 //! | which way do the locations grow, how far does a train go between rows? | [`ways`] |
 //! | how far may a train go between two rows? | `reach` |
@@ -122,6 +123,7 @@ mod rounding;
 pub mod row_step;
 mod run;
 pub mod same;
+mod saturated;
 mod second_order;
 mod slips;
 mod smoothed;

@@ -9,8 +9,8 @@ use crate::parts::compared;
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
 use crate::{
-    bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, odometer, readings, row_step, spikes,
-    stairs, stuck_locations, stuck_speeds, two_directions, wheel_change,
+    bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, odometer, readings, row_step, saturated,
+    spikes, stairs, stuck_locations, stuck_speeds, two_directions, wheel_change,
 };
 use nalgebra::Vector2;
 use rundown_files::recording::Recording;
@@ -220,6 +220,9 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     let mut evidence = BTreeMap::new();
     if is_usable(&findings) {
         let usual_s = row_step::usual_step_s(rows);
+        if !speed_is_computed {
+            saturated::leave_out(rows, &mut findings);
+        }
         // They accuse the locations beside them.
         let stuck = if speed_is_computed { Vec::new() } else { stuck_speeds::found(rows) };
         // A single wild speed must not make a straight line look bridged.

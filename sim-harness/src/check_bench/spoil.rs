@@ -22,6 +22,11 @@ pub(super) fn spoilt(defect: Defect, recordings: &mut Vec<Recording>, random: &m
             recordings.push(copy);
             rows
         }
+        Defect::Saturated => {
+            let speeds = recordings.iter_mut().flat_map(|recording| &mut recording.rows);
+            speeds.for_each(|row| row.speed_mps = row.speed_mps.map(|mps| mps.min(SATURATED_KMH / 3.6)));
+            SATURATED_KMH
+        }
         Defect::DeadZone => below(recordings, 12.0),
         Defect::SmallDeadZone => below(recordings, 5.0),
         Defect::Held | Defect::HeldPieces => {
@@ -54,6 +59,9 @@ pub(super) fn spoilt(defect: Defect, recordings: &mut Vec<Recording>, random: &m
         _ => spoil(defect, &mut recordings[1].rows, random),
     }
 }
+
+/// The largest value of eight bits in halves.
+const SATURATED_KMH: f64 = 127.5;
 
 /// The mean of each speed and of so many on both sides.
 fn smooth(rows: &mut [Sample], beside: usize) {
