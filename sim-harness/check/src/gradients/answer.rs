@@ -2,6 +2,7 @@
 //! doubts the track for it.
 
 use super::{Coasts, Doubt, OtherUnits, SeenBy};
+use crate::agreement::Figure;
 use rundown::model::{track::Track, train::Train};
 use rundown::tick::track_doubt::TrackDoubtConfig;
 use rundown_files::track_file::MOST_SD_PERMILLE;
@@ -18,6 +19,11 @@ pub struct Answer {
     pub small: Option<SmallErrors>,
 }
 
+/// Errors that follow the slopes do not average out over the line, as the estimator takes errors to do, and the gain of
+/// the efforts follows them, too: they count as so many times as large. Measured: r is within its interval in 51 of 54
+/// fresh sets, and with 1 in fewer.
+const FOLLOWS_SLOPES: f64 = 2.0;
+
 /// Described gradients are off by little: what coasts of different runs have in common at their places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmallErrors {
@@ -25,6 +31,23 @@ pub struct SmallErrors {
     pub sd_permille: f64,
     /// What shows them.
     pub seen_by: SeenBy,
+    /// All slopes act so many times as described, where that is the error.
+    pub steepness: Option<Figure>,
+}
+
+impl SmallErrors {
+    /// Of slopes that act so many times as described: errors that are independent from place to place and leave as much
+    /// in r. `climbs_n_per_kg`: force of the described climbs, root mean square.
+    pub(super) fn of_steepness(steep: Figure, climbs_n_per_kg: f64, seen_by: SeenBy, train: &Train) -> Self {
+        let off_n_per_kg = (steep.value - 1.0).abs() * climbs_n_per_kg;
+        let sd_permille = FOLLOWS_SLOPES * 1e3 * off_n_per_kg / train.gravity_n_per_kg();
+        Self { sd_permille, seen_by, steepness: Some(steep) }
+    }
+
+    /// The larger one of two.
+    pub(super) fn larger(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        one.into_iter().chain(other).max_by(|a, b| a.sd_permille.total_cmp(&b.sd_permille))
+    }
 }
 
 impl Coasts {
@@ -59,6 +82,15 @@ impl fmt::Display for SmallErrors {
             SeenBy::Efforts => "the accelerations beside the efforts",
             SeenBy::Coasts => "coasts",
         };
+        if let Some(steep) = self.steepness {
+            let act = steep.with_interval(3);
+            return write!(
+                f,
+                "by {what} all slopes act {act} times as described, as beside a rotating mass that is off: gradients \
+                 are taken to be off by {sd:.2} permille (standard deviation); gradient_sd_permille in the track's file \
+                 says otherwise"
+            );
+        }
         write!(
             f,
             "gradients are taken to be off by {sd:.2} permille (standard deviation), on which {what} of different runs \

@@ -11,7 +11,7 @@
 
 use super::driven::Driven;
 use super::places::{self, Leaves, Recurring};
-use super::{Doubt, SeenBy, Version, off_by_place_permille};
+use super::{Doubt, SeenBy, SmallErrors, Version, off_by_place_permille};
 use crate::agreement::Figure;
 use crate::effort::least_squares;
 use nalgebra::SVector;
@@ -23,7 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Fewer windows say nothing.
 const LEAST_WINDOWS: usize = 200;
 /// And fewer places do not show how surely k is known; a single one would leave no doubt at all.
-const LEAST_PLACES: usize = 10;
+pub(super) const LEAST_PLACES: usize = 10;
 /// Fewer runs share a driver or a day.
 const LEAST_RUNS: usize = 4;
 /// k of described gradients is within this of 1 ...
@@ -37,16 +37,12 @@ const LEAST_STEEP: f64 = 0.4;
 /// And the accelerations scatter by less than this share of what they do as described; else errors are small.
 /// Judgement.
 const LEAST_SHARPER: f64 = 0.95;
-/// Errors that follow the slopes do not average out over the line, as the estimator takes errors to do, and the gain of
-/// the efforts follows them, too: they count as so many times as large. Measured: r is within its interval in 51 of 54
-/// fresh sets, and with 1 in fewer.
-const FOLLOWS_SLOPES: f64 = 2.0;
 /// Efforts that leave more of the accelerations unexplained than this are not known there, N/kg: of trains that power
 /// on and off between two rows.
 const MOST_SD_N_PER_KG: f64 = 0.025;
-/// And a steepness that is surely off by more than this is an error, too, where readings hide the places. Judgement:
-/// right gradients leave up to 0.02 with momentary efforts every 10 s.
-const LEAST_OFF: f64 = 0.03;
+/// And a steepness that is off by more than this, and by [`SURELY_NOT`] standard deviations, is an error, too, where
+/// readings hide the places. Judgement: right gradients leave up to 0.02 with momentary efforts every 10 s.
+const LEAST_OFF: f64 = 0.02;
 /// Length of a place, m.
 const PLACE_M: f64 = 1000.0;
 /// Errors of the gradients come again at their places by so many standard errors. Judgement: they only widen intervals.
@@ -95,15 +91,20 @@ impl ByEfforts {
             log_likelihood: None,
             z: self.steep.away_from(1.0),
             stretches: self.windows,
-            off_permille: self.steepness_permille(train),
+            off_permille: self.as_steep(train).sd_permille,
         })
     }
 
-    /// How far the gradients are off, standard deviation, permille; none where that is nothing.
-    pub(super) fn off_permille(&self, train: &Train) -> Option<f64> {
-        let by_place = self.off.map(|off| off_by_place_permille(off.sd_n_per_kg, self.mean_way_m, train));
-        let steepness = (self.surely_off() > LEAST_OFF).then(|| self.steepness_permille(train));
-        by_place.into_iter().chain(steepness).reduce(f64::max)
+    /// How far the gradients are off at their places, or all of them; none where that is nothing.
+    pub(super) fn small_errors(&self, train: &Train) -> Option<SmallErrors> {
+        let seen_by = SeenBy::Efforts;
+        let at_places = self.off.map(|off| SmallErrors {
+            sd_permille: off_by_place_permille(off.sd_n_per_kg, self.mean_way_m, train),
+            seen_by,
+            steepness: None,
+        });
+        let is_off = self.surely_off() > 0.0 && (self.steep.value - 1.0).abs() > LEAST_OFF;
+        SmallErrors::larger(at_places, is_off.then(|| self.as_steep(train)))
     }
 
     /// By how much k is off at least.
@@ -111,10 +112,8 @@ impl ByEfforts {
         (self.steep.value - 1.0).abs() - SURELY_NOT * self.steep.sd
     }
 
-    /// Errors that are independent from place to place and leave as much in r as a steepness that is off.
-    fn steepness_permille(&self, train: &Train) -> f64 {
-        let off_n_per_kg = (self.steep.value - 1.0).abs() * self.climbs_n_per_kg;
-        FOLLOWS_SLOPES * 1e3 * off_n_per_kg / train.gravity_n_per_kg()
+    fn as_steep(&self, train: &Train) -> SmallErrors {
+        SmallErrors::of_steepness(self.steep, self.climbs_n_per_kg, SeenBy::Efforts, train)
     }
 }
 
@@ -132,6 +131,11 @@ pub(super) fn read(windows: &[Driven], train: &Train, track: &Track) -> Option<B
     (better.sds_n_per_kg[0] < MOST_SD_N_PER_KG).then_some(ByEfforts { steep, ..better })
 }
 
+/// Where a stretch begins, in places.
+pub(super) fn place(fronts_m: [f64; 2]) -> i64 {
+    (fronts_m[0] / PLACE_M).floor() as i64
+}
+
 /// With one of the two efforts; `climbs_n_per_kg`: of each window.
 fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<ByEfforts> {
     let others = |window: &Driven| {
@@ -146,8 +150,7 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
     let (beta, inverse, left) = least_squares(&freely)?;
     let mut scores: BTreeMap<i64, f64> = BTreeMap::new();
     for (window, (x, acceleration)) in windows.iter().zip(&freely) {
-        let place = (window.fronts_m[0] / PLACE_M).floor() as i64;
-        *scores.entry(place).or_default() += (inverse.row(0) * x)[0] * (acceleration - x.dot(&beta));
+        *scores.entry(place(window.fronts_m)).or_default() += (inverse.row(0) * x)[0] * (acceleration - x.dot(&beta));
     }
     if scores.len() < LEAST_PLACES {
         return None;
@@ -234,7 +237,7 @@ mod tests {
     fn efforts_vouch_for_the_slopes_that_they_go_over_and_for_no_others() {
         let right = said(&track(1.0, 0.0));
         assert!(right.vouch() && right.other_steepness(&train()).is_none(), "{right:?}");
-        assert_eq!(right.off_permille(&train()), None);
+        assert_eq!(right.small_errors(&train()), None);
         for steep in [-1.0, 0.1, 0.5, 0.8, 1.3, 2.0] {
             assert!(!said(&track(steep, 0.0)).vouch(), "{steep}");
         }
@@ -248,7 +251,7 @@ mod tests {
             assert!((times * steep - 1.0).abs() < 0.03, "{steep}: {doubt:?}");
             // As described they have a root mean square of 3.2 permille times that; seen over a window and a train a
             // little less.
-            let off_permille = FOLLOWS_SLOPES * (times - 1.0).abs() * 3.2 * steep;
+            let off_permille = 2.0 * (times - 1.0).abs() * 3.2 * steep;
             assert!((0.8..1.0).contains(&(doubt.off_permille / off_permille)), "{off_permille}: {doubt:?}");
         }
     }
@@ -256,11 +259,12 @@ mod tests {
     #[test]
     fn errors_at_places_are_found_as_large_as_they_are() {
         // -0.8, 0 and 0.8 permille in turn.
-        let off_permille = said(&track(1.0, 0.8)).off_permille(&train()).unwrap();
+        let off_permille = said(&track(1.0, 0.8)).small_errors(&train()).unwrap().sd_permille;
         assert!((0.5..0.9).contains(&off_permille), "{off_permille}");
         // A tenth too flat, which comes out at no single place.
         let flat = ByEfforts { off: None, ..said(&track(0.9, 0.0)) };
-        assert!((0.5..0.7).contains(&flat.off_permille(&train()).unwrap()) && flat.other_steepness(&train()).is_none());
+        let small = flat.small_errors(&train()).unwrap();
+        assert!((0.5..0.7).contains(&small.sd_permille) && flat.other_steepness(&train()).is_none());
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod doubt;
 pub(crate) mod driven;
 mod mixture;
 mod places;
+mod steepness;
 mod stretch;
 mod units;
 mod version;
@@ -38,7 +39,7 @@ use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown::tick::track_doubt::TrackDoubtConfig;
 use rundown_files::recording::Recording;
-use rundown_files::statistics::mean_of;
+use rundown_files::statistics::{mean_of, rms};
 use stretch::Stretch;
 
 /// Runs that are looked at; further ones say the same.
@@ -183,20 +184,25 @@ impl Coasts {
     }
 
     /// How far the described gradients are off, standard deviation: what efforts, or else coasts, of different runs
-    /// have in common at a place. None where that is nothing, or may be chance; larger errors in coasts are a
-    /// [`Doubt`].
+    /// have in common at a place, or make of all slopes. None where that is nothing, or may be chance; larger errors in
+    /// coasts are a [`Doubt`].
     fn small_errors(&self, train: &Train, described: &AsDescribed) -> Option<SmallErrors> {
         if self.runs < LEAST_RUNS_SMALL {
             return None;
         }
         if let Some(efforts) = &described.efforts {
-            let small = |sd_permille| SmallErrors { sd_permille, seen_by: SeenBy::Efforts };
-            return efforts.off_permille(train).map(small);
+            return efforts.small_errors(train);
         }
-        let found = described.locked(&self.stretches, AtPlaces::SmallErrors)?;
-        let is_seen = found.stretches >= LEAST_STRETCHES && found.z > LEAST_Z_SMALL;
-        let sd_permille = self.off_by_place_permille(found.sd_n_per_kg, train).min(MOST_SMALL_PERMILLE);
-        is_seen.then_some(SmallErrors { sd_permille, seen_by: SeenBy::Coasts })
+        let steepness = steepness::by_coasts(&self.stretches, described)
+            .map(|steep| SmallErrors::of_steepness(steep, rms(&described.climbs_n_per_kg), SeenBy::Coasts, train));
+        let locked = described.locked(&self.stretches, AtPlaces::SmallErrors);
+        let is_seen = |found: &Locked| found.stretches >= LEAST_STRETCHES && found.z > LEAST_Z_SMALL;
+        let at_places = locked.filter(is_seen).map(|found| SmallErrors {
+            sd_permille: self.off_by_place_permille(found.sd_n_per_kg, train).min(MOST_SMALL_PERMILLE),
+            seen_by: SeenBy::Coasts,
+            steepness: None,
+        });
+        SmallErrors::larger(at_places, steepness)
     }
 
     /// Another version explains the coasts better.
@@ -390,5 +396,23 @@ mod tests {
         assert_eq!(doubt(1.0, 1.0), None);
         assert_eq!(doubt(1.0, 0.5), Some(Version::HalfOfIt));
         assert_eq!(doubt(0.5, 1.0), None);
+    }
+
+    #[test]
+    fn slopes_that_act_a_little_more_or_less_than_described_are_small_errors_of_all_of_them() {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
+        let hills =
+            (0..60_u32).map(|i| Gradient { from_m: 800.0 * f64::from(i), permille: f64::from(i * 7 % 11) - 5.0 });
+        let track = Track::try_new(48_000.0, hills).unwrap();
+        let steepness = |times: f64| {
+            let mut coasts = Coasts::default();
+            coasts.add(&runs(&train, &track, 1.0, times), &train);
+            coasts.answer(&train, &track, None).small.and_then(|small| small.steepness)
+        };
+        assert_eq!(steepness(1.0), None);
+        for times in [0.93, 1.05] {
+            let found = steepness(times).unwrap();
+            assert!((found.value - times).abs() < 0.015, "{times}: {found:?}");
+        }
     }
 }

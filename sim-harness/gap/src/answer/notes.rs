@@ -100,6 +100,13 @@ fn agreeing(small: &SmallErrors) -> String {
         SeenBy::Efforts => "The accelerations beside the efforts",
         SeenBy::Coasts => "Coasts",
     };
+    if let Some(steep) = small.steepness {
+        let [low, high] = steep.interval();
+        return format!(
+            "{seen_by} make all slopes act {:.3} [{low:.3}, {high:.3}] times as described, as beside a rotating mass that is off. What is named beside that may be it.",
+            steep.value
+        );
+    }
     format!(
         "{seen_by} of different runs agree at their places on {:.2} permille (standard deviation) that the track does not describe: errors of its gradients, or an effect at places. Where it is errors, what is named beside them may be theirs.",
         small.sd_permille

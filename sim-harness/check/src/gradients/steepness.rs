@@ -1,0 +1,53 @@
+//! How many times as steep as described the gradients are, by the coasts.
+//!
+//! ```text
+//! a = -k g(s) - δ0 - (1 + δ1) r          a: gain of kinetic energy over the way; each stretch as surely as it is coasted
+//! ```
+//!
+//! A rotating mass that is off, or a survey in another unit of height, makes k another number than 1. It follows the
+//! slopes, so no number of runs averages it out, and no place stands out by it.
+
+use super::AsDescribed;
+use super::by_efforts::{LEAST_PLACES, place};
+use super::stretch::Stretch;
+use crate::agreement::Figure;
+use crate::effort::least_squares;
+use nalgebra::SVector;
+use std::collections::BTreeMap;
+
+/// So many coasted stretches must say it, and they scatter by no more than this, N/kg: where trains hardly coast, or
+/// hold speeds as well, what passes for coasts follows the slopes.
+const LEAST_COASTED: f64 = 200.0;
+const MOST_SD_N_PER_KG: f64 = 0.008;
+/// It is another number than 1 by so many standard deviations, and by so much.
+const SURELY_NOT: f64 = 3.0;
+const LEAST_STEEPER: f64 = 0.02;
+/// Drivers who power a little on climbs make slopes look less steep, by up to 0.025 in right ones.
+const LEAST_FLATTER: f64 = 0.03;
+
+/// k with its standard deviation over the places, where it surely is another number than 1.
+pub(super) fn by_coasts(stretches: &[Stretch], described: &AsDescribed) -> Option<Figure> {
+    let fit = described.fit.as_ref()?;
+    let is_of_coasts = fit.coasted() >= LEAST_COASTED && fit.sd_n_per_kg < MOST_SD_N_PER_KG;
+    let steep = fitted(stretches, &fit.shares, &described.climbs_n_per_kg).filter(|_| is_of_coasts)?;
+    let (off, sure) = (steep.value - 1.0, SURELY_NOT * steep.sd);
+    let is_off = off > LEAST_STEEPER.max(sure) || -off > LEAST_FLATTER + sure;
+    is_off.then_some(steep)
+}
+
+/// Of stretches that are coasted as surely as `shares` say; none from too few places.
+fn fitted(stretches: &[Stretch], shares: &[f64], climbs_n_per_kg: &[f64]) -> Option<Figure> {
+    let row = |((stretch, climb), share): ((&Stretch, &f64), &f64)| {
+        let (weight, r) = (share.sqrt(), stretch.resistance_n_per_kg);
+        (SVector::from([-climb, 1.0, r]) * weight, weight * (stretch.gain_n_per_kg + r))
+    };
+    let rows: Vec<(SVector<f64, 3>, f64)> = stretches.iter().zip(climbs_n_per_kg).zip(shares).map(row).collect();
+    let (beta, inverse, _) = least_squares(&rows)?;
+    let mut scores: BTreeMap<i64, f64> = BTreeMap::new();
+    for (stretch, (x, y)) in stretches.iter().zip(&rows) {
+        *scores.entry(place(stretch.fronts_m)).or_default() += (inverse.row(0) * x)[0] * (y - x.dot(&beta));
+    }
+    let places = scores.len() as f64;
+    let sd = (scores.values().map(|score| score * score).sum::<f64>() * places / (places - 1.0)).sqrt();
+    (scores.len() >= LEAST_PLACES).then_some(Figure { value: beta[0], sd })
+}
