@@ -15,6 +15,8 @@ mod quality;
 mod signals;
 #[path = "import_command/tables.rs"]
 mod tables;
+#[path = "import_command/wild.rs"]
+mod wild;
 
 use common::{Folder, RUN, reference};
 use std::fmt::Write;

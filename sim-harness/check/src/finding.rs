@@ -38,6 +38,8 @@ kinds! {
     Gaps "gaps while moving";
     Wrap "the odometer began again at zero";
     Reset "the locations began again elsewhere" => "give the chainage where the log begins again";
+    NoLocation "locations that stand for none, far from those around them, which agree with each other"
+        => "leave the field empty where no location is known";
     LocationSpikes "single locations far from their neighbours";
     StuckLocation "the location stands still while the train runs" => "look at the sensor";
     StuckSpeed "the speed stays the same while the locations say otherwise" => "look at the sensor";

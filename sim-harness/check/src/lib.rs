@@ -10,6 +10,7 @@
 //! | are rows stamped when they arrive, several at once? | `bursts` |
 //! | does it lose seconds? | [`lost_seconds`] |
 //! | did the odometer wrap, begin again? | [`odometer`] |
+//! | which locations stand for none? | [`placeholders`] |
 //! | are single locations wild? | `spikes` |
 //! | which readings stay the same? | [`stuck_rows`] |
 //! | does the location stand still? | `stuck_locations` |
@@ -115,6 +116,7 @@ mod of_most;
 pub mod own;
 mod parts;
 pub mod perturbed;
+pub mod placeholders;
 mod profile;
 mod reach;
 pub mod readings;

@@ -9,8 +9,8 @@ use crate::parts::compared;
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
 use crate::{
-    bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, odometer, readings, row_step, saturated,
-    spikes, stairs, stuck_locations, stuck_speeds, two_directions, wheel_change,
+    bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, odometer, placeholders, readings,
+    row_step, saturated, spikes, stairs, stuck_locations, stuck_speeds, two_directions, wheel_change,
 };
 use nalgebra::Vector2;
 use rundown_files::recording::Recording;
@@ -228,6 +228,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
         // A single wild speed must not make a straight line look bridged.
         readings::speed_spikes(rows, &mut findings);
         evidence.extend(bridged::leave_out(rows, usual_s, &stuck, &mut findings).map(|text| (Kind::Bridged, text)));
+        placeholders::leave_out(rows, &mut findings);
         stuck_locations::leave_out(rows, &mut findings);
         spikes::location_spikes(rows, &stuck, &mut findings);
         odometer::join(rows, &stuck, &mut findings);

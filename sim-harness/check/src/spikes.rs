@@ -8,7 +8,7 @@ use crate::ways::{between, fastest_mps, heading, reaches};
 use rundown_files::sample::Sample;
 
 /// So many wild readings may stand together.
-const MOST_WILD: usize = 3;
+pub(crate) const MOST_WILD: usize = 3;
 /// A location nearer to its neighbours is none of a spike, m.
 const LEAST_SPIKE_M: f64 = 80.0;
 

@@ -5,7 +5,7 @@ use super::account::Account;
 use super::geo;
 use super::mapping::RunCuts;
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::{clock, odometer, stuck_speeds};
+use rundown_check::{clock, odometer, placeholders, stuck_speeds};
 use rundown_files::sample::{COLUMNS, MOST_LOCATION_M, Sample};
 
 /// A train that stood in a gap is no further on, m.
@@ -45,13 +45,19 @@ pub struct Odometer {
 }
 
 impl Odometer {
-    /// Leaves out what is beyond any line where most of the stretch is not: readings that mean nothing, not an
-    /// odometer. Joins wraps; those before a gap too, where the train stood in the gap.
+    /// Leaves out what is beyond any line where most of the stretch is not, and what stands for no location: readings
+    /// that mean nothing, not an odometer. Joins wraps; those before a gap too, where the train stood in the gap.
     fn join(&mut self, stretch: &mut Stretch, findings: &mut Vec<Finding>, account: &mut Account) {
         let left_out = far_readings(&mut stretch.rows);
         if left_out > 0 {
             account.count("locations beyond any line among others that are not, left out", left_out as u64);
         }
+        let stand_for_none = placeholders::found(&stretch.rows);
+        account.count(
+            "locations far from those around them, which agree with each other, taken as missing",
+            stand_for_none.len() as u64,
+        );
+        stand_for_none.into_iter().for_each(|i| stretch.rows[i].location_m = None);
         let read_m = |stretch: &Stretch| stretch.rows.iter().rev().find_map(|row| row.location_m);
         let (first_m, last_m) = (stretch.rows.iter().find_map(|row| row.location_m), read_m(stretch));
         let stood = first_m.is_some_and(|first| (first + self.shift_m - self.end_m).abs() < STOOD_M);

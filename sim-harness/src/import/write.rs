@@ -15,6 +15,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+/// A single step says no more than this about the direction of a run, m.
+const MOST_STEP_M: f64 = 100.0;
+
 /// What stands in every folder that an import wrote.
 pub const ACCOUNT: &str = "import.json";
 
@@ -55,7 +58,8 @@ pub fn run(run: &Staged, place: &Placing, placed: &Placed, folder: &Path) -> Res
     let has = run.has;
     let matcher = CentreLine::new(&placed.line);
     let mut state = MatchState::default();
-    let (mut ends, mut first, mut last, mut lost) = ((f64::INFINITY, f64::NEG_INFINITY), None, None, 0);
+    let (mut ends, mut last_m, mut lost) = ((f64::INFINITY, f64::NEG_INFINITY), None, 0);
+    let mut ahead_m = 0.0;
     let written = File::create(&path).and_then(|file| {
         let mut file = BufWriter::new(file);
         let names: Vec<&str> = COLUMNS.iter().zip(has).filter(|(_, has)| *has).map(|(column, _)| column.name).collect();
@@ -75,8 +79,9 @@ pub fn run(run: &Staged, place: &Placing, placed: &Placed, folder: &Path) -> Res
             }
             if let Some(at_m) = sample.location_m {
                 ends = (ends.0.min(at_m), ends.1.max(at_m));
-                first = first.or(Some(at_m));
-                last = Some(at_m);
+                // The last location alone may be a zero that a recorder writes as it ends.
+                let step_m = at_m - last_m.replace(at_m).unwrap_or(at_m);
+                ahead_m += step_m.clamp(-MOST_STEP_M, MOST_STEP_M);
             }
             sample.time_s -= run.begin_s;
             let values = COLUMNS.iter().zip(has).filter(|(_, has)| *has);
@@ -88,9 +93,13 @@ pub fn run(run: &Staged, place: &Placing, placed: &Placed, folder: &Path) -> Res
         file.flush()
     });
     written.map_err(|error| failed(&path, error))?;
-    let is_up = first.zip(last).is_none_or(|(first, last)| last >= first);
     let (low, high) = if ends.0 <= ends.1 { ends } else { (0.0, 0.0) };
-    Ok(WrittenRun { is_up, ends_m: (low, high), lost, passed: passed(run, place, matcher.as_ref(), (low, high)) })
+    Ok(WrittenRun {
+        is_up: ahead_m >= 0.0,
+        ends_m: (low, high),
+        lost,
+        passed: passed(run, place, matcher.as_ref(), (low, high)),
+    })
 }
 
 /// As few digits as the reading deserves.
