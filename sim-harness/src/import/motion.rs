@@ -21,6 +21,13 @@ const FASTEST_MPS: f64 = 110.0;
 /// Fixes nearer than this to the last one counted say nothing of a distance, m.
 const ANCHOR_M: f64 = 15.0;
 
+/// A fix further than at this pace, m/s, and this distance, m, from the last one jumps.
+const JUMPS_MPS: f64 = 150.0;
+const JUMPS_M: f64 = 300.0;
+/// So many first fixes at most may be old ones, and so many that follow say it.
+const MOST_OLD: usize = 4;
+const FOLLOWING: usize = 20;
+
 const TOO_COARSE: &str = "runs whose locations are too coarse for speeds, and that have none";
 
 impl Stretch {
@@ -38,6 +45,11 @@ impl Stretch {
         for i in frozen {
             (self.rows[i].latitude_deg, self.rows[i].longitude_deg) = (None, None);
         }
+        let old = old_fixes(&self.rows);
+        account.count("first fixes far from where the following ones begin, taken as missing", old.len() as u64);
+        for i in old {
+            (self.rows[i].latitude_deg, self.rows[i].longitude_deg) = (None, None);
+        }
         let mut anchor: Option<(usize, geo::Fix)> = None;
         let mut passed_m = 0.0;
         for i in 0..self.rows.len() {
@@ -48,8 +60,7 @@ impl Stretch {
                 continue;
             };
             let step_m = geo::distance_m(from, fix);
-            let seconds = self.rows[i].time_s - self.rows[at].time_s;
-            if step_m > 150.0 * seconds + 300.0 {
+            if jumps(&self.rows[at], &self.rows[i]) {
                 account.count("fixes that jump, taken as missing", 1);
                 (self.rows[i].latitude_deg, self.rows[i].longitude_deg) = (None, None);
                 continue;
@@ -148,4 +159,24 @@ impl Stretch {
         let seconds = to.time_s - from.time_s;
         if seconds > 0.0 { moved_m / seconds } else { 0.0 }
     }
+}
+
+/// No train came from one fix to the other.
+fn jumps(from: &Sample, to: &Sample) -> bool {
+    let apart_m = fix(from).zip(fix(to)).map(|(a, b)| geo::distance_m(a, b));
+    apart_m.is_some_and(|metres| metres > JUMPS_MPS * (to.time_s - from.time_s) + JUMPS_M)
+}
+
+/// The first rows with the fix at which the receiver was switched off: more of those that follow go on from the one
+/// behind them.
+fn old_fixes(rows: &[Sample]) -> Vec<usize> {
+    let fixes = rows.iter().enumerate().filter(|(_, row)| fix(row).is_some());
+    let fixes: Vec<(usize, &Sample)> = fixes.take(MOST_OLD + 1 + FOLLOWING).collect();
+    let is_old = |last: &usize| {
+        let [(_, old), (_, new)] = [fixes[*last], fixes[*last + 1]];
+        let going_on = |from: &Sample| fixes[*last + 2..].iter().filter(|(_, row)| !jumps(from, row)).count();
+        jumps(old, new) && going_on(new) > going_on(old)
+    };
+    let old = (0..MOST_OLD.min(fixes.len().saturating_sub(1))).find(is_old).map_or(0, |last| last + 1);
+    fixes[..old].iter().map(|(i, _)| *i).collect()
 }

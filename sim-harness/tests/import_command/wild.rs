@@ -1,4 +1,4 @@
-//! Readings that mean nothing: locations while no signal comes.
+//! Readings that mean nothing: locations while no signal comes, fixes of elsewhere.
 
 use super::*;
 
@@ -45,5 +45,26 @@ fn the_last_location_alone_turns_no_run() {
         folder.done(&["import", "a.csv"]);
         assert!(folder.read("runs/runs.csv").ends_with("a_01.csv,,,up\n"), "{last_m}");
         assert_eq!(folder.json("runs/import.json")["counts"][NO_LOCATION].as_u64(), left_out);
+    }
+}
+
+/// Where the receiver was switched off the day before: all fixes of the run were taken for jumps, or as many as a train
+/// could not have come from there.
+#[test]
+fn a_first_fix_of_elsewhere_is_no_anchor() {
+    let rows = drive(&STOPS_M, 30.0);
+    for (north_deg, old) in [(-1.2, 1), (0.15, 1), (0.15, 3)] {
+        let text = table("time,latitude,longitude", &rows, |t, x, _| {
+            let (latitude, longitude) = place(x, 0.0);
+            let latitude = latitude + if (t as usize) < old { north_deg } else { 0.0 };
+            format!("{},{latitude:.7},{longitude:.7}", 1_740_000_000.0 + t)
+        });
+        let folder = Folder::new().with("a.csv", &text);
+        folder.done(&["import", "a.csv"]);
+        let counts = &folder.json("runs/import.json")["counts"];
+        assert_eq!(counts["first fixes far from where the following ones begin, taken as missing"], old, "{counts}");
+        assert!(counts["fixes that jump, taken as missing"].is_null(), "{counts}");
+        let found = csv(&folder, "runs/a_01.csv");
+        near(last(&found)[1] - found[old][1], 11_900.0, 20.0);
     }
 }
