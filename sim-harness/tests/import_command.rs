@@ -2,6 +2,8 @@
 
 #[path = "import_command/chainage.rs"]
 mod chainage;
+#[path = "import_command/clocks.rs"]
+mod clocks;
 #[path = "import_command/columns.rs"]
 mod columns;
 mod common;

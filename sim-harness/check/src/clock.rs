@@ -22,12 +22,18 @@ const LEAST_LATE: usize = 4;
 /// speed fits its location.
 const LEAST_SHARED: f64 = 0.05;
 const MOST_SHARED: f64 = 0.5;
-/// Seconds of the day fall by nearly a day at midnight: by no less than this.
+/// Seconds of the day fall by nearly a day at midnight: by no less and no more than this.
 const LEAST_MIDNIGHT_S: f64 = 0.8 * DAY_S;
+const MOST_MIDNIGHT_S: f64 = 1.2 * DAY_S;
+/// A clock that is further from that of most rows is none, s; one that is set by an hour, or by less, is a summer's.
+const LEAST_FOREIGN_S: f64 = 5400.0;
 /// Below it the distance says little about the time, m/s.
 const FAST_MPS: f64 = 5.0;
 /// Rows before and after a step of the clock that say how far the train went.
 const SIDE: usize = 3;
+
+/// So many rows on either side say which way the train goes.
+const TURN_ROWS: usize = 6;
 
 /// A location that misses so many times its noise stands still.
 const LEAST_MISSED: f64 = 5.0;
@@ -142,15 +148,35 @@ pub fn coarse(rows: &[Sample], findings: &mut Vec<Finding>) {
 pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let usual = UsualRows::of(rows);
     let mut shift_s = 0.0;
+    // By how much each clock was set beside the first one, and how many rows have it.
+    let mut clocks = vec![(0.0, usize::from(!rows.is_empty()))];
     for i in 1..rows.len() {
         let dt = rows[i].time_s + shift_s - rows[i - 1].time_s;
         if let Some((kind, figure)) = step_of_clock(rows, i, dt, &usual) {
             // Midnight is said as the day that it takes.
             shift_s += if kind == Kind::Midnight { DAY_S } else { -figure.value };
+            if kind != Kind::Midnight {
+                clocks.push((clocks[clocks.len() - 1].0 + figure.value, 0));
+            }
             findings.push(Finding { kind, figure, unit: "s", count: 1, line: rows[i].line, done: Done::PutRight });
         }
         rows[i].time_s += shift_s;
+        clocks.last_mut().into_iter().for_each(|(_, count)| *count += 1);
     }
+    let set_s = usual_clock_s(&clocks);
+    rows.iter_mut().for_each(|row| row.time_s += set_s);
+}
+
+/// How far the clock of most rows is from the first one, s: that one runs on where nobody set it by hours, as where a
+/// recorder begins at its first day until it is told the time.
+fn usual_clock_s(clocks: &[(f64, usize)]) -> f64 {
+    let rows_of = |set_s: f64| {
+        let same = clocks.iter().filter(|(other_s, _)| (other_s - set_s).abs() < LEAST_FOREIGN_S);
+        same.map(|(_, count)| count).sum::<usize>()
+    };
+    let first = rows_of(0.0);
+    let most = clocks.iter().max_by_key(|(set_s, _)| rows_of(*set_s));
+    most.filter(|(set_s, _)| rows_of(*set_s) > first).map_or(0.0, |(set_s, _)| *set_s)
 }
 
 /// What rows usually have between them: time, s, with its scatter, and how far the locations miss the way by speed, m.
@@ -172,11 +198,15 @@ impl UsualRows {
 fn step_of_clock(rows: &[Sample], i: usize, dt: f64, usual: &UsualRows) -> Option<(Kind, Figure)> {
     let step_s = usual.step_s.value;
     let exactly = |value: f64| Figure { value, sd: 0.0 };
-    if dt <= -LEAST_MIDNIGHT_S {
+    if (-MOST_MIDNIGHT_S..=-LEAST_MIDNIGHT_S).contains(&dt) {
         return Some((Kind::Midnight, exactly(DAY_S)));
     }
     // Of a receiver that says its last fix nobody knows how far the train went meanwhile.
     if dt > step_s && [i - 1, i + 1].into_iter().any(|at| stands_still(rows, at, usual.noise_m)) {
+        return None;
+    }
+    // A train that comes back stood meanwhile, where its recorder was silent.
+    if dt > step_s && turns(rows, i) {
         return None;
     }
     if let Some(change_s) = clock_set::by(rows, i, dt, usual.step_s, usual.noise_m) {
@@ -198,6 +228,13 @@ fn step_of_clock(rows: &[Sample], i: usize, dt: f64, usual: &UsualRows) -> Optio
     let passed_s = passed_s.filter(|_| dt > LEAST_BACK_S.max(20.0 * step_s))?;
     let is_set = !may_have_stopped(rows, i, [dt, passed_s]) && clock_set::goes_on(rows, i, dt - passed_s);
     is_set.then(|| (Kind::ClockSetForward, exactly(dt - passed_s)))
+}
+
+/// The locations go one way before row `at` and the other way from it on.
+fn turns(rows: &[Sample], at: usize) -> bool {
+    let before_m = ways::ahead_m(&rows[at.saturating_sub(TURN_ROWS)..at]);
+    let after_m = ways::ahead_m(&rows[at..rows.len().min(at + TURN_ROWS)]);
+    before_m * after_m < 0.0
 }
 
 /// Location and speed are those of the row before, and the train moves.
@@ -291,6 +328,42 @@ mod tests {
         let (mut rows, mut findings) = (read.iter().enumerate().map(row).collect::<Vec<Sample>>(), Vec::new());
         put_right(&mut rows, &mut findings);
         assert_eq!(findings, []);
+    }
+
+    /// A recorder that is silent below 8 m/s: 40 min between a train that comes in and one that goes back.
+    #[test]
+    fn a_train_that_comes_back_set_no_clock() {
+        let found = |there: f64, back: f64| {
+            found_forward(8.0, |i| {
+                let (t, is_after) = (f64::from(i), i >= 30);
+                (t + if is_after { 2400.0 } else { 0.0 }, 8.0 * if is_after { there + back * (t - 29.0) } else { t })
+            })
+        };
+        assert_eq!(found(33.0, -1.0), []);
+        assert_eq!(found(29.0, 1.0), [Kind::ClockSetForward]);
+    }
+
+    /// A recorder begins at its first day until it is told the time, or one forgets it for a while.
+    #[test]
+    fn the_clock_of_most_rows_is_right() {
+        let begin_s = 946_684_800.0;
+        let times = |forgets: std::ops::Range<u32>, by_s: f64| {
+            let row = |i: u32| Sample {
+                time_s: begin_s + f64::from(i) + if forgets.contains(&i) { -by_s } else { 0.0 },
+                location_m: Some(20.0 * f64::from(i)),
+                speed_mps: Some(20.0),
+                ..Sample::default()
+            };
+            let mut rows: Vec<Sample> = (0..60).map(row).collect();
+            put_right(&mut rows, &mut Vec::new());
+            assert!(rows.windows(2).all(|pair| pair[1].time_s - pair[0].time_s == 1.0), "{forgets:?} {by_s}");
+            rows[0].time_s - begin_s
+        };
+        let years_s = 9e8;
+        assert_eq!([times(0..20, years_s), times(40..60, years_s), times(20..29, years_s)], [0.0; 3]);
+        assert_eq!(times(0..40, years_s), -years_s);
+        // By an hour it is a summer's.
+        assert_eq!(times(0..20, 3600.0), -3600.0);
     }
 
     #[test]

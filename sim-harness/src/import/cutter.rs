@@ -14,6 +14,9 @@ const LEFT_ROWS: u64 = 20_000;
 /// One of so many rows has a place, and a train is no further from it than it may have gone, and this, m.
 const BESIDE: usize = 20;
 const ELSEWHERE_M: f64 = 1000.0;
+/// A clock that goes back by more, beside a train that does not move, is that of a recorder which was switched on again
+/// and has not been told the time, s.
+const MOST_BACK_S: f64 = 1.2 * 86_400.0;
 
 /// Makes stretches of rows as they come. Rows of several units or runs may take turns, as where a fleet writes one
 /// file: each has a stretch of its own until it has not been continued for long.
@@ -115,6 +118,8 @@ impl Cutter {
             Some(format!("a gap of {gap_s:.0} s"))
         } else if -gap_s > self.settings.gap_s && is_elsewhere(stretch, &record.sample) {
             Some(format!("the time goes back by {:.0} s, to another place", -gap_s))
+        } else if -gap_s > MOST_BACK_S && !went_on(last, &record.sample) {
+            Some(format!("the time goes back by {:.0} s", -gap_s))
         } else if stretch.rows.len() >= MOST_ROWS {
             Some(format!("{MOST_ROWS} rows without another place to cut"))
         } else {

@@ -1,0 +1,57 @@
+//! Clocks that nobody set.
+
+use super::*;
+
+/// Departures of the runs.
+fn departures(folder: &Folder) -> Vec<String> {
+    let index = folder.read("runs/runs.csv");
+    index.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().to_owned()).collect()
+}
+
+/// One run with this time for each second.
+fn timed(time: &str, text_of: impl Fn(f64) -> String) -> Folder {
+    let rows = drive(&STOPS_M, 30.0);
+    let text =
+        table(&format!("{time},km,v_kmh"), &rows, |t, x, v| format!("{},{:.4},{:.1}", text_of(t), x / 1000.0, 3.6 * v));
+    Folder::new().with("a.csv", &text)
+}
+
+/// The recorder begins at its first day until it is told the time: the run departed in the year 2000.
+#[test]
+fn the_clock_that_most_rows_have_is_that_of_the_run() {
+    let set = |t: f64| if t < 60.0 { 946_684_800.0 + t } else { 1_740_000_000.0 + t };
+    let stands = timed("time", |t| format!("{}", set(t + 10.0)));
+    stands.done(&["import", "a.csv"]);
+    assert_eq!(departures(&stands), ["2025-02-19T21:21:00Z"]);
+    // Set while the train moves, and switched on again.
+    let rows = drive(&STOPS_M, 30.0);
+    let text = |day: f64| {
+        table("time,km,v_kmh", &rows, |t, x, v| {
+            let unset = if t < 60.0 { 946_684_800.0 + t } else { 1_740_000_000.0 + 86_400.0 * day + t };
+            format!("{unset},{:.4},{:.1}", if day == 1.0 { 11.9 - x / 1000.0 } else { x / 1000.0 }, 3.6 * v)
+        })
+    };
+    let both = text(0.0) + text(1.0).split_once('\n').unwrap().1;
+    let folder = Folder::new().with("a.csv", &both);
+    folder.done(&["import", "a.csv"]);
+    assert_eq!(departures(&folder), ["2025-02-19T21:20:00Z", "2025-02-20T21:20:00Z"]);
+    assert!(folder.read("runs/runs.csv").ends_with(",,down\n"));
+    near(last(&csv(&folder, "runs/a_02.csv"))[0], rows[rows.len() - 1].0, 0.1);
+}
+
+/// The first row of the way back was put 40 min too early.
+#[test]
+fn a_train_that_turns_while_its_recorder_is_silent_set_no_clock() {
+    let there = drive(&[0.0, 9000.0], 25.0);
+    let back_s = there[there.len() - 1].0 + 2400.0;
+    let back = there.iter().map(|(t, x, v)| (back_s + t, 9000.0 - x, *v));
+    let rows: Vec<_> = there.iter().copied().chain(back).filter(|(.., v)| *v >= 12.0).collect();
+    let text =
+        table("time,location_m,speed_kmh", &rows, |t, x, v| format!("{},{x:.1},{:.1}", 1_740_000_000.0 + t, 3.6 * v));
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv"]);
+    let begins =
+        |row: &(f64, f64, f64)| jiff::Timestamp::from_second(1_740_000_000 + row.0 as i64).unwrap().to_string();
+    let middle = rows.len() / 2;
+    assert_eq!(departures(&folder), [begins(&rows[0]), begins(&rows[middle])]);
+}
