@@ -286,23 +286,32 @@ fn of_day(time: &str) -> Option<f64> {
 pub struct Orders {
     seen: usize,
     year_first: usize,
+    year_last: usize,
     dots: usize,
     first_above_12: usize,
     second_above_12: usize,
+    /// First and third number of the first date, and whether those of others differ.
+    first: Option<[i32; 2]>,
+    differ: [bool; 2],
 }
 
 impl Orders {
     pub fn see(&mut self, text: &str) {
         let date = day_of(text);
-        let Some([a, b, _]) = numbers(date) else {
+        let Some([a, b, c]) = numbers(date) else {
             self.year_first += usize::from(parse_date(date, DateOrder::Ymd).is_some());
             return;
         };
         self.seen += 1;
-        self.year_first += usize::from(a > 31);
+        let is_day = |number: i32| (1..=31).contains(&number);
+        self.year_first += usize::from(!is_day(a));
+        self.year_last += usize::from(!is_day(c));
         self.dots += usize::from(date.contains('.'));
         self.first_above_12 += usize::from(a > 12);
         self.second_above_12 += usize::from(b > 12);
+        let first = self.first.get_or_insert([a, c]);
+        self.differ[0] |= first[0] != a;
+        self.differ[1] |= first[1] != c;
     }
 
     /// The order, where there is no doubt. Dots between the numbers are of countries that write the day first.
@@ -310,11 +319,32 @@ impl Orders {
         if self.seen == 0 || self.year_first > 0 {
             return Some(DateOrder::Ymd);
         }
+        match self.differ {
+            // Days change, years do not.
+            [false, true] if self.may_be_year_first() => return Some(DateOrder::Ymd),
+            [true, false] => {}
+            _ if self.may_be_year_first() && self.dots == 0 => return None,
+            _ => {}
+        }
         match (self.first_above_12 > 0, self.second_above_12 > 0) {
             (true, false) => Some(DateOrder::Dmy),
             (false, true) => Some(DateOrder::Mdy),
             (false, false) if self.dots > 0 => Some(DateOrder::Dmy),
             _ => None,
+        }
+    }
+
+    /// Years of two digits at either end: `25-03-24`.
+    const fn may_be_year_first(&self) -> bool {
+        self.year_last == 0 && self.second_above_12 == 0
+    }
+
+    /// Which numbers may stand first, and the orders to choose from.
+    pub const fn doubt(&self) -> [&'static str; 3] {
+        match (self.may_be_year_first(), self.first_above_12 > 0) {
+            (false, _) => ["day or month", "dmy", "\"mdy\""],
+            (true, true) => ["year or day", "ymd", "\"dmy\""],
+            (true, false) => ["day, month or year", "dmy", "\"mdy\", \"ymd\""],
         }
     }
 }
@@ -430,6 +460,12 @@ mod tests {
         assert_eq!(of(&["14/03/2025 10:00"]), Some(DateOrder::Dmy));
         assert_eq!(of(&["03.04.2025 10:00"]), Some(DateOrder::Dmy));
         assert_eq!(of(&["2025-03-04 10:00"]), Some(DateOrder::Ymd));
+        assert_eq!(of(&["25-03-24 10:00", "25-03-24 10:01"]), None);
+        assert_eq!(of(&["25-03-04 10:00", "25-03-05 10:00"]), Some(DateOrder::Ymd));
+        assert_eq!(of(&["24/03/25 10:00", "25/03/25 10:00"]), Some(DateOrder::Dmy));
+        assert_eq!(of(&["24.03.25 10:00"]), Some(DateOrder::Dmy));
+        assert_eq!(of(&["03/24/25 10:00"]), Some(DateOrder::Mdy));
+        assert_eq!(of(&["24/03/99 10:00"]), Some(DateOrder::Dmy));
     }
 
     #[test]

@@ -144,9 +144,10 @@ impl SeenRows {
             None => {
                 let example = dated.first().copied().cloned().unwrap_or_default();
                 let meaning = if columns.has(Meaning::Date) { Meaning::Date } else { Meaning::Time };
-                let asked = (meaning, columns.header(meaning), "order = \"dmy\"".to_owned());
+                let [numbers, order, others] = orders.doubt();
+                let asked = (meaning, columns.header(meaning), format!("order = {order:?}"));
                 return Err(format!(
-                    "{}: expected dates in one order, found {example:?}, which may be day or month first; {SAY_IT} (or \"mdy\"): {}",
+                    "{}: expected dates in one order, found {example:?}, which may be {numbers} first; {SAY_IT} (or {others}): {}",
                     meaning.key(),
                     line([asked])
                 ));

@@ -1,4 +1,4 @@
-//! Clocks that nobody set.
+//! Dates in any order, clocks that nobody set.
 
 use super::*;
 
@@ -14,6 +14,30 @@ fn timed(time: &str, text_of: impl Fn(f64) -> String) -> Folder {
     let text =
         table(&format!("{time},km,v_kmh"), &rows, |t, x, v| format!("{},{:.4},{:.1}", text_of(t), x / 1000.0, 3.6 * v));
     Folder::new().with("a.csv", &text)
+}
+
+/// They were read as 25 March 2024, and on two days as those of two years.
+#[test]
+fn years_of_two_digits_may_stand_at_either_end() {
+    let of_one_day = timed("time", |t| format!("25-03-24 {}", clock(3600.0 + t)));
+    let said = of_one_day.rundown(&["import", "a.csv"]);
+    assert_eq!(said.code, Some(6), "{}", said.out);
+    assert!(said.err.contains("found \"25-03-24 01:00:00\", which may be year or day first"), "{}", said.err);
+    of_one_day.write("m.toml", &to_write(&said.err));
+    of_one_day.done(&["import", "a.csv", "--mapping", "m.toml"]);
+    assert_eq!(departures(&of_one_day), ["2025-03-24T01:00:00Z"]);
+    let rows = drive(&STOPS_M, 30.0);
+    for (first, second, expected) in [("25-03-04", "25-03-05", "2025-03-0"), ("14-03-25", "15-03-25", "2025-03-1")] {
+        let day = |day: &str| {
+            table("time,km,v_kmh", &rows, |t, x, v| {
+                format!("{day} {},{:.4},{:.1}", clock(3600.0 + t), x / 1000.0, 3.6 * v)
+            })
+        };
+        let both = day(first) + day(second).split_once('\n').unwrap().1;
+        let folder = Folder::new().with("a.csv", &both);
+        folder.done(&["import", "a.csv"]);
+        assert_eq!(departures(&folder), [4, 5].map(|day| format!("{expected}{day}T01:00:00Z")));
+    }
 }
 
 /// The recorder begins at its first day until it is told the time: the run departed in the year 2000.
