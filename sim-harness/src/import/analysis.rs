@@ -9,7 +9,7 @@ use super::meaning::Meaning;
 use super::results;
 use super::source::row::{Header, refused};
 use super::source::{SourceFile, are_equal, unpacked_name};
-use super::units;
+use super::{units, zone};
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
 use rundown_files::run_set::{ending, first_of, is_index, is_packed, skipped_in, without_results};
@@ -197,8 +197,8 @@ fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
         notes.push(format!("not used, for no name of theirs is known: {nameless}"));
     }
     let local = !columns.kind.has_unit();
-    if local && !columns.has_zone && columns.zone_name.is_none() {
-        notes.push("times without a zone are taken for UTC; give zone in [[source]] where they are local".to_owned());
+    if local && !columns.has_zone {
+        notes.extend(zone::believed(columns));
     }
     if let Some(zone) = columns.zone_name.as_ref().filter(|_| columns.has_zone || columns.kind == ClockKind::Unix) {
         notes.push(format!("zone {zone:?} is not used: the times have their own, or count from 1970 UTC"));

@@ -151,14 +151,18 @@ fn zoned(time: &str) -> (&str, Option<f64>) {
     let Some(at) = time.rfind(['+', '-']) else { return (time, None) };
     let digits: String = time[at + 1..].chars().filter(|c| *c != ':').collect();
     let minutes = |text: &str| text.parse::<u32>().ok().map(f64::from);
+    let before = time[..at].trim_end();
+    // `UTC+1`
+    let rest = before.strip_suffix("UTC").or_else(|| before.strip_suffix("GMT"));
     let east_s = match digits.len() {
+        1 if rest.is_some() => minutes(&digits).map(|hours| 3600.0 * hours),
         2 => minutes(&digits).map(|hours| 3600.0 * hours),
         4 => minutes(&digits[..2]).zip(minutes(&digits[2..])).map(|(hours, minutes)| 3600.0 * hours + 60.0 * minutes),
         _ => None,
     };
     let sign = if time[at..].starts_with('-') { -1.0 } else { 1.0 };
     match east_s.filter(|east_s| *east_s <= 16.0 * 3600.0) {
-        Some(east_s) => (time[..at].trim_end(), Some(sign * east_s)),
+        Some(east_s) => (rest.map_or(before, str::trim_end), Some(sign * east_s)),
         None => (time, None),
     }
 }
@@ -391,6 +395,9 @@ mod tests {
             ("Jan 31st, 2025 10:34:56.5 AM", DateOrder::Ymd),
             ("2025 janv. 31 10:34:56.5 UTC", DateOrder::Ymd),
             ("31.01.2025 08:04:56.5-02:30", DateOrder::Dmy),
+            ("31.01.2025 11:34:56.5 UTC+1", DateOrder::Dmy),
+            ("2025-01-31 08:04:56,5 UTC-02:30", DateOrder::Ymd),
+            ("2025-01-31T12:34:56.5GMT+02", DateOrder::Ymd),
             ("20250131103456.5", DateOrder::Mdy),
             ("20250131T103456.5", DateOrder::Ymd),
             ("31.01.2025 10.34.56,5", DateOrder::Dmy),

@@ -19,9 +19,10 @@ use super::number;
 use super::source::SourceFile;
 use super::source::row::{Event, RowField};
 use super::units::{self, Unit};
+use super::zone;
 use decided::deny;
 use exchanged::mostly;
-use kind::kind_of;
+use kind::{kind_of, read_as};
 use rundown_files::refusal::ReadError;
 use std::collections::BTreeMap;
 use stretches::{LEAST_ALIKE, stretches};
@@ -153,6 +154,9 @@ impl SeenRows {
                 ));
             }
         };
+        if let Some(question) = zone::behind(&texts, columns.order).filter(|_| columns.kind == ClockKind::DateTime) {
+            return Err(question);
+        }
         let has_zone = |text: &&String| matches!(clock::parse(text, columns.order), Some(WrittenTime::Instant(_)));
         columns.has_zone = texts.first().is_some_and(has_zone);
         if columns.kind == ClockKind::Unix
@@ -170,17 +174,7 @@ impl SeenRows {
             time.how = How::Evidence(format!("Unix time up to {largest:e}"));
         }
         let example = kind.is_none().then(|| times.first()).flatten();
-        Ok(example.and_then(|number| match clock::of_number(columns.kind, *number)? {
-            WrittenTime::OfDay(_) if columns.kind == ClockKind::Hhmmss => Some(format!(
-                "column {:?} is taken for times of the day without colons: {number:06} is hhmmss",
-                columns.header(Meaning::Time)
-            )),
-            WrittenTime::Civil(civil) if columns.kind == ClockKind::Excel => Some(format!(
-                "column {:?} is taken for dates of a sheet, days since 1899-12-30: {number} is {civil}",
-                columns.header(Meaning::Time)
-            )),
-            _ => None,
-        }))
+        Ok(example.and_then(|first| read_as(columns, *first)))
     }
 
     /// Positions without a unit that are no degrees may be degrees and minutes as one number, as receivers write them.

@@ -39,6 +39,7 @@ mod still;
 mod stretch;
 mod units;
 mod write;
+mod zone;
 
 use crate::alike::few;
 use account::{Account, INVERTED, ROWS, ROWS_TOO_SHORT, SCALED, SHIFTED};

@@ -1,4 +1,4 @@
-//! Dates in any order, clocks that nobody set.
+//! Dates in any order, clocks that nobody set, zones by their names, numbers that count from another year.
 
 use super::*;
 
@@ -78,4 +78,42 @@ fn a_train_that_turns_while_its_recorder_is_silent_set_no_clock() {
         |row: &(f64, f64, f64)| jiff::Timestamp::from_second(1_740_000_000 + row.0 as i64).unwrap().to_string();
     let middle = rows.len() / 2;
     assert_eq!(departures(&folder), [begins(&rows[0]), begins(&rows[middle])]);
+}
+
+#[test]
+fn a_name_of_a_zone_is_read_asked_or_said() {
+    let date = |t: f64| format!("2025-03-14 {}", clock(36_000.0 + t));
+    for zone in ["UTC+1", "UTC+01:00", "GMT+01"] {
+        let folder = timed("time", |t| format!("{} {zone}", date(t)));
+        folder.done(&["import", "a.csv"]);
+        assert_eq!(departures(&folder), ["2025-03-14T09:00:00Z"], "{zone}");
+    }
+    let said = timed("time", |t| format!("{} MEZ", date(t))).rundown(&["import", "a.csv"]);
+    let asked = "time: expected a zone as +01:00 or Z, or none, found \"2025-03-14 10:00:00 MEZ\"; write it so in the file, or leave MEZ away and give zone";
+    assert!(said.err.contains(asked), "{}", said.err);
+    for (header, expected) in [
+        ("Time (UTC)", "times are taken for UTC, as column \"Time (UTC)\" says"),
+        ("Zeit [MEZ]", "times are taken for UTC, and not for MEZ of column \"Zeit [MEZ]\"; give zone in [[source]]"),
+    ] {
+        let said = timed(header, date).done(&["import", "a.csv"]);
+        assert!(said.err.contains(expected), "{}", said.err);
+    }
+    let folder = timed("Time (UTC)", date).with("m.toml", "[[source]]\nzone = \"Europe/Berlin\"\n");
+    let said = folder.done(&["import", "a.csv", "--mapping", "m.toml"]);
+    assert!(said.err.contains("zone \"Europe/Berlin\" of the mapping is believed, not UTC of"), "{}", said.err);
+}
+
+#[test]
+fn numbers_that_may_count_from_another_year_are_said() {
+    for (header, begin_s, expected) in [
+        ("GPS time [s]", 1_425_967_945.0, Some("2015-03-10T06:12:25Z in the first row; where it is GPS time")),
+        ("timestamp", 3_824_777_527.0, Some("2091-03-15T06:12:07Z in the first row; where it counts from 1904")),
+        ("timestamp", 1_740_000_000.0, None),
+    ] {
+        let said = timed(header, |t| format!("{}", begin_s + t)).done(&["import", "a.csv"]);
+        match expected {
+            Some(expected) => assert!(said.err.contains(expected), "{}", said.err),
+            None => assert!(!said.err.contains("since 1970"), "{}", said.err),
+        }
+    }
 }

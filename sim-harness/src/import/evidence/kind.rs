@@ -1,6 +1,9 @@
-//! The kind of a clock by its readings.
+//! The kind of a clock by its readings, and what is said of it.
 
 use super::super::clock::{self, ClockKind, DateOrder, WrittenTime};
+use super::super::columns::Columns;
+use super::super::meaning::Meaning;
+use super::super::zone;
 use rundown_files::statistics::median;
 
 /// The kind of a clock, by its fields as numbers and as texts. With a unit of time they are numbers.
@@ -41,4 +44,20 @@ fn are_days(times: &[f64]) -> bool {
 fn are_digits(times: &[f64]) -> bool {
     let minutes = times.windows(2).filter(|pair| pair[0] % 100.0 > pair[1] % 100.0 && pair[1] > pair[0]).count();
     minutes >= 2 && times.iter().all(|time| clock::of_digits(*time).is_some())
+}
+
+/// What a person should know of how numbers are read as times; the first of them says it.
+pub(super) fn read_as(columns: &Columns, first: f64) -> Option<String> {
+    let header = columns.header(Meaning::Time);
+    match columns.kind {
+        ClockKind::Hhmmss => {
+            Some(format!("column {header:?} is taken for times of the day without colons: {first:06} is hhmmss"))
+        }
+        ClockKind::Excel => {
+            let Some(WrittenTime::Civil(civil)) = clock::of_number(columns.kind, first) else { return None };
+            Some(format!("column {header:?} is taken for dates of a sheet, days since 1899-12-30: {first} is {civil}"))
+        }
+        ClockKind::Unix => zone::other_epoch(header, columns.unit(Meaning::Time)?.to_si(first)),
+        ClockKind::Number | ClockKind::DateTime | ClockKind::TimeOfDay => None,
+    }
 }
