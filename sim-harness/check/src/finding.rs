@@ -43,7 +43,7 @@ kinds! {
     LocationSpikes "single locations far from their neighbours";
     StuckLocation "the location stands still while the train runs" => "look at the sensor";
     StuckSpeed "the speed stays the same while the locations say otherwise" => "look at the sensor";
-    SaturatedSpeed "speeds end at a largest value, and the train runs faster:"
+    SaturatedSpeed "speeds end at a largest value, beyond which the train runs"
         => "look at the range of the signal: what is beyond it was not recorded";
     TwoDirections "the train goes there and back in one log" => "cut the log where the train turns";
     RoundedSpeed "speeds are rounded to the nearest step";

@@ -204,8 +204,9 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
 
 /// The same of runs that are read after others.
 pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen) -> Check {
-    let (mut runs, mut of_speeds): (Vec<RunCheck>, Vec<Option<OfSpeed>>) =
-        recordings.iter_mut().map(|recording| run::beside(recording, seen)).unzip();
+    let ends_mps = saturated::of_units(recordings);
+    let of_run = |one: &mut Recording| run::beside(one, ends_mps.get(&one.unit).copied(), seen);
+    let (mut runs, mut of_speeds): (Vec<RunCheck>, Vec<Option<OfSpeed>>) = recordings.iter_mut().map(of_run).unzip();
     let units = units(&runs);
     let mut before = vec![(None, Vec::new(), None); units.len()];
     for (unit, (drift, slipping, sliding)) in units.iter().zip(&mut before) {

@@ -150,13 +150,17 @@ impl RunCheck {
     }
 }
 
-/// Judges one run, and puts right what is beyond doubt.
-pub(crate) fn beside(recording: &mut Recording, seen: &mut Seen) -> (RunCheck, Option<OfSpeed>) {
+/// Judges one run, and puts right what is beyond doubt. `ends_at_mps`: where the speeds of its recorder end, if they do.
+pub(crate) fn beside(
+    recording: &mut Recording,
+    ends_at_mps: Option<f64>,
+    seen: &mut Seen,
+) -> (RunCheck, Option<OfSpeed>) {
     if let Some(earlier) = seen.earlier(recording) {
         return (copy_of(recording, earlier), None);
     }
     let shared = seen.shared(recording);
-    let (mut run, of_speed) = of_run(recording);
+    let (mut run, of_speed) = of_run(recording, ends_at_mps);
     shared.into_iter().for_each(|shared| run.shares(&shared));
     (run, of_speed)
 }
@@ -202,7 +206,7 @@ pub(crate) struct Taken {
     pub(crate) creep: Option<Falls>,
 }
 
-fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
+fn of_run(recording: &mut Recording, ends_at_mps: Option<f64>) -> (RunCheck, Option<OfSpeed>) {
     let mut findings = Vec::new();
     let speed_is_computed = recording.speed_is_computed();
     let rows = &mut recording.rows;
@@ -221,7 +225,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<OfSpeed>) {
     if is_usable(&findings) {
         let usual_s = row_step::usual_step_s(rows);
         if !speed_is_computed {
-            saturated::leave_out(rows, &mut findings);
+            saturated::leave_out(rows, ends_at_mps, &mut findings);
         }
         // They accuse the locations beside them.
         let stuck = if speed_is_computed { Vec::new() } else { stuck_speeds::found(rows) };

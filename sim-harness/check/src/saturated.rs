@@ -9,7 +9,9 @@ use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::stuck_rows::{self, LEAST_STUCK};
 use crate::{steps, ways};
+use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use std::collections::HashMap;
 
 /// Shorter stretches at the largest speed say little, s.
 const LEAST_S: f64 = 20.0;
@@ -27,42 +29,42 @@ const MOST_MPS2: f64 = 1.5;
 const BELOW: std::ops::Range<f64> = 0.5..0.97;
 const LEAST_BELOW_M: f64 = 2000.0;
 
-/// Leaves out the speeds at the largest value.
-pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let Some(most_mps) = saturates_at(rows) else { return };
+/// Where the speeds of recorders end, m/s, by unit: one run that shows it speaks for those that hardly get there.
+pub(crate) fn of_units(recordings: &[Recording]) -> HashMap<String, f64> {
+    let read = recordings.iter().filter(|recording| !recording.speed_is_computed());
+    read.filter_map(|recording| Some((recording.unit.clone(), ends_at(&recording.rows)?))).collect()
+}
+
+/// Leaves out the speeds at the largest value, that of this run or of its unit, m/s.
+pub(crate) fn leave_out(rows: &mut [Sample], of_unit: Option<f64>, findings: &mut Vec<Finding>) {
+    let Some(most_mps) = ends_at(rows).or(of_unit) else { return };
     let is_at_most = |row: &Sample| row.speed_mps == Some(most_mps);
     let count = rows.iter().filter(|row| is_at_most(row)).count();
-    let line = rows.iter().find(|row| is_at_most(row)).map_or(0, |row| row.line);
+    let Some(line) = rows.iter().find(|row| is_at_most(row)).map(|row| row.line) else { return };
     let figure = Figure { value: 3.6 * most_mps, sd: 0.0 };
     findings.push(Finding { kind: Kind::SaturatedSpeed, figure, unit: "km/h", count, line, done: Done::LeftOut });
     rows.iter_mut().filter(|row| is_at_most(row)).for_each(|row| row.speed_mps = None);
 }
 
 /// The largest speed, m/s, where the train is faster.
-fn saturates_at(rows: &[Sample]) -> Option<f64> {
+fn ends_at(rows: &[Sample]) -> Option<f64> {
     let most_mps = ways::fastest_mps(rows);
+    let step_mps = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6;
+    let mut held = stuck_rows::stretches(rows, |row| row.speed_mps, |_, by_location| by_location, LEAST_STUCK);
+    held.retain(|held| {
+        let long_s = rows[held.to].time_s - rows[held.from].time_s;
+        rows[held.from].speed_mps == Some(most_mps) && long_s >= LEAST_S && goes_on_from(rows, held.to, step_mps)
+    });
     let (by_location, by_speed) = below_m(rows, most_mps);
     let usual = by_location / by_speed;
-    if by_speed < LEAST_BELOW_M || usual <= 0.0 {
+    if held.is_empty() || by_speed < LEAST_BELOW_M || usual <= 0.0 {
         return None;
     }
-    let step_mps = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6;
-    let stretches = stuck_rows::stretches(rows, |row| row.speed_mps, |_, by_location| by_location, LEAST_STUCK);
-    let at_most = stretches.iter().filter(|stretch| {
-        let long_s = rows[stretch.to].time_s - rows[stretch.from].time_s;
-        rows[stretch.from].speed_mps == Some(most_mps) && long_s >= LEAST_S && goes_on_from(rows, stretch.to, step_mps)
-    });
-    let (mut beyond_m, mut way_m, mut count) = (0.0, 0.0, 0);
-    for stretch in at_most {
-        let by_speed_m = most_mps * (rows[stretch.to].time_s - rows[stretch.from].time_s);
-        beyond_m += stretch.metres / usual - by_speed_m;
-        way_m += by_speed_m;
-        count += 1;
-    }
-    let noise_m = ways::noise_m(rows, ways::heading(rows)) * f64::from(count).sqrt();
+    let way_m: f64 = held.iter().map(|held| most_mps * (rows[held.to].time_s - rows[held.from].time_s)).sum();
+    let beyond_m = held.iter().map(|held| held.metres).sum::<f64>() / usual - way_m;
+    let noise_m = ways::noise_m(rows, ways::heading(rows)) * (held.len() as f64).sqrt();
     let least_m = way_m * LEAST_BEYOND.max(LEAST_STEPS * step_mps / most_mps);
-    let is_faster = count > 0 && beyond_m > least_m.max(NOISE * noise_m).max(LEAST_BEYOND_M);
-    is_faster.then_some(most_mps)
+    (beyond_m > least_m.max(NOISE * noise_m).max(LEAST_BEYOND_M)).then_some(most_mps)
 }
 
 /// Whether the next speed is one of a train that had this one.
@@ -104,7 +106,7 @@ mod tests {
 
     fn found(mut rows: Vec<Sample>) -> (Vec<Finding>, usize) {
         let mut findings = Vec::new();
-        leave_out(&mut rows, &mut findings);
+        leave_out(&mut rows, None, &mut findings);
         (findings, rows.iter().filter(|row| row.speed_mps.is_none()).count())
     }
 
@@ -119,6 +121,28 @@ mod tests {
                 assert!(left_out > 250, "{left_out}");
             }
         }
+    }
+
+    #[test]
+    fn a_run_that_shows_where_speeds_end_speaks_for_the_others_of_its_unit() {
+        let read = |kmh: f64| ((2.0 * kmh).round() / 2.0).min(127.5);
+        let run = |unit: &str, kmh: f64| {
+            let mut rows = rows(read, 1.0);
+            let reads = |row: &Sample| row.speed_mps.is_none_or(|mps| 3.6 * mps < kmh);
+            rows.retain(reads);
+            Recording { unit: unit.to_owned(), rows, ..Recording::default() }
+        };
+        let recordings = [run("a", 200.0), run("a", 120.0), run("b", 120.0)];
+        let ends = of_units(&recordings);
+        assert_eq!((ends.get("a"), ends.get("b")), (Some(&(127.5 / 3.6)), None));
+        // It gets there for a moment.
+        let mut rows = run("a", 120.0).rows;
+        rows[200].speed_mps = Some(127.5 / 3.6);
+        let mut findings = Vec::new();
+        leave_out(&mut rows, None, &mut findings);
+        assert_eq!(findings, []);
+        leave_out(&mut rows, ends.get("a").copied(), &mut findings);
+        assert_eq!((findings[0].count, rows[200].speed_mps), (1, None));
     }
 
     #[test]
