@@ -173,7 +173,8 @@ impl SeenRows {
             time.unit = units::by_name(Meaning::Time, name);
             time.how = How::Evidence(format!("Unix time up to {largest:e}"));
         }
-        let example = kind.is_none().then(|| times.first()).flatten();
+        // A repeated import says it again.
+        let example = times.first().filter(|_| kind.is_none() || columns.kind == ClockKind::Unix);
         Ok(example.and_then(|first| read_as(columns, *first)))
     }
 

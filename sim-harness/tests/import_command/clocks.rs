@@ -110,7 +110,10 @@ fn numbers_that_may_count_from_another_year_are_said() {
         ("timestamp", 3_824_777_527.0, Some("2091-03-15T06:12:07Z in the first row; where it counts from 1904")),
         ("timestamp", 1_740_000_000.0, None),
     ] {
-        let said = timed(header, |t| format!("{}", begin_s + t)).done(&["import", "a.csv"]);
+        let folder = timed(header, |t| format!("{}", begin_s + t));
+        let said = folder.done(&["import", "a.csv"]);
+        folder.done(&["import", "--mapping", "runs/import.toml", "--out", "again"]);
+        assert_eq!(folder.read("runs/import.json"), folder.read("again/import.json"));
         match expected {
             Some(expected) => assert!(said.err.contains(expected), "{}", said.err),
             None => assert!(!said.err.contains("since 1970"), "{}", said.err),
