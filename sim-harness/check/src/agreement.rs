@@ -36,7 +36,7 @@ impl Figure {
     }
 
     /// With its 95 % interval, in so many decimals.
-    pub(crate) fn with_interval(&self, decimals: usize) -> String {
+    pub fn with_interval(&self, decimals: usize) -> String {
         let [low, high] = self.interval();
         format!("{:.decimals$} [{low:.decimals$}, {high:.decimals$}]", self.value)
     }

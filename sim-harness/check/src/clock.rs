@@ -175,7 +175,7 @@ fn usual_clock_s(clocks: &[(f64, usize)]) -> f64 {
         same.map(|(_, count)| count).sum::<usize>()
     };
     let first = rows_of(0.0);
-    let most = clocks.iter().max_by_key(|(set_s, _)| rows_of(*set_s));
+    let most = clocks.iter().max_by_key(|(set_s, count)| (rows_of(*set_s), *count));
     most.filter(|(set_s, _)| rows_of(*set_s) > first).map_or(0.0, |(set_s, _)| *set_s)
 }
 

@@ -9,6 +9,7 @@
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
+use crate::row_step::MOST_MEAN_S;
 use crate::spikes::MOST_WILD;
 use crate::ways::{LONGEST_S, between};
 use rundown_files::sample::Sample;
@@ -81,9 +82,11 @@ struct Way {
 impl Way {
     fn add(&mut self, rows: &[Sample]) {
         for pair in rows.windows(2) {
-            let is_read = pair.iter().any(|row| row.speed_mps.is_some());
+            let long_s = (pair[1].time_s - pair[0].time_s).max(0.0);
+            // Between rows far apart speeds say little.
+            let is_read = long_s <= MOST_MEAN_S && pair.iter().any(|row| row.speed_mps.is_some());
             self.by_speed_m += between(&pair[0], &pair[1]);
-            self.unread_m += if is_read { 0.0 } else { MOST_MPS * (pair[1].time_s - pair[0].time_s).max(0.0) };
+            self.unread_m += if is_read { 0.0 } else { MOST_MPS * long_s };
         }
     }
 
@@ -107,7 +110,8 @@ fn is_repeated(sorted: &[f64], value: f64) -> bool {
 pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let found = found(rows);
     let ends = rows.iter().rposition(|row| row.location_m.is_some());
-    let blocks = found.chunk_by(|a, b| b - a == 1);
+    let is_between = |a: usize, b: usize| rows[a + 1..b].iter().any(|row| row.location_m.is_some());
+    let blocks = found.chunk_by(|a, b| !is_between(*a, *b));
     let left_out: Vec<usize> =
         blocks.filter(|rows| rows.len() > MOST_WILD || rows.last() == ends.as_ref()).flatten().copied().collect();
     let Some(first) = left_out.first() else { return };
@@ -142,6 +146,22 @@ mod tests {
         let mixed = |i: usize, at_m: f64| [at_m, 0.0, 65_535.0][if (100..108).contains(&i) { 1 + i % 2 } else { 0 }];
         assert_eq!(found(&rows(mixed)), (100..108).collect::<Vec<_>>());
         assert_eq!(found(&rows(|i, at_m| if i < 200 { at_m } else { 0.0 })), (200..300).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn locations_in_some_rows_only_are_one_block_and_rows_far_apart_none() {
+        let mut sparse = rows(|i, at_m| if (150..250).contains(&i) { 0.0 } else { at_m });
+        sparse.iter_mut().enumerate().filter(|(i, _)| i % 5 != 0).for_each(|(_, row)| row.location_m = None);
+        let mut findings = Vec::new();
+        leave_out(&mut sparse, &mut findings);
+        assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::NoLocation]);
+        // Every four minutes, between two stations.
+        let shuttles = |i: usize| {
+            let location_m = Some([0.0, 4300.0, 8600.0, 4300.0][i % 4]);
+            let speed_mps = Some(if i.is_multiple_of(2) { 0.0 } else { 3.0 });
+            Sample { time_s: 240.0 * i as f64, location_m, speed_mps, ..Sample::default() }
+        };
+        assert_eq!(found(&(0..80).map(shuttles).collect::<Vec<_>>()), Vec::<usize>::new());
     }
 
     #[test]

@@ -224,9 +224,6 @@ fn of_run(recording: &mut Recording, ends_at_mps: Option<f64>) -> (RunCheck, Opt
     let mut evidence = BTreeMap::new();
     if is_usable(&findings) {
         let usual_s = row_step::usual_step_s(rows);
-        if !speed_is_computed {
-            saturated::leave_out(rows, ends_at_mps, &mut findings);
-        }
         // They accuse the locations beside them.
         let stuck = if speed_is_computed { Vec::new() } else { stuck_speeds::found(rows) };
         // A single wild speed must not make a straight line look bridged.
@@ -237,7 +234,8 @@ fn of_run(recording: &mut Recording, ends_at_mps: Option<f64>) -> (RunCheck, Opt
         spikes::location_spikes(rows, &stuck, &mut findings);
         odometer::join(rows, &stuck, &mut findings);
         if !speed_is_computed {
-            // Only beside locations that are right is a speed known to stand still.
+            // Only beside locations that are right is a speed known to stand still, or to come to its end.
+            saturated::leave_out(rows, ends_at_mps, &mut findings);
             stuck_speeds::leave_out(rows, &mut findings);
             stairs::leave_out(rows, &mut findings);
         }

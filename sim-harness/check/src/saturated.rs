@@ -7,6 +7,7 @@
 
 use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
+use crate::row_step::usual_step_s;
 use crate::stuck_rows::{self, LEAST_STUCK};
 use crate::{steps, ways};
 use rundown_files::recording::Recording;
@@ -15,8 +16,8 @@ use std::collections::HashMap;
 
 /// Shorter stretches at the largest speed say little, s.
 const LEAST_S: f64 = 20.0;
-/// The way by the locations beyond that by the speed, as shares: of wheels and of rounding there is none, for it is
-/// compared with that at other speeds.
+/// The way by the locations beyond that by the speed, as a share, beside what it is at other speeds, where a wheel
+/// shows as well.
 const LEAST_BEYOND: f64 = 0.015;
 /// In steps of the speed: one that is rounded may be off by a half, one that is cut off by a whole one.
 const LEAST_STEPS: f64 = 1.5;
@@ -27,7 +28,13 @@ const LEAST_BEYOND_M: f64 = 50.0;
 const MOST_MPS2: f64 = 1.5;
 /// Speeds below the largest one with which it is compared, as shares of it, and so long a way of them, m.
 const BELOW: std::ops::Range<f64> = 0.5..0.97;
-const LEAST_BELOW_M: f64 = 2000.0;
+const LEAST_BELOW_M: f64 = 1000.0;
+/// They change by no more than this, m/s², and the step, from so many seconds before and to as many after.
+const STEADY_MPS2: f64 = 0.08;
+const STEADY_S: f64 = 10.0;
+/// Between two rows a location goes no further than so many times the way by speed, and so far, m.
+const MOST_OF_WAY: f64 = 2.0;
+const NEAR_M: f64 = 100.0;
 
 /// Where the speeds of recorders end, m/s, by unit: one run that shows it speaks for those that hardly get there.
 pub(crate) fn of_units(recordings: &[Recording]) -> HashMap<String, f64> {
@@ -50,20 +57,24 @@ pub(crate) fn leave_out(rows: &mut [Sample], of_unit: Option<f64>, findings: &mu
 fn ends_at(rows: &[Sample]) -> Option<f64> {
     let most_mps = ways::fastest_mps(rows);
     let step_mps = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6;
-    let mut held = stuck_rows::stretches(rows, |row| row.speed_mps, |_, by_location| by_location, LEAST_STUCK);
+    let mut held = stuck_rows::stretches(rows, |row| row.speed_mps, |_, _| 0.0, LEAST_STUCK);
     held.retain(|held| {
         let long_s = rows[held.to].time_s - rows[held.from].time_s;
         rows[held.from].speed_mps == Some(most_mps) && long_s >= LEAST_S && goes_on_from(rows, held.to, step_mps)
     });
-    let (by_location, by_speed) = below_m(rows, most_mps);
-    let usual = by_location / by_speed;
-    if held.is_empty() || by_speed < LEAST_BELOW_M || usual <= 0.0 {
+    if held.is_empty() {
         return None;
     }
-    let way_m: f64 = held.iter().map(|held| most_mps * (rows[held.to].time_s - rows[held.from].time_s)).sum();
-    let beyond_m = held.iter().map(|held| held.metres).sum::<f64>() / usual - way_m;
+    let below = steady_below(rows, most_mps, step_mps);
+    let usual = below.by_location_m / below.by_speed_m;
+    if below.by_speed_m < LEAST_BELOW_M || usual <= 0.0 {
+        return None;
+    }
+    let mut at_most = Ways::default();
+    held.iter().flat_map(|held| rows[held.from..=held.to].windows(2)).for_each(|pair| at_most.add(&pair[0], &pair[1]));
+    let beyond_m = at_most.by_location_m / usual - at_most.by_speed_m;
     let noise_m = ways::noise_m(rows, ways::heading(rows)) * (held.len() as f64).sqrt();
-    let least_m = way_m * LEAST_BEYOND.max(LEAST_STEPS * step_mps / most_mps);
+    let least_m = at_most.by_speed_m * LEAST_BEYOND.max(LEAST_STEPS * step_mps / most_mps);
     (beyond_m > least_m.max(NOISE * noise_m).max(LEAST_BEYOND_M)).then_some(most_mps)
 }
 
@@ -74,26 +85,53 @@ fn goes_on_from(rows: &[Sample], last: usize, step_mps: f64) -> bool {
     next.next().is_some_and(|(next_s, next_mps)| mps - next_mps <= MOST_MPS2 * (next_s - time_s) + step_mps)
 }
 
-/// Ways by location and by speed between rows of speeds below the largest, m.
-fn below_m(rows: &[Sample], most_mps: f64) -> (f64, f64) {
+/// Ways by location and by speed, m, of steps that a train can go, whichever way: no leap of the location counts.
+#[derive(Default)]
+struct Ways {
+    by_location_m: f64,
+    by_speed_m: f64,
+}
+
+impl Ways {
+    fn add(&mut self, a: &Sample, b: &Sample) {
+        let Some((from_m, to_m)) = a.location_m.zip(b.location_m) else { return };
+        let (step_m, by_speed_m) = ((to_m - from_m).abs(), ways::between(a, b));
+        if b.time_s > a.time_s && step_m < MOST_OF_WAY * by_speed_m + NEAR_M {
+            self.by_location_m += step_m;
+            self.by_speed_m += by_speed_m;
+        }
+    }
+}
+
+/// Of speeds below the largest, while the train neither powers nor brakes much: wheels creep while it does.
+fn steady_below(rows: &[Sample], most_mps: f64, step_mps: f64) -> Ways {
     let is_below = |row: &Sample| row.speed_mps.is_some_and(|mps| BELOW.contains(&(mps / most_mps)));
-    let steps = rows.windows(2).filter(|pair| is_below(&pair[0]) && is_below(&pair[1]));
-    let ways = steps.filter_map(|pair| {
-        let step_m = pair[1].location_m? - pair[0].location_m?;
-        Some((step_m, ways::between(&pair[0], &pair[1])))
-    });
-    let (by_location, by_speed) = ways.fold((0.0, 0.0), |sums, way| (sums.0 + way.0, sums.1 + way.1));
-    (by_location.abs(), by_speed)
+    let beside = (STEADY_S / usual_step_s(rows).max(1e-3)).ceil() as usize;
+    let changes_little = |from: &Sample, to: &Sample| {
+        let change = from.speed_mps.zip(to.speed_mps).map(|(a, b)| (b - a).abs());
+        change.is_some_and(|mps| mps <= STEADY_MPS2 * (to.time_s - from.time_s) + step_mps)
+    };
+    let is_steady = |i: usize| {
+        let ends = i.checked_sub(beside).zip(rows.get(i + beside));
+        ends.is_some_and(|(from, to)| changes_little(&rows[from], &rows[i]) && changes_little(&rows[i], to))
+    };
+    let mut below = Ways::default();
+    for (i, pair) in rows.windows(2).enumerate() {
+        if is_below(&pair[0]) && is_below(&pair[1]) && is_steady(i) {
+            below.add(&pair[0], &pair[1]);
+        }
+    }
+    below
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Up to 140 km/h, held, and down again; what the recorder reads of it by `read`, in km/h, and locations that count
-    /// `scale` metres for one.
+    /// Up to 100 km/h, held, up to 140, held, and down again; what the recorder reads of it by `read`, in km/h, and
+    /// locations that count `scale` metres for one.
     fn rows(read: impl Fn(f64) -> f64, scale: f64) -> Vec<Sample> {
-        let kmh = |t: f64| (0.6 * t).min(140.0).min(0.6 * (900.0 - t)).max(0.0);
+        let kmh = |t: f64| (0.6 * t).min(100.0).max(0.6 * (t - 100.0)).min(140.0).min(0.6 * (1000.0 - t)).max(0.0);
         let mut at_m = 0.0;
         let row = |second: u32| {
             let t = f64::from(second);
@@ -101,7 +139,7 @@ mod tests {
             let location_m = Some((scale * at_m + 3.0 * (0.7 * t).sin()).round());
             Sample { time_s: t, location_m, speed_mps: Some(read(kmh(t)) / 3.6), ..Sample::default() }
         };
-        (0..900).map(row).collect()
+        (0..1000).map(row).collect()
     }
 
     fn found(mut rows: Vec<Sample>) -> (Vec<Finding>, usize) {
@@ -154,6 +192,42 @@ mod tests {
             rows
         };
         assert_eq!(found(stuck(rows(f64::round, 1.0))), (Vec::new(), 0));
+    }
+
+    /// Each with exact speeds.
+    #[test]
+    fn a_location_that_leaps_or_turns_and_a_wheel_that_creeps_make_no_end_of_the_speeds() {
+        let exact = || rows(f64::round, 1.0);
+        let shifted = |from: usize, by_m: f64| {
+            let mut rows = exact();
+            rows[from..].iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + by_m));
+            rows
+        };
+        let at = |row: usize, at_m: f64| {
+            let mut rows = exact();
+            rows[row].location_m = Some(at_m);
+            rows
+        };
+        let mut there_and_back = exact();
+        there_and_back[450..].iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| 40_000.0 - m));
+        // Reads too much while the train powers, the more the slower it is.
+        let mut creeps = exact();
+        let creep = |mps: f64| 1.0 + 0.3 * (1.0 - 3.6 * mps / 140.0);
+        let powers = |(t, _): &(usize, &mut Sample)| (0..167).contains(t) || (266..333).contains(t);
+        creeps.iter_mut().enumerate().filter(powers).for_each(|(_, row)| {
+            row.speed_mps = row.speed_mps.map(|mps| (3.6 * mps * creep(mps)).round().min(140.0) / 3.6);
+        });
+        let logs = [
+            shifted(150, 30_000.0),
+            shifted(500, 30_000.0),
+            shifted(500, -9000.0),
+            at(700, 0.0),
+            there_and_back,
+            creeps,
+        ];
+        for (i, rows) in logs.into_iter().enumerate() {
+            assert_eq!(found(rows), (Vec::new(), 0), "{i}");
+        }
     }
 
     #[test]

@@ -158,6 +158,9 @@ fn zoned(time: &str) -> (&str, Option<f64>) {
         1 if rest.is_some() => minutes(&digits).map(|hours| 3600.0 * hours),
         2 => minutes(&digits).map(|hours| 3600.0 * hours),
         4 => minutes(&digits[..2]).zip(minutes(&digits[2..])).map(|(hours, minutes)| 3600.0 * hours + 60.0 * minutes),
+        3 if rest.is_some() => {
+            minutes(&digits[..1]).zip(minutes(&digits[1..])).map(|(hours, minutes)| 3600.0 * hours + 60.0 * minutes)
+        }
         _ => None,
     };
     let sign = if time[at..].starts_with('-') { -1.0 } else { 1.0 };
@@ -294,9 +297,10 @@ pub struct Orders {
     dots: usize,
     first_above_12: usize,
     second_above_12: usize,
-    /// First and third number of the first date, and whether those of others differ.
+    slashes: usize,
+    /// First and third number of the first date, and by how much those of others differ at most.
     first: Option<[i32; 2]>,
-    differ: [bool; 2],
+    differ: [i32; 2],
 }
 
 impl Orders {
@@ -311,11 +315,12 @@ impl Orders {
         self.year_first += usize::from(!is_day(a));
         self.year_last += usize::from(!is_day(c));
         self.dots += usize::from(date.contains('.'));
+        self.slashes += usize::from(date.contains('/'));
         self.first_above_12 += usize::from(a > 12);
         self.second_above_12 += usize::from(b > 12);
         let first = self.first.get_or_insert([a, c]);
-        self.differ[0] |= first[0] != a;
-        self.differ[1] |= first[1] != c;
+        self.differ[0] = self.differ[0].max((first[0] - a).abs());
+        self.differ[1] = self.differ[1].max((first[1] - c).abs());
     }
 
     /// The order, where there is no doubt. Dots between the numbers are of countries that write the day first.
@@ -323,10 +328,10 @@ impl Orders {
         if self.seen == 0 || self.year_first > 0 {
             return Some(DateOrder::Ymd);
         }
-        match self.differ {
-            // Days change, years do not.
-            [false, true] if self.may_be_year_first() => return Some(DateOrder::Ymd),
-            [true, false] => {}
+        match (self.differ[0], self.differ[1]) {
+            // Days change, years do not, or by one.
+            (0 | 1, 2..) | (0, 1) if self.may_be_year_first() => return Some(DateOrder::Ymd),
+            (2.., 0 | 1) | (1, 0) => {}
             _ if self.may_be_year_first() && self.dots == 0 => return None,
             _ => {}
         }
@@ -347,6 +352,8 @@ impl Orders {
     pub const fn doubt(&self) -> [&'static str; 3] {
         match (self.may_be_year_first(), self.first_above_12 > 0) {
             (false, _) => ["day or month", "dmy", "\"mdy\""],
+            // Slashes are of countries that write the year last.
+            (true, true) if self.slashes > 0 => ["day or year", "dmy", "\"ymd\""],
             (true, true) => ["year or day", "ymd", "\"dmy\""],
             (true, false) => ["day, month or year", "dmy", "\"mdy\", \"ymd\""],
         }
@@ -470,6 +477,8 @@ mod tests {
         assert_eq!(of(&["25-03-24 10:00", "25-03-24 10:01"]), None);
         assert_eq!(of(&["25-03-04 10:00", "25-03-05 10:00"]), Some(DateOrder::Ymd));
         assert_eq!(of(&["24/03/25 10:00", "25/03/25 10:00"]), Some(DateOrder::Dmy));
+        assert_eq!(of(&["31/12/24 23:00", "01/01/25 01:00"]), Some(DateOrder::Dmy));
+        assert_eq!(of(&["24-12-31 23:00", "25-01-01 01:00"]), Some(DateOrder::Ymd));
         assert_eq!(of(&["24.03.25 10:00"]), Some(DateOrder::Dmy));
         assert_eq!(of(&["03/24/25 10:00"]), Some(DateOrder::Mdy));
         assert_eq!(of(&["24/03/99 10:00"]), Some(DateOrder::Dmy));

@@ -57,13 +57,13 @@ impl Column {
         Self { index, header, name, unit, how, written: headers[index].unit.clone() }
     }
 
-    /// What its header has as a unit and is none that is known.
+    /// What its header has as a unit and is none that is known: `MN`, `rpm`, not `actual` or `GPS`.
     pub fn unknown_unit(&self) -> Option<&str> {
-        self.written.as_deref().filter(|_| self.unit.is_none())
+        self.written.as_deref().filter(|written| self.unit.is_none() && units::is_foreign(written))
     }
 }
 
-/// What trains weigh: in tonnes none does.
+/// What trains weigh; a number of tonnes is less, but for the heaviest.
 const OF_TRAINS_KG: std::ops::RangeInclusive<f64> = 2e3..=1e8;
 
 /// What the fields of a row mean.
@@ -117,9 +117,7 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
         .map(|(i, header)| if taken.contains(&i) || is_misnamed(header) { String::new() } else { header.name.clone() })
         .collect();
     for (meaning, index) in Meaning::of_names(&names) {
-        // `Zug [kN]` and `Trip [km]` are measured.
-        let is_measured = meaning == Meaning::Run && headers[index].unit.is_some();
-        if !mapping.columns.contains_key(&meaning) && !is_measured {
+        if !mapping.columns.contains_key(&meaning) {
             let (unit, how) = unit_of(meaning, &headers[index], None)?;
             of.insert(meaning, Column::new(index, headers, unit, how));
         }
@@ -141,11 +139,7 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
     let zone = zone_name.as_deref().map_or(Ok(TimeZone::UTC), |name| {
         TimeZone::get(name).map_err(|_| format!("zone: expected a name such as Europe/Berlin, found {name:?}"))
     })?;
-    let (rotating_mass_kg, unit_name) = (mapping.rotating_mass_kg, mapping.unit.clone());
-    if let Some(mass) = rotating_mass_kg.filter(|mass| !OF_TRAINS_KG.contains(mass)) {
-        let [least, most] = [OF_TRAINS_KG.start(), OF_TRAINS_KG.end()];
-        return Err(format!("rotating_mass_kg: expected kg, {least} to {most}, found {mass}"));
-    }
+    let (rotating_mass_kg, unit_name) = (mass_of(mapping)?, mapping.unit.clone());
     Ok(Columns {
         of,
         kind: ClockKind::Number,
@@ -160,6 +154,17 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
     })
 }
 
+/// The rotating mass of a mapping, kg.
+fn mass_of(mapping: &SourceMapping) -> Result<Option<f64>, String> {
+    match mapping.rotating_mass_kg {
+        Some(mass) if !OF_TRAINS_KG.contains(&mass) => {
+            let [least, most] = [OF_TRAINS_KG.start(), OF_TRAINS_KG.end()];
+            Err(format!("rotating_mass_kg: expected kg, {least} to {most}, found {mass}"))
+        }
+        mass => Ok(mass),
+    }
+}
+
 /// `Tempo [km/h]` is no time.
 fn is_misnamed(header: &Header) -> bool {
     let named = Meaning::of_names(std::slice::from_ref(&header.name));
@@ -168,7 +173,10 @@ fn is_misnamed(header: &Header) -> bool {
         // `effort_kn` is no speed in knots.
         meaning.is_speed() || meaning.is_force() && unit.is_some()
     };
-    !named.iter().any(|(meaning, _)| is_of_name(*meaning)) && header.unit_of(Meaning::Speed).is_some()
+    // `Zug [kN]` and `Trip [km]` are measured.
+    let is_run = named.iter().any(|(meaning, _)| *meaning == Meaning::Run);
+    let is_measured = is_run && header.unit.as_deref().is_some_and(|unit| units::is_known(unit));
+    !named.iter().any(|(meaning, _)| is_of_name(*meaning)) && header.unit_of(Meaning::Speed).is_some() || is_measured
 }
 
 /// What no name says: the only column without a meaning that has such a unit. A place needs it only where there is

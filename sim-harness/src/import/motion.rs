@@ -175,7 +175,9 @@ fn old_fixes(rows: &[Sample]) -> Vec<usize> {
     let is_old = |last: &usize| {
         let [(_, old), (_, new)] = [fixes[*last], fixes[*last + 1]];
         let going_on = |from: &Sample| fixes[*last + 2..].iter().filter(|(_, row)| !jumps(from, row)).count();
-        jumps(old, new) && going_on(new) > going_on(old)
+        // A single fix that jumps lies between others that go on.
+        let are_old = fixes[..=*last].iter().all(|(_, row)| jumps(row, new));
+        are_old && going_on(new) > going_on(old)
     };
     let old = (0..MOST_OLD.min(fixes.len().saturating_sub(1))).find(is_old).map_or(0, |last| last + 1);
     fixes[..old].iter().map(|(i, _)| *i).collect()

@@ -155,6 +155,20 @@ fn part(meaning: Meaning, small: &str) -> Option<Unit> {
     of(meaning).iter().find(|unit| (parts * unit.factor / whole.factor - 1.0).abs() < 1e-9).copied()
 }
 
+/// It is a unit of some column, or one that no column has.
+pub fn is_known(name: &str) -> bool {
+    is_foreign(name) || Meaning::ALL.into_iter().any(|meaning| by_name(meaning, name).is_some())
+}
+
+/// Units that no column has.
+pub fn is_foreign(name: &str) -> bool {
+    const FOREIGN: [&str; 19] = [
+        "%", "mn", "dan", "t", "tf", "kp", "kgf", "lbf", "klbf", "p.u.", "pu", "rpm", "1/min", "hz", "yd", "hm", "bar",
+        "v", "a",
+    ];
+    FOREIGN.contains(&&*name.trim().to_lowercase())
+}
+
 /// A header without its unit, and the unit: `v [km/h]`, `Weg (km)`, `speed_kmh`, `location/m`, `Time, s`.
 pub fn split(header: &str) -> (String, Option<String>) {
     let header = header.trim().trim_start_matches(['#', '\u{feff}']).trim();

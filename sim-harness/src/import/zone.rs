@@ -11,12 +11,15 @@ const LOOKED: usize = 20;
 /// No log of a train is of a later year, s since 1970: 2070.
 const LATEST_S: f64 = 3.155_76e9;
 
-/// The zone that a header names.
+/// The zone that a header names: of `UTC-Zeit` the part before it.
 fn in_name(header: &str) -> Option<&str> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | ':');
-    header.split(|c| !is_part(c)).find(|word| {
-        let name = word.split(['+', '-']).next().unwrap_or_default();
-        NAMES.contains(&name) || matches!(name, "utc" | "gmt")
+    header.split(|c| !is_part(c)).find_map(|word| {
+        let at = word.find(['+', '-']).unwrap_or(word.len());
+        let (name, east) = word.split_at(at);
+        let is_name = NAMES.contains(&name) || matches!(name, "utc" | "gmt");
+        let is_east = east.len() > 1 && east[1..].chars().all(|c| c.is_ascii_digit() || c == ':');
+        is_name.then_some(if is_east { word } else { name })
     })
 }
 
@@ -56,7 +59,7 @@ pub fn behind(texts: &[&String], order: DateOrder) -> Option<String> {
     let name = name_of(first)?;
     texts.iter().take(LOOKED).all(|text| name_of(text).as_ref() == Some(&name)).then(|| {
         format!(
-            "time: expected a zone as +01:00 or Z, or none, found {first:?}; write it so in the file, or leave {name} away and give zone in [[source]], such as \"Europe/Berlin\""
+            "time: expected a zone as +01:00 or Z, or none, found {first:?}; write it so in the file, or leave out {name} and give zone in [[source]], such as \"Europe/Berlin\""
         )
     })
 }
@@ -86,6 +89,8 @@ mod tests {
             ("time_utc", Some("utc")),
             ("Zeit [MEZ]", Some("MEZ")),
             ("time (UTC+1)", Some("UTC+1")),
+            ("UTC-Zeit", Some("UTC")),
+            ("GMT-Time", Some("GMT")),
             ("Time", None),
             ("Datum/Uhrzeit", None),
         ] {

@@ -89,7 +89,7 @@ fn a_name_of_a_zone_is_read_asked_or_said() {
         assert_eq!(departures(&folder), ["2025-03-14T09:00:00Z"], "{zone}");
     }
     let said = timed("time", |t| format!("{} MEZ", date(t))).rundown(&["import", "a.csv"]);
-    let asked = "time: expected a zone as +01:00 or Z, or none, found \"2025-03-14 10:00:00 MEZ\"; write it so in the file, or leave MEZ away and give zone";
+    let asked = "time: expected a zone as +01:00 or Z, or none, found \"2025-03-14 10:00:00 MEZ\"; write it so in the file, or leave out MEZ and give zone";
     assert!(said.err.contains(asked), "{}", said.err);
     for (header, expected) in [
         ("Time (UTC)", "times are taken for UTC, as column \"Time (UTC)\" says"),

@@ -20,9 +20,9 @@ pub struct Answer {
 }
 
 /// Errors that follow the slopes do not average out over the line, as the estimator takes errors to do, and the gain of
-/// the efforts follows them, too: they count as so many times as large. Measured: r is within its interval in 51 of 54
-/// fresh sets, and with 1 in fewer.
-const FOLLOWS_SLOPES: f64 = 2.0;
+/// the efforts follows them, too: they count as so many times as large. Measured: beside efforts r is within its
+/// interval in 51 of 54 fresh sets, and with 1 in fewer; by coasts in all that were found (docs/check.md).
+pub(super) const FOLLOWS_SLOPES: f64 = 2.0;
 
 /// Described gradients are off by little: what coasts of different runs have in common at their places.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl fmt::Display for SmallErrors {
             let act = steep.with_interval(3);
             return write!(
                 f,
-                "by {what} all slopes act {act} times as described, as beside a rotating mass that is off: gradients \
+                "by {what} all slopes act {act} times as described, as beside a rotating mass or a wheel that is off: gradients \
                  are taken to be off by {sd:.2} permille (standard deviation); gradient_sd_permille in the track's file \
                  says otherwise"
             );

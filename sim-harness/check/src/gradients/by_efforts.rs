@@ -185,6 +185,7 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
 
 #[cfg(test)]
 mod tests {
+    use super::super::answer::FOLLOWS_SLOPES;
     use super::super::stretch::climb_n_per_kg;
     use super::*;
     use rand::{RngExt, SeedableRng};
@@ -251,7 +252,7 @@ mod tests {
             assert!((times * steep - 1.0).abs() < 0.03, "{steep}: {doubt:?}");
             // As described they have a root mean square of 3.2 permille times that; seen over a window and a train a
             // little less.
-            let off_permille = 2.0 * (times - 1.0).abs() * 3.2 * steep;
+            let off_permille = FOLLOWS_SLOPES * (times - 1.0).abs() * 3.2 * steep;
             assert!((0.8..1.0).contains(&(doubt.off_permille / off_permille)), "{off_permille}: {doubt:?}");
         }
     }

@@ -193,8 +193,9 @@ impl Coasts {
         if let Some(efforts) = &described.efforts {
             return efforts.small_errors(train);
         }
-        let steepness = steepness::by_coasts(&self.stretches, described)
-            .map(|steep| SmallErrors::of_steepness(steep, rms(&described.climbs_n_per_kg), SeenBy::Coasts, train));
+        let climbs = &described.climbs_n_per_kg;
+        let steepness = steepness::by_coasts(&self.stretches, climbs)
+            .map(|steep| SmallErrors::of_steepness(steep, rms(climbs), SeenBy::Coasts, train));
         let locked = described.locked(&self.stretches, AtPlaces::SmallErrors);
         let is_seen = |found: &Locked| found.stretches >= LEAST_STRETCHES && found.z > LEAST_Z_SMALL;
         let at_places = locked.filter(is_seen).map(|found| SmallErrors {

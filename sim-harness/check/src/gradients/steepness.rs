@@ -7,29 +7,29 @@
 //! A rotating mass that is off, or a survey in another unit of height, makes k another number than 1. It follows the
 //! slopes, so no number of runs averages it out, and no place stands out by it.
 
-use super::AsDescribed;
 use super::by_efforts::{LEAST_PLACES, place};
+use super::mixture::MixtureFit;
 use super::stretch::Stretch;
 use crate::agreement::Figure;
 use crate::effort::least_squares;
 use nalgebra::SVector;
 use std::collections::BTreeMap;
 
-/// So many coasted stretches must say it, and they scatter by no more than this, N/kg: where trains hardly coast, or
-/// hold speeds as well, what passes for coasts follows the slopes.
+/// So many coasted stretches must say it.
 const LEAST_COASTED: f64 = 200.0;
-const MOST_SD_N_PER_KG: f64 = 0.008;
+/// They are taken to scatter by no more than whole km/h make them, N/kg: where trains hold speeds or power a little as
+/// well, a wider distribution has stretches in it that follow the slopes.
+const MOST_SD_N_PER_KG: f64 = 0.006;
 /// It is another number than 1 by so many standard deviations, and by so much.
 const SURELY_NOT: f64 = 3.0;
 const LEAST_STEEPER: f64 = 0.02;
-/// Drivers who power a little on climbs make slopes look less steep, by up to 0.025 in right ones.
+/// Drivers who power a little on climbs make right slopes look less steep: by up to 0.04 on trams, 0.025 elsewhere.
 const LEAST_FLATTER: f64 = 0.03;
 
 /// k with its standard deviation over the places, where it surely is another number than 1.
-pub(super) fn by_coasts(stretches: &[Stretch], described: &AsDescribed) -> Option<Figure> {
-    let fit = described.fit.as_ref()?;
-    let is_of_coasts = fit.coasted() >= LEAST_COASTED && fit.sd_n_per_kg < MOST_SD_N_PER_KG;
-    let steep = fitted(stretches, &fit.shares, &described.climbs_n_per_kg).filter(|_| is_of_coasts)?;
+pub(super) fn by_coasts(stretches: &[Stretch], climbs_n_per_kg: &[f64]) -> Option<Figure> {
+    let fit = MixtureFit::of(stretches, climbs_n_per_kg, MOST_SD_N_PER_KG)?;
+    let steep = fitted(stretches, &fit.shares, climbs_n_per_kg).filter(|_| fit.coasted() >= LEAST_COASTED)?;
     let (off, sure) = (steep.value - 1.0, SURELY_NOT * steep.sd);
     let is_off = off > LEAST_STEEPER.max(sure) || -off > LEAST_FLATTER + sure;
     is_off.then_some(steep)

@@ -101,10 +101,9 @@ fn agreeing(small: &SmallErrors) -> String {
         SeenBy::Coasts => "Coasts",
     };
     if let Some(steep) = small.steepness {
-        let [low, high] = steep.interval();
         return format!(
-            "{seen_by} make all slopes act {:.3} [{low:.3}, {high:.3}] times as described, as beside a rotating mass that is off. What is named beside that may be it.",
-            steep.value
+            "{seen_by} say that all slopes act {} times as described, as beside a rotating mass or a wheel that is off. What is named besides may be due to that.",
+            steep.with_interval(3)
         );
     }
     format!(

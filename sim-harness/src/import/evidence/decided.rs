@@ -49,10 +49,10 @@ impl SeenRows {
                     Ok(vec![figure(ratio)])
                 }
             }
-            // Speeds that are none, a limit or a target, give a mean that some units explain.
+            // Speeds that are none, a limit or a target, have a median that some units explain.
             [_] if !unknown.is_empty() && stretches.alike < LEAST_ALIKE => {
                 let why = format!(
-                    "speed and location agree in {:.0} % of the stretches only, expected {:.0} %: is it the speed of the train? With these units the mean agrees",
+                    "speed and location agree in {:.0} % of the stretches only, expected at least {:.0} %: is it the speed of the train? With these units their median agrees",
                     100.0 * stretches.alike,
                     100.0 * LEAST_ALIKE
                 );
@@ -73,8 +73,7 @@ impl SeenRows {
             return is_denied
                 .then(|| format!("units of the mapping are believed: {}", contradiction(columns, ratio, &stretches)));
         }
-        let is_off = (ratio - 1.0).abs() > NEAR;
-        is_off.then(|| {
+        is_off(columns, ratio).then(|| {
             format!("speed or location: expected 1 within {NEAR}, found: {}; look at both columns", figure(ratio))
         })
     }
@@ -106,14 +105,19 @@ fn contradiction(columns: &Columns, ratio: f64, stretches: &Stretches) -> String
     let remedy = if others.is_empty() {
         "look at the columns; a unit that --mapping gives is believed".to_owned()
     } else {
-        format!("{SAY_IT}: {}", others.join(" or "))
+        format!("{SAY_IT} (or the unit of the header, which is believed there): {}", others.join(" or "))
     };
     format!("expected 1, found: {}; {remedy}", figure(ratio))
 }
 
+/// The distances differ by more than a wheel makes, and by more than positions that jitter, whose way is too long.
+fn is_off(columns: &Columns, ratio: f64) -> bool {
+    (ratio - 1.0).abs() > NEAR && (columns.has(Meaning::Location) || ratio < 1.0)
+}
+
 /// Whether the distances deny the units: they are far apart, or others are right that nobody named.
 fn is_denied(columns: &Columns, ratio: f64, stretches: &Stretches) -> bool {
-    let is_off = (ratio - 1.0).abs() > NEAR && stretches.alike >= LEAST_ALIKE;
+    let is_off = is_off(columns, ratio) && stretches.alike >= LEAST_ALIKE;
     !MAY_BE.contains(&ratio) || is_off && !others(columns, ratio, stretches).is_empty()
 }
 
@@ -150,6 +154,8 @@ fn figure(ratio: f64) -> String {
 
 fn not_decided(columns: &Columns, unknown: &[Meaning], agree: &[Tried], why: &str) -> String {
     let keys: Vec<&str> = unknown.iter().map(|meaning| meaning.key()).collect();
+    let foreign = unknown.iter().find_map(|meaning| columns.of.get(meaning)?.unknown_unit());
+    let found = foreign.map_or_else(|| "none".to_owned(), |unit| format!("{unit:?}"));
     let place = |meaning: &Meaning| DECIDED.iter().position(|one| one == meaning).unwrap_or(0);
     let sets: Vec<String> = agree
         .iter()
@@ -168,7 +174,7 @@ fn not_decided(columns: &Columns, unknown: &[Meaning], agree: &[Tried], why: &st
         (*meaning, columns.header(*meaning), format!("unit = {:?}", unit.map_or("", |unit| unit.name)))
     });
     format!(
-        "{}: expected a unit, found none in the header, and {why}: {candidates}; {SAY_IT} (or another unit): {}",
+        "{}: expected a unit, found {found} in the header, and {why}: {candidates}; {SAY_IT} (or another unit): {}",
         keys.join(" and "),
         line(said)
     )
