@@ -175,7 +175,7 @@ fn is_misnamed(header: &Header) -> bool {
     };
     // `Zug [kN]` and `Trip [km]` are measured.
     let is_run = named.iter().any(|(meaning, _)| *meaning == Meaning::Run);
-    let is_measured = is_run && header.unit.as_deref().is_some_and(|unit| units::is_known(unit));
+    let is_measured = is_run && header.unit.as_deref().is_some_and(units::is_known);
     !named.iter().any(|(meaning, _)| is_of_name(*meaning)) && header.unit_of(Meaning::Speed).is_some() || is_measured
 }
 
