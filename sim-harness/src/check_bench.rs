@@ -87,7 +87,7 @@ defects! {
     SmoothedSpeed => SmoothedSpeed, "speeds are means over 9 s", "s";
     StuckCoasting => StuckSpeed, "speed of a coasting train stuck for 60 s", "m";
     Interpolated => Interpolated, "one run interpolated between rows 10 s apart", "s";
-    Saturated => SaturatedSpeed, "speeds end at 127.5 km/h while the train runs faster", "km/h";
+    Saturated => SaturatedSpeed, "speeds end at nine tenths of the largest", "km/h";
 }
 
 /// A clean recorder.

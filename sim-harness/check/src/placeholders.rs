@@ -48,7 +48,7 @@ pub fn found(rows: &[Sample]) -> Vec<usize> {
 /// How many locations behind the first of these stand for none.
 fn long(rows: &[Sample], located: &[(usize, f64)], values: &[f64]) -> usize {
     let (from, from_m) = located[0];
-    let (mut way, mut row) = (Way::default(), from);
+    let (mut way, mut row) = (Gone::default(), from);
     for (count, (to, to_m)) in located[1..].iter().enumerate() {
         way.add(&rows[row..=*to]);
         row = *to;
@@ -64,7 +64,7 @@ fn long(rows: &[Sample], located: &[(usize, f64)], values: &[f64]) -> usize {
         }
     }
     // Nothing follows: one that began again goes on with the train, and several values are no sign of a lost signal.
-    let mut behind = Way::default();
+    let mut behind = Gone::default();
     behind.add(&rows[located[1].0..=row]);
     let is_one = located[1..].iter().all(|(_, at_m)| *at_m == located[1].1);
     let count = located.len() - 1;
@@ -74,12 +74,12 @@ fn long(rows: &[Sample], located: &[(usize, f64)], values: &[f64]) -> usize {
 
 /// How far a train went over some rows, m: by its speeds, and at most where none was read.
 #[derive(Default)]
-struct Way {
+struct Gone {
     by_speed_m: f64,
     unread_m: f64,
 }
 
-impl Way {
+impl Gone {
     fn add(&mut self, rows: &[Sample]) {
         for pair in rows.windows(2) {
             let long_s = (pair[1].time_s - pair[0].time_s).max(0.0);

@@ -235,8 +235,9 @@ fn of_run(recording: &mut Recording, ends_at_mps: Option<f64>) -> (RunCheck, Opt
         odometer::join(rows, &stuck, &mut findings);
         if !speed_is_computed {
             // Only beside locations that are right is a speed known to stand still, or to come to its end.
-            saturated::leave_out(rows, ends_at_mps, &mut findings);
-            stuck_speeds::leave_out(rows, &mut findings);
+            let end_mps = saturated::end_of(rows, ends_at_mps);
+            stuck_speeds::leave_out(rows, end_mps, &mut findings);
+            saturated::leave_out(rows, end_mps, &mut findings);
             stairs::leave_out(rows, &mut findings);
         }
         effort_stairs::put_right(rows, &mut findings);

@@ -15,10 +15,10 @@ use rundown_files::sample::Sample;
 use std::collections::HashMap;
 
 /// Shorter stretches at the largest speed say little, s.
-const LEAST_S: f64 = 20.0;
+const LEAST_S: f64 = 10.0;
 /// The way by the locations beyond that by the speed, as a share, beside what it is at other speeds, where a wheel
-/// shows as well.
-const LEAST_BEYOND: f64 = 0.015;
+/// shows as well: at steady ones; of trains that have none, on short hops, at any, where wheels creep, too.
+const LEAST_BEYOND: [f64; 2] = [0.015, 0.05];
 /// In steps of the speed: one that is rounded may be off by a half, one that is cut off by a whole one.
 const LEAST_STEPS: f64 = 1.5;
 /// And so many times the noise of two locations, and so far, m.
@@ -32,19 +32,29 @@ const LEAST_BELOW_M: f64 = 1000.0;
 /// They change by no more than this, m/s², and the step, from so many seconds before and to as many after.
 const STEADY_MPS2: f64 = 0.08;
 const STEADY_S: f64 = 10.0;
-/// Between two rows a location goes no further than so many times the way by speed, and so far, m.
-const MOST_OF_WAY: f64 = 2.0;
-const NEAR_M: f64 = 100.0;
+/// Between two rows the ways by location and by speed differ by no more than this share, and so many times the noise of
+/// the location; else the location leaps, or the clock.
+const MOST_OFF: f64 = 0.4;
+const MOST_NOISE: f64 = 4.0;
 
-/// Where the speeds of recorders end, m/s, by unit: one run that shows it speaks for those that hardly get there.
+/// Where the speeds of recorders end, m/s, by unit: its runs together show more than each of them.
 pub(crate) fn of_units(recordings: &[Recording]) -> HashMap<String, f64> {
-    let read = recordings.iter().filter(|recording| !recording.speed_is_computed());
-    read.filter_map(|recording| Some((recording.unit.clone(), ends_at(&recording.rows)?))).collect()
+    let mut units: HashMap<&str, Vec<Held>> = HashMap::new();
+    for recording in recordings.iter().filter(|recording| !recording.speed_is_computed()) {
+        units.entry(&recording.unit).or_default().extend(Held::of(&recording.rows));
+    }
+    let ends = |(unit, held): (&str, Vec<Held>)| Some((unit.to_owned(), Held::end(&held)?));
+    units.into_iter().filter_map(ends).collect()
 }
 
-/// Leaves out the speeds at the largest value, that of this run or of its unit, m/s.
-pub(crate) fn leave_out(rows: &mut [Sample], of_unit: Option<f64>, findings: &mut Vec<Finding>) {
-    let Some(most_mps) = ends_at(rows).or(of_unit) else { return };
+/// Where the speeds of this run or of its unit end, m/s.
+pub(crate) fn end_of(rows: &[Sample], of_unit: Option<f64>) -> Option<f64> {
+    of_unit.or_else(|| Held::end(&[Held::of(rows)?]))
+}
+
+/// Leaves out the speeds at this value, m/s.
+pub(crate) fn leave_out(rows: &mut [Sample], end_mps: Option<f64>, findings: &mut Vec<Finding>) {
+    let Some(most_mps) = end_mps else { return };
     let is_at_most = |row: &Sample| row.speed_mps == Some(most_mps);
     let count = rows.iter().filter(|row| is_at_most(row)).count();
     let Some(line) = rows.iter().find(|row| is_at_most(row)).map(|row| row.line) else { return };
@@ -53,29 +63,54 @@ pub(crate) fn leave_out(rows: &mut [Sample], of_unit: Option<f64>, findings: &mu
     rows.iter_mut().filter(|row| is_at_most(row)).for_each(|row| row.speed_mps = None);
 }
 
-/// The largest speed, m/s, where the train is faster.
-fn ends_at(rows: &[Sample]) -> Option<f64> {
-    let most_mps = ways::fastest_mps(rows);
-    let step_mps = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6;
-    let mut held = stuck_rows::stretches(rows, |row| row.speed_mps, |_, _| 0.0, LEAST_STUCK);
-    held.retain(|held| {
-        let long_s = rows[held.to].time_s - rows[held.from].time_s;
-        rows[held.from].speed_mps == Some(most_mps) && long_s >= LEAST_S && goes_on_from(rows, held.to, step_mps)
-    });
-    if held.is_empty() {
-        return None;
+/// What a run says of its largest speed, where it holds that for a while.
+struct Held {
+    most_mps: f64,
+    step_mps: f64,
+    at_most: Ways,
+    /// Below it: at steady speeds, and at any.
+    below: [Ways; 2],
+    /// Variance of the way by location at the largest speed, m².
+    noise_m2: f64,
+}
+
+impl Held {
+    fn of(rows: &[Sample]) -> Option<Self> {
+        let most_mps = ways::fastest_mps(rows);
+        let step_mps = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6;
+        let mut held = stuck_rows::stretches(rows, |row| row.speed_mps, |_, _| 0.0, LEAST_STUCK);
+        held.retain(|held| {
+            let long_s = rows[held.to].time_s - rows[held.from].time_s;
+            rows[held.from].speed_mps == Some(most_mps) && long_s >= LEAST_S && goes_on_from(rows, held.to, step_mps)
+        });
+        if held.is_empty() {
+            return None;
+        }
+        let noise_m = ways::noise_m(rows, ways::heading(rows));
+        let mut at_most = Ways::default();
+        let pairs = held.iter().flat_map(|held| rows[held.from..=held.to].windows(2));
+        pairs.for_each(|pair| at_most.add(&pair[0], &pair[1], noise_m));
+        let below = below(rows, most_mps, step_mps, noise_m);
+        Some(Self { most_mps, step_mps, at_most, below, noise_m2: noise_m * noise_m * held.len() as f64 })
     }
-    let below = steady_below(rows, most_mps, step_mps);
-    let usual = below.by_location_m / below.by_speed_m;
-    if below.by_speed_m < LEAST_BELOW_M || usual <= 0.0 {
-        return None;
+
+    /// The largest speed of these runs, m/s, where the trains are faster.
+    fn end(runs: &[Self]) -> Option<f64> {
+        let most_mps = runs.iter().map(|run| run.most_mps).fold(0.0, f64::max);
+        let (mut at_most, mut below, mut noise_m2, mut step_mps) =
+            (Ways::default(), [Ways::default(), Ways::default()], 0.0, 0.0_f64);
+        for run in runs.iter().filter(|run| run.most_mps == most_mps) {
+            at_most.join(&run.at_most);
+            below.iter_mut().zip(&run.below).for_each(|(all, own)| all.join(own));
+            noise_m2 += run.noise_m2;
+            step_mps = step_mps.max(run.step_mps);
+        }
+        let usual = below.iter().zip(LEAST_BEYOND).find(|(below, _)| below.by_speed_m > LEAST_BELOW_M);
+        let (below, least) = usual.filter(|(below, _)| below.by_location_m > 0.0)?;
+        let beyond_m = at_most.by_location_m * below.by_speed_m / below.by_location_m - at_most.by_speed_m;
+        let least_m = at_most.by_speed_m * least.max(LEAST_STEPS * step_mps / most_mps);
+        (beyond_m > least_m.max(NOISE * noise_m2.sqrt()).max(LEAST_BEYOND_M)).then_some(most_mps)
     }
-    let mut at_most = Ways::default();
-    held.iter().flat_map(|held| rows[held.from..=held.to].windows(2)).for_each(|pair| at_most.add(&pair[0], &pair[1]));
-    let beyond_m = at_most.by_location_m / usual - at_most.by_speed_m;
-    let noise_m = ways::noise_m(rows, ways::heading(rows)) * (held.len() as f64).sqrt();
-    let least_m = at_most.by_speed_m * LEAST_BEYOND.max(LEAST_STEPS * step_mps / most_mps);
-    (beyond_m > least_m.max(NOISE * noise_m).max(LEAST_BEYOND_M)).then_some(most_mps)
 }
 
 /// Whether the next speed is one of a train that had this one.
@@ -93,18 +128,25 @@ struct Ways {
 }
 
 impl Ways {
-    fn add(&mut self, a: &Sample, b: &Sample) {
+    fn join(&mut self, other: &Self) {
+        self.by_location_m += other.by_location_m;
+        self.by_speed_m += other.by_speed_m;
+    }
+
+    fn add(&mut self, a: &Sample, b: &Sample, noise_m: f64) {
         let Some((from_m, to_m)) = a.location_m.zip(b.location_m) else { return };
         let (step_m, by_speed_m) = ((to_m - from_m).abs(), ways::between(a, b));
-        if b.time_s > a.time_s && step_m < MOST_OF_WAY * by_speed_m + NEAR_M {
+        let is_of_train = (step_m - by_speed_m).abs() < MOST_OFF * by_speed_m + MOST_NOISE * noise_m;
+        if b.time_s > a.time_s && is_of_train {
             self.by_location_m += step_m;
             self.by_speed_m += by_speed_m;
         }
     }
 }
 
-/// Of speeds below the largest, while the train neither powers nor brakes much: wheels creep while it does.
-fn steady_below(rows: &[Sample], most_mps: f64, step_mps: f64) -> Ways {
+/// Of speeds below the largest: while the train neither powers nor brakes much, for wheels creep while it does, and of
+/// all.
+fn below(rows: &[Sample], most_mps: f64, step_mps: f64, noise_m: f64) -> [Ways; 2] {
     let is_below = |row: &Sample| row.speed_mps.is_some_and(|mps| BELOW.contains(&(mps / most_mps)));
     let beside = (STEADY_S / usual_step_s(rows).max(1e-3)).ceil() as usize;
     let changes_little = |from: &Sample, to: &Sample| {
@@ -115,13 +157,14 @@ fn steady_below(rows: &[Sample], most_mps: f64, step_mps: f64) -> Ways {
         let ends = i.checked_sub(beside).zip(rows.get(i + beside));
         ends.is_some_and(|(from, to)| changes_little(&rows[from], &rows[i]) && changes_little(&rows[i], to))
     };
-    let mut below = Ways::default();
-    for (i, pair) in rows.windows(2).enumerate() {
-        if is_below(&pair[0]) && is_below(&pair[1]) && is_steady(i) {
-            below.add(&pair[0], &pair[1]);
+    let [mut steady, mut all] = [Ways::default(), Ways::default()];
+    for (i, pair) in rows.windows(2).enumerate().filter(|(_, pair)| is_below(&pair[0]) && is_below(&pair[1])) {
+        all.add(&pair[0], &pair[1], noise_m);
+        if is_steady(i) {
+            steady.add(&pair[0], &pair[1], noise_m);
         }
     }
-    below
+    [steady, all]
 }
 
 #[cfg(test)]
@@ -144,7 +187,8 @@ mod tests {
 
     fn found(mut rows: Vec<Sample>) -> (Vec<Finding>, usize) {
         let mut findings = Vec::new();
-        leave_out(&mut rows, None, &mut findings);
+        let end_mps = end_of(&rows, None);
+        leave_out(&mut rows, end_mps, &mut findings);
         (findings, rows.iter().filter(|row| row.speed_mps.is_none()).count())
     }
 
@@ -177,9 +221,9 @@ mod tests {
         let mut rows = run("a", 120.0).rows;
         rows[200].speed_mps = Some(127.5 / 3.6);
         let mut findings = Vec::new();
-        leave_out(&mut rows, None, &mut findings);
-        assert_eq!(findings, []);
-        leave_out(&mut rows, ends.get("a").copied(), &mut findings);
+        assert_eq!(end_of(&rows, None), None);
+        let end_mps = end_of(&rows, ends.get("a").copied());
+        leave_out(&mut rows, end_mps, &mut findings);
         assert_eq!((findings[0].count, rows[200].speed_mps), (1, None));
     }
 
@@ -217,7 +261,10 @@ mod tests {
         creeps.iter_mut().enumerate().filter(powers).for_each(|(_, row)| {
             row.speed_mps = row.speed_mps.map(|mps| (3.6 * mps * creep(mps)).round().min(140.0) / 3.6);
         });
+        let mut late = exact();
+        late[220..].iter_mut().for_each(|row| row.time_s += 600.0);
         let logs = [
+            late,
             shifted(150, 30_000.0),
             shifted(500, 30_000.0),
             shifted(500, -9000.0),

@@ -150,7 +150,7 @@ mod tests {
 
     fn said(mut rows: Vec<Sample>) -> Vec<Finding> {
         let mut findings = Vec::new();
-        stuck_speeds::leave_out(&mut rows, &mut findings);
+        stuck_speeds::leave_out(&mut rows, None, &mut findings);
         findings
     }
 

@@ -46,9 +46,10 @@ const MOST_OF_LEAP: f64 = 0.7;
 const LEAST_AWAY_M: f64 = 50.0;
 const ENDS_NOISE: f64 = 12.0;
 
-/// Leaves out the speeds that stand still.
-pub(crate) fn leave_out(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let found = found(rows);
+/// Leaves out the speeds that stand still, but for those at their largest value, m/s, where they come to an end there.
+pub(crate) fn leave_out(rows: &mut [Sample], end_mps: Option<f64>, findings: &mut Vec<Finding>) {
+    let mut found = found(rows);
+    found.retain(|stuck| end_mps.is_none() || rows[stuck.from].speed_mps != end_mps);
     stuck_rows::leave_out(rows, &found, Kind::StuckSpeed, findings);
 }
 
@@ -238,12 +239,12 @@ mod tests {
         let stays = rows[150].speed_mps;
         rows[150..210].iter_mut().for_each(|row| row.speed_mps = stays);
         let mut findings = Vec::new();
-        leave_out(&mut rows, &mut findings);
+        leave_out(&mut rows, None, &mut findings);
         assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::StuckSpeed]);
         assert!(rows[152..210].iter().all(|row| row.speed_mps.is_none()) && rows[215].speed_mps.is_some());
         // Held, then braked as hard as trains do.
         for acceleration_mps2 in [-0.03, -1.2] {
-            leave_out(&mut driven(acceleration_mps2), &mut findings);
+            leave_out(&mut driven(acceleration_mps2), None, &mut findings);
             assert_eq!(findings.len(), 1);
         }
     }
@@ -253,11 +254,11 @@ mod tests {
     fn a_speed_that_stands_still_is_seen_where_the_train_makes_up_for_what_it_missed() {
         let slows_and_powers = |t: f64| (20.0 - (t - 100.0).clamp(0.0, 12.0) + (t - 112.0).clamp(0.0, 24.0)).max(0.0);
         let mut findings = Vec::new();
-        leave_out(&mut read_at(slows_and_powers), &mut findings);
+        leave_out(&mut read_at(slows_and_powers), None, &mut findings);
         assert_eq!(findings, []);
         let mut rows = read_at(slows_and_powers);
         rows[90..142].iter_mut().for_each(|row| row.speed_mps = Some(20.0));
-        leave_out(&mut rows, &mut findings);
+        leave_out(&mut rows, None, &mut findings);
         assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::StuckSpeed]);
         assert!(findings[0].figure.value > 100.0, "{findings:?}");
     }
@@ -270,7 +271,7 @@ mod tests {
             let mut rows = read_at(held);
             rows[150..].iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + leap_m));
             let mut findings = Vec::new();
-            leave_out(&mut rows, &mut findings);
+            leave_out(&mut rows, None, &mut findings);
             assert_eq!(findings, [], "{leap_m}");
         }
     }
@@ -282,11 +283,11 @@ mod tests {
         let mut rows = read_at(|_| 20.0);
         rows.iter_mut().enumerate().filter(|(i, _)| i % 5 != 0).for_each(|(_, row)| row.speed_mps = None);
         let mut findings = Vec::new();
-        leave_out(&mut rows, &mut findings);
+        leave_out(&mut rows, None, &mut findings);
         assert_eq!(findings, []);
         // One that is off by a half is found as in full columns.
         rows.iter_mut().for_each(|row| row.speed_mps = row.speed_mps.map(|mps| 0.5 * mps));
-        leave_out(&mut rows, &mut findings);
+        leave_out(&mut rows, None, &mut findings);
         assert_eq!(findings.iter().map(|finding| finding.kind).collect::<Vec<_>>(), [Kind::StuckSpeed]);
     }
 }

@@ -23,9 +23,11 @@ pub(super) fn spoilt(defect: Defect, recordings: &mut Vec<Recording>, random: &m
             rows
         }
         Defect::Saturated => {
-            let speeds = recordings.iter_mut().flat_map(|recording| &mut recording.rows);
-            speeds.for_each(|row| row.speed_mps = row.speed_mps.map(|mps| mps.min(SATURATED_KMH / 3.6)));
-            SATURATED_KMH
+            let speeds = recordings.iter().flat_map(|recording| &recording.rows).filter_map(|row| row.speed_mps);
+            let kmh = (2.0 * 0.9 * 3.6 * speeds.fold(0.0, f64::max)).round() / 2.0;
+            let rows = recordings.iter_mut().flat_map(|recording| &mut recording.rows);
+            rows.for_each(|row| row.speed_mps = row.speed_mps.map(|mps| mps.min(kmh / 3.6)));
+            kmh
         }
         Defect::DeadZone => below(recordings, 12.0),
         Defect::SmallDeadZone => below(recordings, 5.0),
@@ -59,9 +61,6 @@ pub(super) fn spoilt(defect: Defect, recordings: &mut Vec<Recording>, random: &m
         _ => spoil(defect, &mut recordings[1].rows, random),
     }
 }
-
-/// The largest value of eight bits in halves.
-const SATURATED_KMH: f64 = 127.5;
 
 /// The mean of each speed and of so many on both sides.
 fn smooth(rows: &mut [Sample], beside: usize) {

@@ -23,7 +23,7 @@ const MOST_SD_N_PER_KG: f64 = 0.006;
 /// It is another number than 1 by so many standard deviations, and by so much.
 const SURELY_NOT: f64 = 3.0;
 const LEAST_STEEPER: f64 = 0.02;
-/// Drivers who power a little on climbs make right slopes look less steep: by up to 0.04 on trams, 0.025 elsewhere.
+/// Drivers who power a little on climbs make right slopes look less steep: by up to 0.05 on trams, 0.025 elsewhere.
 const LEAST_FLATTER: f64 = 0.03;
 
 /// k with its standard deviation over the places, where it surely is another number than 1.
