@@ -168,7 +168,7 @@ pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 }
 
 /// How far the clock of most rows is from the first one, s: that one runs on where nobody set it by hours, as where a
-/// recorder begins at its first day until it is told the time.
+/// recorder begins at its first day until its clock is set.
 fn usual_clock_s(clocks: &[(f64, usize)]) -> f64 {
     let rows_of = |set_s: f64| {
         let same = clocks.iter().filter(|(other_s, _)| (other_s - set_s).abs() < LEAST_FOREIGN_S);
@@ -343,7 +343,7 @@ mod tests {
         assert_eq!(found(29.0, 1.0), [Kind::ClockSetForward]);
     }
 
-    /// A recorder begins at its first day until it is told the time, or one forgets it for a while.
+    /// A recorder begins at its first day until it has its clock set, or one forgets it for a while.
     #[test]
     fn the_clock_of_most_rows_is_right() {
         let begin_s = 946_684_800.0;

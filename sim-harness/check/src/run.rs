@@ -150,7 +150,8 @@ impl RunCheck {
     }
 }
 
-/// Judges one run, and puts right what is beyond doubt. `ends_at_mps`: where the speeds of its recorder end, if they do.
+/// Judges one run, and puts right what is beyond doubt. `ends_at_mps`: where the speeds of its recorder end, if they
+/// do.
 pub(crate) fn beside(
     recording: &mut Recording,
     ends_at_mps: Option<f64>,

@@ -39,17 +39,17 @@ const MOST_NOISE: f64 = 4.0;
 
 /// Where the speeds of recorders end, m/s, by unit: its runs together show more than each of them.
 pub(crate) fn of_units(recordings: &[Recording]) -> HashMap<String, f64> {
-    let mut units: HashMap<&str, Vec<Held>> = HashMap::new();
+    let mut units: HashMap<&str, Vec<AtLargest>> = HashMap::new();
     for recording in recordings.iter().filter(|recording| !recording.speed_is_computed()) {
-        units.entry(&recording.unit).or_default().extend(Held::of(&recording.rows));
+        units.entry(&recording.unit).or_default().extend(AtLargest::of(&recording.rows));
     }
-    let ends = |(unit, held): (&str, Vec<Held>)| Some((unit.to_owned(), Held::end(&held)?));
+    let ends = |(unit, held): (&str, Vec<AtLargest>)| Some((unit.to_owned(), AtLargest::end(&held)?));
     units.into_iter().filter_map(ends).collect()
 }
 
 /// Where the speeds of this run or of its unit end, m/s.
 pub(crate) fn end_of(rows: &[Sample], of_unit: Option<f64>) -> Option<f64> {
-    of_unit.or_else(|| Held::end(&[Held::of(rows)?]))
+    of_unit.or_else(|| AtLargest::end(&[AtLargest::of(rows)?]))
 }
 
 /// Leaves out the speeds at this value, m/s.
@@ -64,7 +64,7 @@ pub(crate) fn leave_out(rows: &mut [Sample], end_mps: Option<f64>, findings: &mu
 }
 
 /// What a run says of its largest speed, where it holds that for a while.
-struct Held {
+struct AtLargest {
     most_mps: f64,
     step_mps: f64,
     at_most: Ways,
@@ -74,7 +74,7 @@ struct Held {
     noise_m2: f64,
 }
 
-impl Held {
+impl AtLargest {
     fn of(rows: &[Sample]) -> Option<Self> {
         let most_mps = ways::fastest_mps(rows);
         let step_mps = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6;

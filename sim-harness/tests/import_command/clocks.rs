@@ -40,7 +40,7 @@ fn years_of_two_digits_may_stand_at_either_end() {
     }
 }
 
-/// The recorder begins at its first day until it is told the time: the run departed in the year 2000.
+/// The recorder begins at its first day until it has its clock set: the run departed in the year 2000.
 #[test]
 fn the_clock_that_most_rows_have_is_that_of_the_run() {
     let set = |t: f64| if t < 60.0 { 946_684_800.0 + t } else { 1_740_000_000.0 + t };
