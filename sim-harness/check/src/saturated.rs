@@ -33,7 +33,7 @@ const LEAST_BELOW_M: f64 = 1000.0;
 const STEADY_MPS2: f64 = 0.08;
 const STEADY_S: f64 = 10.0;
 /// Between two rows the ways by location and by speed differ by no more than this share, and so many times the noise of
-/// the location; else the location leaps, or the clock.
+/// the location; else the location leaps, or the clock. Nor does the location stand still.
 const MOST_OFF: f64 = 0.4;
 const MOST_NOISE: f64 = 4.0;
 
@@ -136,8 +136,8 @@ impl Ways {
     fn add(&mut self, a: &Sample, b: &Sample, noise_m: f64) {
         let Some((from_m, to_m)) = a.location_m.zip(b.location_m) else { return };
         let (step_m, by_speed_m) = ((to_m - from_m).abs(), ways::between(a, b));
-        let is_of_train = (step_m - by_speed_m).abs() < MOST_OFF * by_speed_m + MOST_NOISE * noise_m;
-        if b.time_s > a.time_s && is_of_train {
+        let is_near = (step_m - by_speed_m).abs() < MOST_OFF * by_speed_m + MOST_NOISE * noise_m;
+        if b.time_s > a.time_s && step_m > 0.0 && is_near {
             self.by_location_m += step_m;
             self.by_speed_m += by_speed_m;
         }
