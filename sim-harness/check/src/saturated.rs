@@ -23,7 +23,7 @@ const LEAST_BEYOND: [f64; 2] = [0.015, 0.05];
 const LEAST_STEPS: f64 = 1.5;
 /// And so many times the noise of two locations, and so far, m.
 const NOISE: f64 = 6.0;
-const LEAST_BEYOND_M: f64 = 50.0;
+const LEAST_BEYOND_M: f64 = 150.0;
 /// A train that gets slower again does so from the largest value on, m/s²; a sensor that stood still leaps.
 const MOST_MPS2: f64 = 1.5;
 /// Speeds below the largest one with which it is compared, as shares of it, and so long a way of them, m.
