@@ -16,7 +16,12 @@ pub fn heading(rows: &[Sample]) -> f64 {
 /// How far locations grow in all, m; a leap is no way.
 pub(crate) fn ahead_m(rows: &[Sample]) -> f64 {
     let located: Vec<f64> = rows.iter().filter_map(|row| row.location_m).collect();
-    located.windows(2).map(|pair| (pair[1] - pair[0]).clamp(-100.0, 100.0)).sum()
+    located.windows(2).map(|pair| step_ahead_m(pair[0], pair[1])).sum()
+}
+
+/// How far one location is ahead of another, as far as a single step says, m.
+pub fn step_ahead_m(from_m: f64, to_m: f64) -> f64 {
+    (to_m - from_m).clamp(-100.0, 100.0)
 }
 
 /// Distance by speed between two rows, m.

@@ -7,6 +7,7 @@ use super::skeleton::Passed;
 use super::staged::{Mark, Staged};
 use super::stretch::fix;
 use crate::output::files::failed;
+use rundown_check::ways::step_ahead_m;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, MANIFEST};
 use rundown_files::map_matching::{CentreLine, MatchState};
@@ -14,9 +15,6 @@ use rundown_files::sample::COLUMNS;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-
-/// A single step says no more than this about the direction of a run, m.
-const MOST_STEP_M: f64 = 100.0;
 
 /// What stands in every folder that an import wrote.
 pub const ACCOUNT: &str = "import.json";
@@ -80,8 +78,7 @@ pub fn run(run: &Staged, place: &Placing, placed: &Placed, folder: &Path) -> Res
             if let Some(at_m) = sample.location_m {
                 ends = (ends.0.min(at_m), ends.1.max(at_m));
                 // The last location alone may be a zero that a recorder writes as it ends.
-                let step_m = at_m - last_m.replace(at_m).unwrap_or(at_m);
-                ahead_m += step_m.clamp(-MOST_STEP_M, MOST_STEP_M);
+                ahead_m += step_ahead_m(last_m.replace(at_m).unwrap_or(at_m), at_m);
             }
             sample.time_s -= run.begin_s;
             let values = COLUMNS.iter().zip(has).filter(|(_, has)| *has);

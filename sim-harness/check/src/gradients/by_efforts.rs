@@ -11,6 +11,7 @@
 
 use super::driven::Driven;
 use super::places::{self, Leaves, Recurring};
+use super::steepness::first_over_places;
 use super::{Doubt, SeenBy, SmallErrors, Version, off_by_place_permille};
 use crate::agreement::Figure;
 use crate::effort::least_squares;
@@ -18,12 +19,10 @@ use nalgebra::SVector;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown_files::statistics::{mean_of, rms};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Fewer windows say nothing.
 const LEAST_WINDOWS: usize = 200;
-/// And fewer places do not show how surely k is known; a single one would leave no doubt at all.
-pub(super) const LEAST_PLACES: usize = 10;
 /// Fewer runs share a driver or a day.
 const LEAST_RUNS: usize = 4;
 /// k of described gradients is within this of 1 ...
@@ -43,8 +42,6 @@ const MOST_SD_N_PER_KG: f64 = 0.025;
 /// And a steepness that is off by more than this, and by [`SURELY_NOT`] standard deviations, is an error, too, where
 /// readings hide the places. Judgement: right gradients leave up to 0.02 with momentary efforts every 10 s.
 const LEAST_OFF: f64 = 0.02;
-/// Length of a place, m.
-const PLACE_M: f64 = 1000.0;
 /// Errors of the gradients come again at their places by so many standard errors. Judgement: they only widen intervals.
 const LEAST_Z: f64 = 2.0;
 /// Smaller ones are those of the readings, N/kg: right gradients leave up to 0.0009.
@@ -131,11 +128,6 @@ pub(super) fn read(windows: &[Driven], train: &Train, track: &Track) -> Option<B
     (better.sds_n_per_kg[0] < MOST_SD_N_PER_KG).then_some(ByEfforts { steep, ..better })
 }
 
-/// Where a stretch begins, in places.
-pub(super) fn place(fronts_m: [f64; 2]) -> i64 {
-    (fronts_m[0] / PLACE_M).floor() as i64
-}
-
 /// With one of the two efforts; `climbs_n_per_kg`: of each window.
 fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<ByEfforts> {
     let others = |window: &Driven| {
@@ -148,16 +140,7 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
     });
     let freely: Vec<(SVector<f64, 5>, f64)> = freely.collect();
     let (beta, inverse, left) = least_squares(&freely)?;
-    let mut scores: BTreeMap<i64, f64> = BTreeMap::new();
-    for (window, (x, acceleration)) in windows.iter().zip(&freely) {
-        *scores.entry(place(window.fronts_m)).or_default() += (inverse.row(0) * x)[0] * (acceleration - x.dot(&beta));
-    }
-    if scores.len() < LEAST_PLACES {
-        return None;
-    }
-    // The scores have no sum: one place less is free.
-    let places = scores.len() as f64;
-    let sd = (scores.values().map(|score| score * score).sum::<f64>() * places / (places - 1.0)).sqrt();
+    let steep = first_over_places(&freely, windows.iter().map(|window| window.fronts_m), (&beta, &inverse))?;
     let described = windows.iter().zip(climbs_n_per_kg);
     let described = described.map(|(window, climb)| (SVector::from(others(window)), window.acceleration_mps2 + climb));
     let described: Vec<(SVector<f64, 4>, f64)> = described.collect();
@@ -172,7 +155,7 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
     let off = places::recurring(windows.iter().zip(&residuals).map(of_run));
     let sds_n_per_kg = [(left / freely.len() as f64).sqrt(), rms(&residuals)];
     Some(ByEfforts {
-        steep: Figure { value: beta[0], sd },
+        steep,
         sds_n_per_kg,
         off: off.filter(|off| off.z > LEAST_Z && off.sd_n_per_kg > LEAST_SD_N_PER_KG),
         // All windows of a run at a place are one.

@@ -7,14 +7,17 @@
 //! A rotating mass that is off, or a survey in another unit of height, makes k another number than 1. It follows the
 //! slopes, so no number of runs averages it out, and no place stands out by it.
 
-use super::by_efforts::{LEAST_PLACES, place};
 use super::mixture::MixtureFit;
 use super::stretch::Stretch;
 use crate::agreement::Figure;
 use crate::effort::least_squares;
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 
+/// Length of a place, m.
+const PLACE_M: f64 = 1000.0;
+/// Fewer places do not show how surely k is known; a single one would leave no doubt at all.
+const LEAST_PLACES: usize = 10;
 /// So many coasted stretches must say it.
 const LEAST_COASTED: f64 = 200.0;
 /// They are taken to scatter by no more than whole km/h make them, N/kg: where trains hold speeds or power a little as
@@ -43,11 +46,26 @@ fn fitted(stretches: &[Stretch], shares: &[f64], climbs_n_per_kg: &[f64]) -> Opt
     };
     let rows: Vec<(SVector<f64, 3>, f64)> = stretches.iter().zip(climbs_n_per_kg).zip(shares).map(row).collect();
     let (beta, inverse, _) = least_squares(&rows)?;
+    first_over_places(&rows, stretches.iter().map(|stretch| stretch.fronts_m), (&beta, &inverse))
+}
+
+/// The first coefficient of a fit with its standard deviation over the places at which its rows begin; none from too
+/// few.
+pub(super) fn first_over_places<const N: usize>(
+    rows: &[(SVector<f64, N>, f64)],
+    fronts_m: impl Iterator<Item = [f64; 2]>,
+    (beta, inverse): (&SVector<f64, N>, &SMatrix<f64, N, N>),
+) -> Option<Figure> {
     let mut scores: BTreeMap<i64, f64> = BTreeMap::new();
-    for (stretch, (x, y)) in stretches.iter().zip(&rows) {
-        *scores.entry(place(stretch.fronts_m)).or_default() += (inverse.row(0) * x)[0] * (y - x.dot(&beta));
+    for ([from_m, _], (x, y)) in fronts_m.zip(rows) {
+        let place = (from_m / PLACE_M).floor() as i64;
+        *scores.entry(place).or_default() += (inverse.row(0) * x)[0] * (y - x.dot(beta));
     }
+    if scores.len() < LEAST_PLACES {
+        return None;
+    }
+    // The scores have no sum: one place less is free.
     let places = scores.len() as f64;
     let sd = (scores.values().map(|score| score * score).sum::<f64>() * places / (places - 1.0)).sqrt();
-    (scores.len() >= LEAST_PLACES).then_some(Figure { value: beta[0], sd })
+    Some(Figure { value: beta[0], sd })
 }
