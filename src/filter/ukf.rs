@@ -89,6 +89,13 @@ pub trait MeasurementModel<const M: usize> {
 
     /// Variance of reading `i`, above zero.
     fn variance(&self, i: usize) -> Real;
+
+    /// Variance by which the gate judges it; below [`variance`](Self::variance) where that is inflated for errors that
+    /// readings share.
+    #[inline]
+    fn gate_variance(&self, i: usize) -> Real {
+        self.variance(i)
+    }
 }
 
 /// Spread of the sigma points of a state of N components, Table 1. Made by [`Spread::try_new`].
@@ -389,7 +396,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
             let variance = column[read] + noise;
             innovation.sequential[i] = (value, variance);
             if let Some(gate) = self.gate[i]
-                && value * value > gate * gate * variance
+                && value * value > gate * gate * (column[read] + observation.gate_variance(i))
             {
                 innovation.readings[i] = Reading::Gated;
                 continue;

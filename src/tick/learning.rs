@@ -84,6 +84,25 @@ impl MeasurementModel<2> for LocationAndSpeed {
     }
 }
 
+/// The readings of a segment. Those of the speed share their rounding, so each counts as a part of one; none of them
+/// is further off for that.
+struct Shared {
+    readings: LocationAndSpeed,
+    own_speed_variance: Real,
+}
+
+impl MeasurementModel<2> for Shared {
+    const COMPONENTS: [usize; 2] = LocationAndSpeed::COMPONENTS;
+
+    fn variance(&self, i: usize) -> Real {
+        self.readings.variance(i)
+    }
+
+    fn gate_variance(&self, i: usize) -> Real {
+        if i == 0 { self.readings.location_variance } else { self.own_speed_variance }
+    }
+}
+
 /// What one tick brings to a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
@@ -270,9 +289,10 @@ impl Learner {
     /// that began too early, by a probability below `least`, ends: what comes later does not tell (the regimes are a
     /// Markov chain).
     pub fn end_of_interval(&mut self, coasted: Real, coasts: Real, least: Real) {
+        // At most 1, for what coasted throughout coasts at the end.
         let unbroken = self.unbroken(coasted) / coasts.max(Real::MIN_POSITIVE);
         match &mut self.segment {
-            Some(segment) if segment.believed || unbroken >= least => segment.unbroken = unbroken.min(1.0),
+            Some(segment) if segment.believed || unbroken >= least => segment.unbroken = unbroken,
             _ => self.end(),
         }
     }
@@ -486,8 +506,13 @@ impl Segment {
         if coasts {
             self.course.add(&leg);
         }
-        let observation =
-            LocationAndSpeed { location_variance: sensor.location_sd_m * sensor.location_sd_m, speed_variance };
+        let observation = Shared {
+            readings: LocationAndSpeed {
+                location_variance: sensor.location_sd_m * sensor.location_sd_m,
+                speed_variance,
+            },
+            own_speed_variance: speed_variance / staircase,
+        };
         let innovation = ukf.update(&mut self.belief, &observation, &[tick.location_m, tick.speed_mps])?;
         let [location, speed] = innovation.readings;
         if location == Reading::Used {

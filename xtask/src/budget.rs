@@ -21,7 +21,7 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 124 960.
+/// Code, constants and first values of variables: 124 992.
 const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 125_000, goal: 96 << 10 };
 /// 81 912; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };

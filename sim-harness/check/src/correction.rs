@@ -20,6 +20,11 @@ impl Correction {
     /// Nothing is put right.
     pub const NONE: Self = Self { offset_mps: 0.0, scale: 1.0 };
 
+    /// What it puts right beyond another one.
+    pub(crate) fn beside(&self, other: &Self) -> Self {
+        Self { offset_mps: (self.offset_mps - other.offset_mps) / other.scale, scale: self.scale / other.scale }
+    }
+
     /// The true speed from a reading, m/s. A standing train reads zero, or what its recorder is off by.
     pub fn true_mps(&self, read_mps: f64) -> f64 {
         if read_mps > 0.0 { ((read_mps + self.offset_mps) / self.scale).max(0.0) } else { read_mps }

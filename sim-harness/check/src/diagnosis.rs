@@ -50,6 +50,9 @@ pub struct RecorderCheck {
     pub lost_second_sd_s: Option<f64>,
     /// What was put right in its speeds.
     pub correction: Correction,
+    /// What is left in them: found, and not put right.
+    #[serde(skip)]
+    pub left_open: Correction,
     /// What was found.
     pub findings: Vec<Finding>,
     /// What says so, where it is more than a figure: by what was found.

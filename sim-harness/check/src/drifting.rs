@@ -25,8 +25,11 @@ const LEAST_LEAP: f64 = 6.0;
 const LEAST_LEAP_M: f64 = 1.5;
 /// A change of the speed leaps by as much where the speed is late by so much, s.
 const MOST_LATE_S: f64 = 2.0;
-/// Larger ones are another chainage, m.
+/// Larger ones are another chainage, m; where the train stands so is a larger share of the way before: a wheel wears by
+/// a few per cent, and chainages have no steps at stations.
 const MOST_LEAP_M: f64 = 100.0;
+const MOST_SHARE: f64 = 0.03;
+const STANDS_MPS: f64 = 1.0;
 /// So much of it is between two rows: a wheel that slips takes seconds.
 const AT_ONCE: f64 = 0.6;
 /// So many leaps of a recorder show that they go with the way ...
@@ -90,7 +93,15 @@ pub(crate) fn put_right(recordings: &mut [Recording], usable: &[usize]) -> Optio
     let all = pairs.concat();
     let usual = slope(&all, 0);
     let share = |pairs: &Vec<[f64; 3]>| if pairs.len() >= LEAST_OF_RUN { slope(pairs, 0) } else { usual };
-    let left = |which: usize| -> f64 { pairs.iter().map(|run| left_m2(run, which)).sum() };
+    let of_all = |which: usize| if which == 0 { usual } else { slope(&all, which) };
+    // A slope of its own explains all leaps of a run that has one or two.
+    let left = |which: usize| -> f64 {
+        let of_run = |run: &Vec<[f64; 3]>| {
+            let is_own = run.len() >= LEAST_OF_RUN;
+            left_m2(run, which, if is_own { slope(run, which) } else { of_all(which) })
+        };
+        pairs.iter().map(of_run).sum()
+    };
     let squares: f64 = all.iter().map(|[_, off_m, _]| off_m * off_m).sum();
     let by_second = |sign: f64| all.iter().map(|[_, off_m, mps]| (off_m - sign * mps).powi(2)).sum::<f64>();
     let by_time = (LESS_THAN_BY_SECONDS * by_second(1.0).min(by_second(-1.0))).min(THAN_BY_SPEED * left(2));
@@ -98,7 +109,10 @@ pub(crate) fn put_right(recordings: &mut [Recording], usable: &[usize]) -> Optio
     if all.len() < LEAST_LEAPS || !goes_with_way {
         return None;
     }
-    let shares: Vec<f64> = pairs.iter().filter(|run| run.len() >= LEAST_OF_RUN).map(share).collect();
+    let mut shares: Vec<f64> = pairs.iter().filter(|run| run.len() >= LEAST_OF_RUN).map(share).collect();
+    if shares.is_empty() {
+        shares.push(usual);
+    }
     for (i, (leaps, pairs)) in usable.iter().zip(runs.iter().zip(&pairs)) {
         bring_back(&mut recordings[*i].rows, leaps, share(pairs));
     }
@@ -118,9 +132,8 @@ fn slope(leaps: &[[f64; 3]], which: usize) -> f64 {
     sum(1) / sum(which).max(f64::MIN_POSITIVE)
 }
 
-/// What a run leaves of the squares of its leaps with a slope of its own, m².
-fn left_m2(leaps: &[[f64; 3]], which: usize) -> f64 {
-    let slope = slope(leaps, which);
+/// What a run leaves of the squares of its leaps with a slope, m².
+fn left_m2(leaps: &[[f64; 3]], which: usize, slope: f64) -> f64 {
     leaps.iter().map(|leap| (leap[1] - slope * leap[which]).powi(2)).sum()
 }
 
@@ -156,7 +169,10 @@ fn leaps(rows: &[Located]) -> Vec<Leap> {
         let near = &changes_m[i - AROUND..(i + AROUND + 1).min(rows.len())];
         let is_largest = near.iter().flatten().all(|other| other.abs() <= change_m.abs());
         let dv_mps = rows[i + AROUND - 1].mps - rows[i - AROUND].mps;
-        let is_far = (least_m + MOST_LATE_S * dv_mps.abs()..MOST_LEAP_M).contains(&change_m.abs());
+        let since_m = rows[i].at_m - found.last().map_or(rows[0].at_m, |before| before.at_m);
+        let stands = rows[i].mps.max(rows[i - 1].mps) < STANDS_MPS;
+        let most_m = if stands { MOST_LEAP_M.max(MOST_SHARE * since_m) } else { MOST_LEAP_M };
+        let is_far = (least_m + MOST_LATE_S * dv_mps.abs()..most_m).contains(&change_m.abs());
         let at_once_m = (off_m[i] - off_m[i - 1]) * change_m.signum();
         // Between rows that are missing the train has stood, or braked and started.
         let follows = times[i] - times[i - 1] <= next_row_s(usual_s);

@@ -8,9 +8,11 @@
 //! that are cut off or frozen, and a brake that is not in the column each explain the speeds with another resistance,
 //! and consistently so. A coast needs no column.
 
-use super::vehicle::{After, named};
+use super::before_brakes::withhold_if_unknown;
+use super::vehicle::{After, named, scatters};
 use super::with_efforts::CoastsOf;
 use crate::report::resistance::Resistance;
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
@@ -114,14 +116,15 @@ fn most_effort(gated: &Estimator) -> f64 {
 }
 
 /// Says how coasts are foreseen by what efforts taught before them. What foresees them worse than the description, and
-/// excludes it, is not published. `trusts`: by unit, by the runs before.
+/// excludes it, is not published. `trusts`: by unit, by the runs before. Out: by how much the coasts widen what each
+/// run began with, and what it taught.
 pub(super) fn foresee(
     gated: &Estimator,
     recordings: &[Recording],
     tick: Tick,
     runs: &mut [ReplayedRun],
     trusts: &mut HashMap<String, Trust>,
-) {
+) -> Vec<[f64; 2]> {
     let most = most_effort(gated);
     let foreseen = runs.par_iter().zip(recordings).map(|(run, recording)| {
         let of = |recording: &Recording| replay::replay(gated, &mut run.began_with.clone(), recording, tick);
@@ -143,13 +146,47 @@ pub(super) fn foresee(
     }
     let Davis { r0, r1, r2 } = gated.train().davis();
     let described = Gaussian::independent([r0, r1, r2], [f64::EPSILON; 3]);
-    for run in runs {
+    let of_run = |run: &mut ReplayedRun| {
         let trust = trusts.entry(run.unit.clone()).or_insert(Trust::NONE);
+        let before = beyond(trust, run.began_with.trust());
         trust.add(&run.summary.foresight.trust);
+        let after = beyond(trust, &run.trust);
+        if after > 1.0 {
+            run.trust = *trust;
+        }
         let is_excluded = || apart(&run.vehicle_after, &described, COASTS_MPS).is_some();
         if run.learned == Learned::Learned && trust.worse_by() > WORSE_BY && is_excluded() {
             run.learned = Learned::PredictsWorse;
         }
+        [before, after]
+    };
+    runs.iter_mut().map(of_run).collect()
+}
+
+/// Variance of what efforts taught over what it has, where coasts scatter around it: as what coasts taught is doubted
+/// in the gated mode. `own`: what the vehicle has for the coasts of short hops that taught it.
+fn beyond(trust: &Trust, own: &Trust) -> f64 {
+    let times = |trust: &Trust| trust.inflation() * trust.doubt();
+    if scatters(trust) { (times(trust) / times(own)).max(1.0) } else { 1.0 }
+}
+
+/// What filters say of the vehicle before and after a run, and of the run, before anything else doubts it.
+#[derive(Debug)]
+pub struct ByFilters([Matrix3<f64>; 3]);
+
+impl ByFilters {
+    pub fn of(run: &ReplayedRun) -> Self {
+        Self([run.vehicle_before, run.vehicle_after, run.summary.run_davis].map(|davis| davis.covariance))
+    }
+
+    /// Widens it by the scatter of the coasts, `times` before and after the run, beside what else doubts it.
+    pub fn widen(&self, estimator: &Estimator, times: [f64; 2], run: &mut ReplayedRun) {
+        let [before, after] = times.map(|times| times - 1.0);
+        let doubted = [&mut run.vehicle_before, &mut run.vehicle_after, &mut run.summary.run_davis];
+        for (davis, (own, more)) in doubted.into_iter().zip(self.0.iter().zip([before, after, after])) {
+            davis.covariance += own * more;
+        }
+        withhold_if_unknown(estimator, run);
     }
 }
 
@@ -241,6 +278,7 @@ fn apart(efforts: &Gaussian<3>, coasts: &Gaussian<3>, both_mps: Range<f64>) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::advice::tests::{estimator, replayed};
 
     #[test]
     fn resistances_are_apart_beyond_chance_and_by_a_share_that_counts() {
@@ -260,5 +298,29 @@ mod tests {
         assert_eq!(found(5.0..15.0), None);
         assert_eq!(found(5.0..40.0), Some(144.0));
         assert_eq!(found(40.0..5.0), None);
+    }
+
+    #[test]
+    fn what_efforts_taught_is_doubted_where_coasts_scatter_around_it() {
+        let (gated, mut runs) = (estimator(Config::with_mode(Mode::Gated)), replayed().runs);
+        let scattered = |squares: f64| Trust { coasts: 20.0, squares, ..Trust::NONE };
+        let mut after = |squares: f64, own: Trust| {
+            runs.truncate(1);
+            let known = runs[0].clone();
+            runs[0].trust = own;
+            let mut trusts = HashMap::from([(runs[0].unit.clone(), scattered(squares))]);
+            let times = foresee(&gated, &[Recording::default()], Tick::EverySample, &mut runs, &mut trusts);
+            ByFilters::of(&known).widen(&gated, times[0], &mut runs[0]);
+            let times = runs[0].vehicle_after.covariance[(0, 0)] / known.vehicle_after.covariance[(0, 0)];
+            runs[0] = known;
+            times
+        };
+        assert!((after(20.0, Trust::NONE) - 1.0).abs() < 1e-12);
+        // What the vehicle has for its own coasts is not doubted again.
+        assert!((after(125.0, scattered(125.0)) - 1.0).abs() < 1e-12);
+        // Five times the expected variance, by so many coasts: half of them may have an additional force.
+        let inflation = (5.0 + 0.97 * 125.0) / (5.0 + 0.97 * 20.0);
+        let expected = inflation + 0.97 * 20.0 * (inflation - 2.25);
+        assert!((after(125.0, Trust::NONE) / expected - 1.0).abs() < 1e-3, "{expected}");
     }
 }

@@ -6,8 +6,8 @@
 pub(crate) mod before_brakes;
 mod changed;
 pub(crate) mod coasts;
-pub(crate) mod effort_zero;
 pub(crate) mod foreseen;
+pub(crate) mod left_open;
 mod scatter;
 mod taught;
 mod two_sorts;
@@ -73,12 +73,18 @@ impl Advice {
     }
 
     /// Asks coasts what efforts taught: what the first of them teach themselves, and how well they are foreseen. Call
-    /// it before the runs are added.
-    pub fn foresee(&mut self, gated: &Estimator, recordings: &[Recording], tick: Tick, runs: &mut [ReplayedRun]) {
+    /// it before the runs are added. Out: by how much the coasts widen what each began with, and what it taught.
+    pub fn foresee(
+        &mut self,
+        gated: &Estimator,
+        recordings: &[Recording],
+        tick: Tick,
+        runs: &mut [ReplayedRun],
+    ) -> Vec<[f64; 2]> {
         if self.runs == 0 {
             self.coasts = coasts::taught(gated, recordings, tick);
         }
-        coasts::foresee(gated, recordings, tick, runs, &mut self.trusts);
+        coasts::foresee(gated, recordings, tick, runs, &mut self.trusts)
     }
 
     /// What efforts taught of a resistance that coasts contradict is not published, nor what runs of two trains did.

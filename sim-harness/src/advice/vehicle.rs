@@ -151,7 +151,7 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
         )),
         _ => {}
     }
-    if trust.coasts >= FEW_COASTS && trust.inflation() > SCATTER {
+    if scatters(trust) {
         say(format!(
             "coasts scatter {:.1} times as much as expected: wind, gradients or the recorder are not as described, or \
              some coasts were braked a little; the interval of r is {:.1} times as wide for that",
@@ -184,6 +184,11 @@ fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// Coasts scatter by more than wind and rounding make them.
+pub(super) fn scatters(trust: &Trust) -> bool {
+    trust.coasts >= FEW_COASTS && trust.inflation() > SCATTER
 }
 
 /// How far the vehicle is from its description, in standard deviations of vehicles.

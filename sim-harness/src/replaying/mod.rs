@@ -12,7 +12,7 @@ mod stream;
 pub use source::Runs;
 pub use stream::{CHUNK, StreamError};
 
-use crate::advice::{Advice, before_brakes::BeforeBrakes, coasts, effort_zero};
+use crate::advice::{Advice, before_brakes::BeforeBrakes, coasts, coasts::ByFilters, left_open::LeftOpen};
 use crate::learned_train::Results;
 use crate::logs::{self, Failed};
 use crate::output::json;
@@ -42,7 +42,7 @@ use rundown_files::{WriteError, config_file, effect_file};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, train_file::TrainFile};
 use serde_json::Value;
 use source::Source;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -118,8 +118,8 @@ pub struct Opened {
     seen: Seen,
     /// Names of the runs that were read, also of those that cannot be used.
     named: HashSet<String>,
-    /// By how much the zero of the efforts of a unit may be wrong, N/kg.
-    effort_doubts: BTreeMap<String, f64>,
+    /// What of the readings and of the line is not put right.
+    left_open: LeftOpen,
     provenance: Provenance,
 }
 
@@ -224,7 +224,7 @@ impl Request {
         let provenance = Provenance::begin(&inputs.collect::<Vec<PathBuf>>());
         let seen = Seen::default();
         let named = HashSet::new();
-        let effort_doubts = BTreeMap::new();
+        let left_open = LeftOpen::default();
         Ok(Opened {
             request: self,
             config,
@@ -236,7 +236,7 @@ impl Request {
             line,
             seen,
             named,
-            effort_doubts,
+            left_open,
             provenance,
         })
     }
@@ -312,13 +312,17 @@ impl Opened {
         runs: &mut [ReplayedRun],
         (before_brakes, advice): (&mut BeforeBrakes, &mut Advice),
     ) {
+        let by_filters: Vec<ByFilters> = runs.iter().map(ByFilters::of).collect();
         before_brakes.judge(&self.estimator, self.request.carried, |name| own.contains_key(name), runs);
-        effort_zero::doubt(&self.estimator, &self.effort_doubts, runs);
-        if let Some(gated) = self.beside_efforts(own) {
-            advice.foresee(&gated, recordings, self.request.tick, runs);
-        }
+        self.left_open.doubt(&self.estimator, runs);
+        let gated = self.beside_efforts(own);
+        let scatter = gated.map(|gated| advice.foresee(&gated, recordings, self.request.tick, runs));
         advice.add(runs);
         advice.withhold(runs);
+        // Last: efforts and coasts are compared by what each of them taught.
+        for ((run, by_filters), times) in runs.iter_mut().zip(by_filters).zip(scatter.into_iter().flatten()) {
+            by_filters.widen(&self.estimator, times, run);
+        }
     }
 
     /// Counts what was beyond the line, and leaves it out but for replays as recorded.
@@ -391,10 +395,7 @@ impl Opened {
         let (used, refused, found) = logs::diagnosed(recordings, &known, &mut self.seen);
         summary.failed.extend(refused);
         summary.notes.extend(found.notes());
-        if self.config.mode == Mode::Measured {
-            let doubted = found.recorders.iter().filter(|recorder| recorder.effort_doubt_n_per_kg > 0.0);
-            self.effort_doubts.extend(doubted.map(|recorder| (recorder.unit.clone(), recorder.effort_doubt_n_per_kg)));
-        }
+        found.recorders.iter().for_each(|recorder| self.left_open.add(recorder, self.config.mode));
         summary
             .notes
             .extend(found.perturbed_note().map(|note| format!("{note}; they were learned from as the others")));
@@ -433,10 +434,14 @@ impl Opened {
         coasts.add(recordings, &self.core_train);
         let said_permille = self.track.said_sd_permille(&self.config);
         let answer = coasts.answer(&self.core_train, self.estimator.track(), said_permille);
+        let has_effects = !self.train.effect.is_empty() || !self.track.effect.is_empty();
+        let answer = if has_effects { answer.beside_effects() } else { answer };
         let doubt = &mut self.config.track_doubt;
         answer.raise(doubt);
         let sd = doubt.gradient_sd_permille;
         summary.notes.extend(answer.resistance.map(|units| units.to_string()));
+        summary.notes.extend(answer.resists.map(|found| found.to_string()));
+        self.left_open.at_places_n_per_kg = answer.resists.map_or(0.0, |found| found.sd_n_per_kg);
         let taken = format!("until they are put right they are taken to be off by {sd:.1} permille");
         summary.notes.extend(answer.gradients.map(|doubt| format!("{doubt}; {taken}")));
         (summary.gradient_doubt, summary.small_errors) = (answer.gradients, answer.small);

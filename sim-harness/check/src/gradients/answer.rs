@@ -1,7 +1,9 @@
 //! All that coasts and measured efforts say of the described gradients and resistance, and by how much an estimator
 //! doubts the track for it.
 
-use super::{Coasts, Doubt, OtherUnits, SeenBy};
+use super::length::OtherLength;
+use super::locations::OffFromRunToRun;
+use super::{Coasts, Doubt, LEAST_RUNS_SMALL, OtherUnits, SeenBy};
 use crate::agreement::Figure;
 use rundown::model::{track::Track, train::Train};
 use rundown::tick::track_doubt::TrackDoubtConfig;
@@ -17,6 +19,8 @@ pub struct Answer {
     pub resistance: Option<OtherUnits>,
     /// The described gradients are off by little.
     pub small: Option<SmallErrors>,
+    /// A resistance acts at places.
+    pub resists: Option<ResistsAtPlaces>,
 }
 
 /// Errors that follow the slopes do not average out over the line, as the estimator takes errors to do, and the gain of
@@ -31,8 +35,41 @@ pub struct SmallErrors {
     pub sd_permille: f64,
     /// What shows them.
     pub seen_by: SeenBy,
-    /// All slopes act so many times as described, where that is the error.
-    pub steepness: Option<Figure>,
+    /// What they follow; none where each place has its own.
+    pub follows: Option<Follows>,
+}
+
+/// A resistance that nobody described acts at places, alike in both directions, as in curves and tunnels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResistsAtPlaces {
+    /// Standard deviation over the line, N/kg.
+    pub sd_n_per_kg: f64,
+    /// What shows it.
+    pub seen_by: SeenBy,
+}
+
+impl fmt::Display for ResistsAtPlaces {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { sd_n_per_kg, seen_by } = self;
+        write!(
+            f,
+            "by {} a resistance acts at places, alike in both directions, as of curves or tunnels that are not \
+             described: {sd_n_per_kg:.4} N/kg (standard deviation over the line). What is learned is r of this line, and its \
+             interval is wide enough for straight track",
+            seen_by.words()
+        )
+    }
+}
+
+/// What errors of gradients follow along the line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Follows {
+    /// All slopes act so many times as described.
+    Steepness(Figure),
+    /// They act as on a train so many times as long as described.
+    Length(Figure),
+    /// They come early or late from run to run, by so many metres, standard deviation.
+    Locations(Figure),
 }
 
 impl SmallErrors {
@@ -40,13 +77,27 @@ impl SmallErrors {
     /// in r. `climbs_n_per_kg`: force of the described climbs, root mean square.
     pub(super) fn of_steepness(steep: Figure, climbs_n_per_kg: f64, seen_by: SeenBy, train: &Train) -> Self {
         let off_n_per_kg = (steep.value - 1.0).abs() * climbs_n_per_kg;
-        let sd_permille = FOLLOWS_SLOPES * 1e3 * off_n_per_kg / train.gravity_n_per_kg();
-        Self { sd_permille, seen_by, steepness: Some(steep) }
+        Self::following(Follows::Steepness(steep), off_n_per_kg, seen_by, train)
     }
 
-    /// The larger one of two.
-    pub(super) fn larger(one: Option<Self>, other: Option<Self>) -> Option<Self> {
-        one.into_iter().chain(other).max_by(|a, b| a.sd_permille.total_cmp(&b.sd_permille))
+    /// Of a train that is not as long as described, in the same way.
+    pub(super) fn of_length(length: OtherLength, seen_by: SeenBy, train: &Train) -> Self {
+        Self::following(Follows::Length(length.times), length.off_n_per_kg, seen_by, train)
+    }
+
+    /// Of locations that are off from run to run, in the same way.
+    pub(super) fn of_locations(off: OffFromRunToRun, seen_by: SeenBy, train: &Train) -> Self {
+        Self::following(Follows::Locations(off.metres), off.off_n_per_kg, seen_by, train)
+    }
+
+    fn following(follows: Follows, off_n_per_kg: f64, seen_by: SeenBy, train: &Train) -> Self {
+        let sd_permille = FOLLOWS_SLOPES * 1e3 * off_n_per_kg / train.gravity_n_per_kg();
+        Self { sd_permille, seen_by, follows: Some(follows) }
+    }
+
+    /// The largest one of several.
+    pub(super) fn largest(found: impl IntoIterator<Item = Option<Self>>) -> Option<Self> {
+        found.into_iter().flatten().max_by(|a, b| a.sd_permille.total_cmp(&b.sd_permille))
     }
 }
 
@@ -58,12 +109,26 @@ impl Coasts {
         let (gradients, resistance) = self.doubts_of(&described, train, track, said_permille.unwrap_or(0.0));
         // A resistance in other units leaves at each place what it is off by at the speeds there.
         let may_be_small = said_permille.is_none() && gradients.is_none() && resistance.is_none();
-        let small = may_be_small.then(|| self.small_errors(train, &described)).flatten();
-        Answer { gradients, resistance, small }
+        let small = may_be_small.then(|| self.small_errors(train, track, &described)).flatten();
+        // Beside slopes of another line, and of few runs, what is left at a place is no resistance.
+        let may_resist = gradients.is_none() && resistance.is_none() && self.runs >= LEAST_RUNS_SMALL;
+        let resists = described
+            .efforts
+            .filter(|_| may_resist)
+            .and_then(|efforts| efforts.resists)
+            .map(|found| ResistsAtPlaces { sd_n_per_kg: found.sd_n_per_kg, seen_by: SeenBy::Efforts });
+        Answer { gradients, resistance, small, resists }
     }
 }
 
 impl Answer {
+    /// Beside effects that are described: lengths and places may be theirs.
+    pub fn beside_effects(self) -> Self {
+        let of_slopes =
+            |small: &SmallErrors| !matches!(small.follows, Some(Follows::Length(_) | Follows::Locations(_)));
+        Self { small: self.small.filter(of_slopes), resists: None, ..self }
+    }
+
     /// Until the gradients are put right they are taken to be off by as much.
     pub fn raise(&self, doubt: &mut TrackDoubtConfig) {
         if let Some(gradients) = &self.gradients {
@@ -77,24 +142,29 @@ impl Answer {
 
 impl fmt::Display for SmallErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sd = self.sd_permille;
-        let what = match self.seen_by {
-            SeenBy::Efforts => "the accelerations beside the efforts",
-            SeenBy::Coasts => "coasts",
-        };
-        if let Some(steep) = self.steepness {
-            let act = steep.with_interval(3);
-            return write!(
+        let (sd, what) = (self.sd_permille, self.seen_by.words());
+        let taken = format!("gradients are taken to be off by {sd:.2} permille (standard deviation)");
+        let otherwise = "gradient_sd_permille in the track's file says otherwise";
+        match self.follows {
+            Some(Follows::Steepness(times)) => write!(
                 f,
-                "by {what} all slopes act {act} times as described, as beside a rotating mass or a wheel that is off: gradients \
-                 are taken to be off by {sd:.2} permille (standard deviation); gradient_sd_permille in the track's file \
-                 says otherwise"
-            );
+                "by {what} all slopes act {} times as described, as beside a rotating mass or a wheel that is off: \
+                 {taken}; {otherwise}",
+                times.with_interval(3)
+            ),
+            Some(Follows::Length(times)) => write!(
+                f,
+                "by {what} slopes act as on a train {} times as long as described; is length_m right, and the location that of its front? Until it is, \
+                 {taken}; {otherwise}",
+                times.with_interval(2)
+            ),
+            Some(Follows::Locations(metres)) => write!(
+                f,
+                "by {what} slopes come early or late from run to run, as if locations were off by {} m (standard deviation): \
+                 {taken}; {otherwise}",
+                metres.with_interval(0)
+            ),
+            None => write!(f, "{taken}, on which {what} of different runs agree at their places; {otherwise}"),
         }
-        write!(
-            f,
-            "gradients are taken to be off by {sd:.2} permille (standard deviation), on which {what} of different runs \
-             agree at their places; gradient_sd_permille in the track's file says otherwise"
-        )
     }
 }

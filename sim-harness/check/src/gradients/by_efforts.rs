@@ -10,12 +10,15 @@
 //! slopes are off by is what different runs have in common at a place, with k = 1.
 
 use super::driven::Driven;
+use super::length::{self, OtherLength};
+use super::locations::{self, OffFromRunToRun};
 use super::places::{self, Leaves, Recurring};
 use super::steepness::first_over_places;
 use super::{Doubt, SeenBy, SmallErrors, Version, off_by_place_permille};
 use crate::agreement::Figure;
 use crate::effort::least_squares;
 use nalgebra::SVector;
+use rundown::model::direction::Direction;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown_files::statistics::{mean_of, rms};
@@ -44,6 +47,8 @@ const MOST_SD_N_PER_KG: f64 = 0.025;
 const LEAST_OFF: f64 = 0.02;
 /// Errors of the gradients come again at their places by so many standard errors. Judgement: they only widen intervals.
 const LEAST_Z: f64 = 2.0;
+/// A resistance at places by so many more: it is one of every line.
+const LEAST_Z_RESISTS: f64 = 3.0;
 /// Smaller ones are those of the readings, N/kg: right gradients leave up to 0.0009.
 const LEAST_SD_N_PER_KG: f64 = 0.001;
 
@@ -56,8 +61,14 @@ pub(super) struct ByEfforts {
     pub(super) sds_n_per_kg: [f64; 2],
     /// What the described ones are off by at their places; none where that is nothing.
     pub(super) off: Option<Recurring>,
+    /// What acts at places alike in both directions, and more than errors of slopes.
+    pub(super) resists: Option<Recurring>,
     /// Force of the described climbs, root mean square, N/kg.
     pub(super) climbs_n_per_kg: f64,
+    /// The train has another length than the described one.
+    pub(super) length: Option<OtherLength>,
+    /// Locations are not the same in all runs.
+    pub(super) locations: Option<OffFromRunToRun>,
     /// Way over which a run sees them at a place, m.
     pub(super) mean_way_m: f64,
     /// Windows, and runs that they are of.
@@ -98,10 +109,13 @@ impl ByEfforts {
         let at_places = self.off.map(|off| SmallErrors {
             sd_permille: off_by_place_permille(off.sd_n_per_kg, self.mean_way_m, train),
             seen_by,
-            steepness: None,
+            follows: None,
         });
         let is_off = self.surely_off() > 0.0 && (self.steep.value - 1.0).abs() > LEAST_OFF;
-        SmallErrors::larger(at_places, is_off.then(|| self.as_steep(train)))
+        let steepness = is_off.then(|| self.as_steep(train));
+        let length = self.length.map(|length| SmallErrors::of_length(length, seen_by, train));
+        let locations = self.locations.map(|off| SmallErrors::of_locations(off, seen_by, train));
+        SmallErrors::largest([at_places, steepness, length, locations])
     }
 
     /// By how much k is off at least.
@@ -121,15 +135,28 @@ pub(super) fn read(windows: &[Driven], train: &Train, track: &Track) -> Option<B
         return None;
     }
     let climbs: Vec<f64> = windows.iter().map(|window| window.climb_n_per_kg(train, track)).collect();
-    let [means, moments] = [read_as(0, windows, &climbs)?, read_as(1, windows, &climbs)?];
+    let read_as = |which| read_as(which, windows, &climbs, (train, track));
+    let [means, moments] = [read_as(0)?, read_as(1)?];
     let apart = means.steep.value - moments.steep.value;
-    let better = if moments.sds_n_per_kg[0] < means.sds_n_per_kg[0] { moments } else { means };
+    let which = usize::from(moments.sds_n_per_kg[0] < means.sds_n_per_kg[0]);
+    let better = [means, moments][which];
     let steep = Figure { sd: better.steep.sd.hypot(0.5 * apart), ..better.steep };
-    (better.sds_n_per_kg[0] < MOST_SD_N_PER_KG).then_some(ByEfforts { steep, ..better })
+    let length = || length::by_efforts(which, windows, train, track);
+    (better.sds_n_per_kg[0] < MOST_SD_N_PER_KG).then(|| {
+        let length = length();
+        // What a length that is off leaves at a place is alike in both directions, too.
+        let resists = better.resists.filter(|_| length.is_none() && better.locations.is_none());
+        ByEfforts { steep, length, resists, ..better }
+    })
 }
 
 /// With one of the two efforts; `climbs_n_per_kg`: of each window.
-fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<ByEfforts> {
+fn read_as(
+    which: usize,
+    windows: &[Driven],
+    climbs_n_per_kg: &[f64],
+    (train, track): (&Train, &Track),
+) -> Option<ByEfforts> {
     let others = |window: &Driven| {
         let v = window.speed_mps;
         [window.efforts_n_per_kg[which], 1.0, v, v * v]
@@ -146,21 +173,32 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
     let described: Vec<(SVector<f64, 4>, f64)> = described.collect();
     let (gamma, ..) = least_squares(&described)?;
     let residuals: Vec<f64> = described.iter().map(|(x, y)| y - x.dot(&gamma)).collect();
-    let of_run = |(window, residual): (&Driven, &f64)| Leaves {
-        cell: places::cell(window.fronts_m),
-        run: window.run,
-        share: 1.0,
-        residual: window.direction.sign() * residual,
+    let recurring = |along: fn(Direction) -> f64| {
+        let of_run = |(window, residual): (&Driven, &f64)| Leaves {
+            cell: places::cell(window.fronts_m),
+            run: window.run,
+            share: 1.0,
+            residual: along(window.direction) * residual,
+        };
+        let found = places::recurring(windows.iter().zip(&residuals).map(of_run));
+        found.filter(|off| off.z > LEAST_Z && off.sd_n_per_kg > LEAST_SD_N_PER_KG)
     };
-    let off = places::recurring(windows.iter().zip(&residuals).map(of_run));
+    let (off, resists) = (recurring(Direction::sign), recurring(|_| 1.0));
+    let is_other = |resists: &Recurring| {
+        resists.z > LEAST_Z_RESISTS && off.is_none_or(|off| off.sd_n_per_kg < resists.sd_n_per_kg)
+    };
+    let left_mps2: Vec<f64> = freely.iter().map(|(x, y)| y - x.dot(&beta)).collect();
     let sds_n_per_kg = [(left / freely.len() as f64).sqrt(), rms(&residuals)];
     Some(ByEfforts {
         steep,
         sds_n_per_kg,
-        off: off.filter(|off| off.z > LEAST_Z && off.sd_n_per_kg > LEAST_SD_N_PER_KG),
+        off,
+        resists: resists.filter(is_other),
         // All windows of a run at a place are one.
         mean_way_m: mean_of(windows.iter().map(|window| window.way_m)).max(places::PLACE_M),
         climbs_n_per_kg: rms(climbs_n_per_kg),
+        length: None,
+        locations: locations::by_efforts(windows, &left_mps2, train, track),
         windows: windows.len(),
         runs: windows.iter().map(|window| window.run).collect::<BTreeSet<usize>>().len(),
     })
@@ -168,12 +206,11 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use super::super::answer::FOLLOWS_SLOPES;
+    use super::super::answer::{FOLLOWS_SLOPES, Follows};
     use super::super::stretch::climb_n_per_kg;
     use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
-    use rundown::model::direction::Direction;
     use rundown::model::track::Gradient;
     use rundown::model::train::TrainDescription;
 
@@ -196,7 +233,7 @@ mod tests {
             let direction = if run.is_multiple_of(2) { Direction::Up } else { Direction::Down };
             let at_m = f64::from(i * 150 % 39_000) + 400.0;
             let fronts = |at_m: f64| [-150.0, 150.0].map(|by_m| at_m + direction.sign() * by_m);
-            let climb = |at_m: f64| climb_n_per_kg(fronts(at_m), 300.0, direction, (&train, &track));
+            let climb = |at_m: f64| climb_n_per_kg(fronts(at_m), 300.0, direction, train.length_m(), (&train, &track));
             let effort_n_per_kg = 0.02 + climb(at_m - direction.sign() * 300.0) + rng.random_range(-0.02..0.02);
             let resistance = 0.01 + 2e-5 * 900.0 + climb(at_m);
             let noise = rng.random_range(-1.0..1.0) * noise_n_per_kg;
@@ -249,6 +286,50 @@ mod tests {
         let flat = ByEfforts { off: None, ..said(&track(0.9, 0.0)) };
         let small = flat.small_errors(&train()).unwrap();
         assert!((0.5..0.7).contains(&small.sd_permille) && flat.other_steepness(&train()).is_none());
+    }
+
+    #[test]
+    fn a_train_that_is_described_with_another_length_is_told_by_the_slopes_that_it_reaches_over() {
+        for times in [0.5, 1.6, 2.5] {
+            let length_m = times * train().length_m();
+            let described = Train::try_new(TrainDescription { length_m, ..TrainDescription::CASE_STUDY }).unwrap();
+            let small = read(&driven(0.01), &described, &track(1.0, 0.0)).unwrap().small_errors(&described).unwrap();
+            let Some(Follows::Length(found)) = small.follows else { panic!("{times}: {small:?}") };
+            assert!((found.value * times - 1.0).abs() < 0.15, "{times}: {small:?}");
+        }
+    }
+
+    #[test]
+    fn locations_that_are_off_from_run_to_run_are_seen_and_a_chainage_that_begins_elsewhere_is_none() {
+        let follows = |off_m: fn(usize) -> f64| {
+            let windows: Vec<Driven> =
+                driven(0.005).into_iter().map(|window| window.moved(off_m(window.run))).collect();
+            read(&windows, &train(), &track(1.0, 0.0)).unwrap().small_errors(&train()).and_then(|small| small.follows)
+        };
+        // 60 m up and down the line in turn.
+        let Some(Follows::Locations(metres)) = follows(|run| if run % 4 < 2 { 60.0 } else { -60.0 }) else {
+            panic!("{:?}", follows(|run| if run % 4 < 2 { 60.0 } else { -60.0 }))
+        };
+        assert!((40.0..90.0).contains(&metres.value), "{metres:?}");
+        assert!(!matches!(follows(|_| 60.0), Some(Follows::Locations(_))));
+        assert_eq!(follows(|_| 0.0), None);
+    }
+
+    #[test]
+    fn a_resistance_at_places_alike_in_both_directions_is_no_error_of_the_slopes() {
+        let with_curves = |resistance_n_per_kg: f64| {
+            let mut windows = driven(0.005);
+            for window in &mut windows {
+                let is_curved = places::cell(window.fronts_m).rem_euclid(6) == 0;
+                window.acceleration_mps2 -= if is_curved { resistance_n_per_kg } else { 0.0 };
+            }
+            read(&windows, &train(), &track(1.0, 0.0)).unwrap()
+        };
+        // Of a sixth of the line: 0.37 times as much is the standard deviation.
+        let resists = with_curves(0.012).resists.unwrap();
+        assert!((0.003..0.006).contains(&resists.sd_n_per_kg), "{resists:?}");
+        assert_eq!(with_curves(0.0).resists, None);
+        assert_eq!(said(&track(1.0, 0.8)).resists, None);
     }
 
     #[test]

@@ -20,6 +20,16 @@ pub enum SeenBy {
     Coasts,
 }
 
+impl SeenBy {
+    /// In a sentence.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Efforts => "the accelerations beside the efforts",
+            Self::Coasts => "coasts",
+        }
+    }
+}
+
 /// The described gradients look wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Doubt {

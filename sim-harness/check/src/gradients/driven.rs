@@ -32,7 +32,17 @@ pub(crate) struct Driven {
 impl Driven {
     /// Force of the described climb, N/kg.
     pub(crate) fn climb_n_per_kg(&self, train: &Train, track: &Track) -> f64 {
-        climb_n_per_kg(self.fronts_m, self.way_m, self.direction, (train, track))
+        self.climb_of(train.length_m(), train, track)
+    }
+
+    /// The same somewhere else along the line.
+    pub(super) fn moved(self, by_m: f64) -> Self {
+        Self { fronts_m: self.fronts_m.map(|front_m| front_m + by_m), ..self }
+    }
+
+    /// The same on a train of such a length.
+    pub(super) fn climb_of(&self, length_m: f64, train: &Train, track: &Track) -> f64 {
+        climb_n_per_kg(self.fronts_m, self.way_m, self.direction, length_m, (train, track))
     }
 }
 

@@ -17,6 +17,8 @@ mod answer;
 mod by_efforts;
 mod doubt;
 pub(crate) mod driven;
+mod length;
+mod locations;
 mod mixture;
 mod places;
 mod steepness;
@@ -24,7 +26,7 @@ mod stretch;
 mod units;
 mod version;
 
-pub use answer::{Answer, SmallErrors};
+pub use answer::{Answer, Follows, ResistsAtPlaces, SmallErrors};
 pub use doubt::{Doubt, SeenBy};
 pub use units::{CONVERSIONS, OtherUnits, converted};
 pub use version::Version;
@@ -186,7 +188,7 @@ impl Coasts {
     /// How far the described gradients are off, standard deviation: what efforts, or else coasts, of different runs
     /// have in common at a place, or make of all slopes. None where that is nothing, or may be chance; larger errors in
     /// coasts are a [`Doubt`].
-    fn small_errors(&self, train: &Train, described: &AsDescribed) -> Option<SmallErrors> {
+    fn small_errors(&self, train: &Train, track: &Track, described: &AsDescribed) -> Option<SmallErrors> {
         if self.runs < LEAST_RUNS_SMALL {
             return None;
         }
@@ -201,9 +203,11 @@ impl Coasts {
         let at_places = locked.filter(is_seen).map(|found| SmallErrors {
             sd_permille: self.off_by_place_permille(found.sd_n_per_kg, train).min(MOST_SMALL_PERMILLE),
             seen_by: SeenBy::Coasts,
-            steepness: None,
+            follows: None,
         });
-        SmallErrors::larger(at_places, steepness)
+        let length = length::by_coasts(&self.stretches, train, track);
+        let length = length.map(|length| SmallErrors::of_length(length, SeenBy::Coasts, train));
+        SmallErrors::largest([at_places, steepness, length])
     }
 
     /// Another version explains the coasts better.
@@ -256,7 +260,10 @@ impl Coasts {
         let (least_z, least_n_per_kg) = if is_level { LOCKED_ON_LEVEL } else { LOCKED_ON_SLOPES };
         let mostly = found.z > LOCKED_MOSTLY.0 && found.sd_n_per_kg > LOCKED_MOSTLY.1 * found.all_sd_n_per_kg;
         let is_clear = found.z > least_z || is_level && mostly;
-        let is_locked = is_clear && found.sd_n_per_kg > least_n_per_kg && found.stretches >= LEAST_STRETCHES;
+        // Slopes that are off by as much would show beside the efforts.
+        let is_denied = described.efforts.is_some_and(|efforts| efforts.sds_n_per_kg[1] < found.sd_n_per_kg);
+        let is_locked =
+            is_clear && !is_denied && found.sd_n_per_kg > least_n_per_kg && found.stretches >= LEAST_STRETCHES;
         let is_worse = || {
             let level = AsDescribed::of(&self.stretches, vec![0.0; self.stretches.len()]);
             level
@@ -400,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_that_act_a_little_more_or_less_than_described_are_small_errors_of_all_of_them() {
+    fn slopes_that_act_more_or_less_than_described_or_on_a_longer_train_are_small_errors_of_all_of_them() {
         let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
         let hills =
             (0..60_u32).map(|i| Gradient { from_m: 800.0 * f64::from(i), permille: f64::from(i * 7 % 11) - 5.0 });
@@ -408,9 +415,19 @@ mod tests {
         let steepness = |times: f64| {
             let mut coasts = Coasts::default();
             coasts.add(&runs(&train, &track, 1.0, times), &train);
-            coasts.answer(&train, &track, None).small.and_then(|small| small.steepness)
+            match coasts.answer(&train, &track, None).small?.follows? {
+                Follows::Steepness(times) => Some(times),
+                Follows::Length(_) | Follows::Locations(_) => None,
+            }
         };
         assert_eq!(steepness(1.0), None);
+        let length_m = 2.0 * train.length_m();
+        let longer = Train::try_new(TrainDescription { length_m, ..TrainDescription::CASE_STUDY }).unwrap();
+        let mut coasts = Coasts::default();
+        coasts.add(&runs(&longer, &track, 1.0, 1.0), &longer);
+        let follows = coasts.answer(&train, &track, None).small.and_then(|small| small.follows);
+        let Some(Follows::Length(times)) = follows else { panic!("{follows:?}") };
+        assert!((times.value - 2.0).abs() < 0.2, "{times:?}");
         for times in [0.93, 1.05] {
             let found = steepness(times).unwrap();
             assert!((found.value - times).abs() < 0.015, "{times}: {found:?}");

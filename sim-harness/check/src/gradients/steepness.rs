@@ -19,10 +19,10 @@ const PLACE_M: f64 = 1000.0;
 /// Fewer places do not show how surely k is known; a single one would leave no doubt at all.
 const LEAST_PLACES: usize = 10;
 /// So many coasted stretches must say it.
-const LEAST_COASTED: f64 = 200.0;
+pub(super) const LEAST_COASTED: f64 = 200.0;
 /// They are taken to scatter by no more than whole km/h make them, N/kg: where trains hold speeds or power a little as
 /// well, a wider distribution has stretches in it that follow the slopes.
-const MOST_SD_N_PER_KG: f64 = 0.006;
+pub(super) const MOST_SD_N_PER_KG: f64 = 0.006;
 /// It is another number than 1 by so many standard deviations, and by so much.
 const SURELY_NOT: f64 = 3.0;
 const LEAST_STEEPER: f64 = 0.02;
@@ -54,18 +54,28 @@ fn fitted(stretches: &[Stretch], shares: &[f64], climbs_n_per_kg: &[f64]) -> Opt
 pub(super) fn first_over_places<const N: usize>(
     rows: &[(SVector<f64, N>, f64)],
     fronts_m: impl Iterator<Item = [f64; 2]>,
-    (beta, inverse): (&SVector<f64, N>, &SMatrix<f64, N, N>),
+    fit: (&SVector<f64, N>, &SMatrix<f64, N, N>),
 ) -> Option<Figure> {
-    let mut scores: BTreeMap<i64, f64> = BTreeMap::new();
-    for ([from_m, _], (x, y)) in fronts_m.zip(rows) {
-        let place = (from_m / PLACE_M).floor() as i64;
-        *scores.entry(place).or_default() += (inverse.row(0) * x)[0] * (y - x.dot(beta));
+    let place = |[from_m, _]: [f64; 2]| (from_m / PLACE_M).floor() as i64;
+    first_over(rows, fronts_m.map(place), fit, LEAST_PLACES)
+}
+
+/// The same over any groups of the rows; none from fewer than `least`.
+pub(super) fn first_over<const N: usize, G: Ord>(
+    rows: &[(SVector<f64, N>, f64)],
+    groups: impl Iterator<Item = G>,
+    (beta, inverse): (&SVector<f64, N>, &SMatrix<f64, N, N>),
+    least: usize,
+) -> Option<Figure> {
+    let mut scores: BTreeMap<G, f64> = BTreeMap::new();
+    for (group, (x, y)) in groups.zip(rows) {
+        *scores.entry(group).or_default() += (inverse.row(0) * x)[0] * (y - x.dot(beta));
     }
-    if scores.len() < LEAST_PLACES {
+    if scores.len() < least {
         return None;
     }
-    // The scores have no sum: one place less is free.
-    let places = scores.len() as f64;
-    let sd = (scores.values().map(|score| score * score).sum::<f64>() * places / (places - 1.0)).sqrt();
+    // The scores have no sum: one group less is free.
+    let groups = scores.len() as f64;
+    let sd = (scores.values().map(|score| score * score).sum::<f64>() * groups / (groups - 1.0)).sqrt();
     Some(Figure { value: beta[0], sd })
 }

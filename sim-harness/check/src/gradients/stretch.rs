@@ -50,6 +50,11 @@ impl Stretch {
         self.run % 2
     }
 
+    /// Force of the described climb, N/kg, on a train of such a length.
+    pub fn climb_n_per_kg(&self, length_m: f64, train: &Train, track: &Track) -> f64 {
+        climb_n_per_kg(self.fronts_m, self.way_m, self.direction, length_m, (train, track))
+    }
+
     /// The same of a train with another resistance.
     pub fn with(self, davis: &Davis) -> Self {
         let [mps, squared] = self.mean_powers;
@@ -57,9 +62,14 @@ impl Stretch {
     }
 }
 
-/// Force of the described climb over a way, N/kg.
-pub fn climb_n_per_kg(fronts_m: [f64; 2], way_m: f64, direction: Direction, (train, track): (&Train, &Track)) -> f64 {
-    let length_m = train.length_m();
+/// Force of the described climb over a way, N/kg, on a train of such a length.
+pub fn climb_n_per_kg(
+    fronts_m: [f64; 2],
+    way_m: f64,
+    direction: Direction,
+    length_m: f64,
+    (train, track): (&Train, &Track),
+) -> f64 {
     let [from_m, to_m] = fronts_m.map(|front_m| track.height_integral_m2(front_m, length_m, direction) / length_m);
     train.gravity_n_per_kg() * (to_m - from_m) / way_m
 }

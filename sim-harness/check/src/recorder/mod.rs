@@ -61,6 +61,10 @@ const LEAST_OFFSET_KMH: f64 = 0.5;
 const OFFSET_SURE: f64 = 8.0;
 const LEAST_OFFSET_RUNS: usize = 4;
 
+/// Beside such an offset a scale is a wheel's, if it is no larger: wheels wear by a few per cent, and more is a speed
+/// that is no straight line.
+const MOST_BESIDE_OFFSET: f64 = 0.05;
+
 fn is_beyond(offset_kmh: Figure) -> bool {
     offset_kmh.value.abs() > LEAST_OFFSET_KMH && offset_kmh.away_from(0.0) > OFFSET_SURE
 }
@@ -306,10 +310,10 @@ impl RecorderCheck {
         let sure = if self.has_one_wheel(scale) { beside_locations } else { scale };
         let creeps = self.has(Kind::Creep);
         let matters = !is_vague && !creeps && (scale.value - 1.0).abs() > LEAST_SCALE && sure.away_from(1.0) > SURE;
-        // An offset beside a scale is none of a recorder: the model does not fit, and its scale is no wheel.
-        self.is_wheel = matters && !odd;
-        let is_plain =
-            odd && !matters && !creeps && all.runs >= LEAST_OFFSET_RUNS && is_beyond(offset_kmh) && !known.truncates;
+        let is_plain = odd && !creeps && all.runs >= LEAST_OFFSET_RUNS && is_beyond(offset_kmh) && !known.truncates;
+        // A small offset beside a scale is none of a recorder: the model does not fit, and its scale is no wheel.
+        self.is_wheel = matters && (!odd || is_plain && (scale.value - 1.0).abs() < MOST_BESIDE_OFFSET);
+        let is_plain = is_plain && (self.is_wheel || !matters);
         if odd && !self.has(Kind::SpeedOffset) {
             self.found(Kind::SpeedOffset, offset_kmh, "km/h", put_right(is_plain));
         }
@@ -325,6 +329,12 @@ impl RecorderCheck {
             offset_mps: if known.truncates { 0.0 } else { offset_mps },
             scale: if self.is_wheel && !known.scale { scale.value } else { 1.0 },
         };
+        if odd {
+            // Beside such an offset the scale is what it is found to be, surely or not.
+            let found =
+                Correction { offset_mps: offset_kmh.value / 3.6, scale: if known.scale { 1.0 } else { scale.value } };
+            self.left_open = found.beside(&self.correction);
+        }
         let values = Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] });
         // The skews are those beside the locations, whatever these are off by.
         let of_scale = (beside_locations.sd / scale.value.powi(2)).powi(2);

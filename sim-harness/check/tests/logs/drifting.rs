@@ -10,6 +10,22 @@ use rundown_check::finding::{Done, Kind};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 
+/// A run of 40 km that stops twice, and is set right at each: the location leaps by so much there, m.
+fn set_right_at_stops(seed: u64, leap_m: impl Fn(f64, &mut ChaCha8Rng) -> f64) -> Recording {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (mut recording, truth) = run(seed, 1.0, 1.0);
+    let (mut off_m, mut since_m) = (0.0, 0.0);
+    for (at, (row, at_m)) in recording.rows.iter_mut().zip(&truth).enumerate() {
+        // At a standstill.
+        if at % 700 == 695 {
+            off_m += leap_m(at_m - since_m, &mut random);
+            since_m = *at_m;
+        }
+        row.location_m = row.location_m.map(|m| m + off_m);
+    }
+    recording
+}
+
 /// A run of 40 km that stops twice. The location reads `located` of the way since the last balise, the speed `speed` of
 /// the true one.
 fn run(seed: u64, located: f64, speed: f64) -> (Recording, Vec<f64>) {
@@ -80,5 +96,18 @@ fn exact_locations_and_seconds_that_a_clock_loses_drift_by_nothing() {
         let found = check(&mut lost);
         assert!(!kinds(&found).contains(&Kind::DriftingLocation), "{:?}", all(&found));
         assert!(kinds(&found).contains(&Kind::LostSeconds), "{:?}", all(&found));
+    }
+}
+
+/// A slope through one or two leaps leaves nothing of them.
+#[test]
+fn stops_that_are_missed_by_some_metres_are_no_drift() {
+    for seed in 0..4 {
+        let missed = |_: f64, random: &mut ChaCha8Rng| {
+            random.random_range(20.0..60.0) * random.random_range(-1.0..1.0_f64).signum()
+        };
+        let mut runs: Vec<Recording> = (0..8).map(|i| set_right_at_stops(3000 + 10 * seed + i, missed)).collect();
+        let found = check(&mut runs);
+        assert!(!kinds(&found).contains(&Kind::DriftingLocation), "{:?}", all(&found));
     }
 }

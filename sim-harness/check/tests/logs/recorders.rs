@@ -440,6 +440,20 @@ fn there_and_back_other_units_and_missing_standstill_are_said() {
         assert!((finding.figure.value * factor - 1.0).abs() < 0.05 && finding.done == Done::Refused, "{finding}");
     }
 
+    // An odometer that is set right at the last stop goes nowhere.
+    let (found, _) = one(truth.clone(), |rows| {
+        let last = *rows.last().unwrap();
+        let set_right = |i: u32| Sample {
+            line: last.line + u64::from(i),
+            time_s: last.time_s + f64::from(i),
+            location_m: last.location_m.map(|m| m - 800.0),
+            speed_mps: Some(0.0),
+            ..last
+        };
+        rows.extend((1..60).map(set_right));
+    });
+    assert!(!kinds(&found).contains(&Kind::TwoDirections), "{:?}", all(&found));
+
     let standing: usize = truth.iter().filter(|row| row.speed_mps == Some(0.0)).count();
     let (found, _) = one(truth.clone(), |rows| rows.retain(|row| row.speed_mps != Some(0.0)));
     let finding = only(&found, Kind::MissingStandstill);

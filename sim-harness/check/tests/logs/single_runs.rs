@@ -92,6 +92,23 @@ fn an_offset_that_no_rounding_explains_is_put_right_and_is_no_wheel() {
     }
 }
 
+#[test]
+fn an_offset_beside_a_wheel_is_put_right_with_it() {
+    let mut recordings = Recorder::default().runs(21_600, 6, 5);
+    let truths = recordings.clone();
+    recordings.iter_mut().for_each(speeds(1.012, 1.0 / 3.6));
+    let found = check(&mut recordings);
+    for kind in [Kind::SpeedOffset, Kind::SpeedScale] {
+        let finding = all(&found).into_iter().find(|finding| finding.kind == kind).unwrap();
+        assert_eq!(finding.done, Done::PutRight, "{finding}");
+    }
+    assert!((found.recorders[0].scale.unwrap().value - 1.012).abs() < 0.002, "{:?}", found.recorders);
+    let pairs = recordings.iter().zip(&truths).flat_map(|(run, truth)| run.rows.iter().zip(&truth.rows));
+    let moving = pairs.filter(|(_, truth)| truth.speed_mps > Some(3.0));
+    let off = moving.map(|(row, truth)| (row.speed_mps.unwrap() - truth.speed_mps.unwrap()).abs());
+    assert!(off.fold(0.0, f64::max) < 0.5 / 3.6);
+}
+
 /// Root mean square of the distance between locations.
 fn off_m(a: &Recording, b: &Recording) -> f64 {
     rms(a.rows.iter().zip(&b.rows).filter_map(|(a, b)| Some(a.location_m? - b.location_m?)))

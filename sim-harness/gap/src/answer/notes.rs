@@ -18,7 +18,7 @@ use crate::search::headwind::Headwind;
 use crate::traction::less_power::less_power;
 use crate::wording::{listed, section};
 use rundown::model::effects::Effect;
-use rundown_check::gradients::{SeenBy, SmallErrors};
+use rundown_check::gradients::{Follows, SeenBy, SmallErrors};
 use rundown_files::statistics::{median, sorted};
 use rundown_pages::numbers::counted;
 
@@ -100,16 +100,24 @@ fn agreeing(small: &SmallErrors) -> String {
         SeenBy::Efforts => "The accelerations beside the efforts",
         SeenBy::Coasts => "Coasts",
     };
-    if let Some(steep) = small.steepness {
-        return format!(
+    match small.follows {
+        Some(Follows::Steepness(times)) => format!(
             "{seen_by} say that all slopes act {} times as described, as beside a rotating mass or a wheel that is off. What is named besides may be due to that.",
-            steep.with_interval(3)
-        );
+            times.with_interval(3)
+        ),
+        Some(Follows::Length(times)) => format!(
+            "{seen_by} say that slopes act as on a train {} times as long as described. What is named besides may be due to that.",
+            times.with_interval(2)
+        ),
+        Some(Follows::Locations(metres)) => format!(
+            "{seen_by} say that slopes come early or late from run to run, as if locations were off by {} m (standard deviation). What is named at a place may be due to that.",
+            metres.with_interval(0)
+        ),
+        None => format!(
+            "{seen_by} of different runs agree at their places on {:.2} permille (standard deviation) that the track does not describe: errors of its gradients, or an effect at places. Where it is errors, what is named beside them may be theirs.",
+            small.sd_permille
+        ),
     }
-    format!(
-        "{seen_by} of different runs agree at their places on {:.2} permille (standard deviation) that the track does not describe: errors of its gradients, or an effect at places. Where it is errors, what is named beside them may be theirs.",
-        small.sd_permille
-    )
 }
 
 /// What the described gradients are off by, which the noise has.
