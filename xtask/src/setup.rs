@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 /// rustup answers within seconds, or its server cannot be reached.
 const RUSTUP_TIME: Duration = Duration::from_secs(120);
-const DEBIAN_RUST: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
+const DEBIAN_RUST: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-clippy"];
 const BACKPORTS: &str = "/etc/apt/sources.list.d/rundown-backports.sources";
 
 pub fn setup() -> Result<(), String> {

@@ -45,15 +45,16 @@ impl Toolchain {
                 cargo
             }
             Self::Debian { linker } => {
-                let mut cargo = Command::new(DEBIAN_CARGO);
+                // `cargo clippy` would take rustup's, which lints with another compiler than `core` is built with.
+                let mut cargo = Command::new(if word == "clippy" { DEBIAN_CLIPPY } else { DEBIAN_CARGO });
                 cargo
                     .args([word, "-Z", "build-std=core", "--target", TARGET])
                     .env("RUSTC", DEBIAN_RUSTC)
                     // Building `core` is an unstable option of cargo.
                     .env("RUSTC_BOOTSTRAP", "1")
                     .env("PATH", with_path(linker))
-                    .env_remove("RUSTUP_TOOLCHAIN")
-                    .env_remove("CARGO");
+                    .env("CARGO", DEBIAN_CARGO)
+                    .env_remove("RUSTUP_TOOLCHAIN");
                 cargo
             }
         }
@@ -61,6 +62,7 @@ impl Toolchain {
 }
 
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+const DEBIAN_CLIPPY: &str = "/usr/bin/cargo-clippy";
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 
 fn active() -> Option<Toolchain> {
@@ -69,7 +71,7 @@ fn active() -> Option<Toolchain> {
 }
 
 fn debian() -> Option<Toolchain> {
-    if !Path::new(DEBIAN_CARGO).exists() {
+    if ![DEBIAN_CARGO, DEBIAN_CLIPPY].iter().all(|program| Path::new(program).exists()) {
         return None;
     }
     let sysroot = ask(DEBIAN_RUSTC, &["--print", "sysroot"])?;

@@ -154,8 +154,8 @@ impl fmt::Display for SmallErrors {
             ),
             Some(Follows::Length(times)) => write!(
                 f,
-                "by {what} slopes act as on a train {} times as long as described; is length_m right, and the location that of its front? Until it is, \
-                 {taken}; {otherwise}",
+                "by {what} slopes act as on a train {} times as long as described; is length_m right, and \
+                 the location that of its front? Until it is, {taken}; {otherwise}",
                 times.with_interval(2)
             ),
             Some(Follows::Locations(metres)) => write!(
