@@ -21,8 +21,9 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 124 992.
-const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 125_000, goal: 96 << 10 };
+/// Code, constants and first values of variables: 128 532 with Debian's Rust 1.96.0-1~deb12u2. The compiler before it
+/// made 3540 less of the same sources.
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 129_000, goal: 96 << 10 };
 /// 81 912; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
 /// 7992; the goal is a quarter of SRAM2.
