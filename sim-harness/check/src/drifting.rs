@@ -91,17 +91,13 @@ pub(crate) fn put_right(recordings: &mut [Recording], usable: &[usize]) -> Optio
     let known = |leaps: &[Leap]| leaps.iter().filter_map(|leap| Some([leap.way_m?, leap.off_m, leap.mps])).collect();
     let pairs: Vec<Vec<[f64; 3]>> = runs.iter().map(|leaps| known(leaps)).collect();
     let all = pairs.concat();
-    let usual = slope(&all, 0);
-    let share = |pairs: &Vec<[f64; 3]>| if pairs.len() >= LEAST_OF_RUN { slope(pairs, 0) } else { usual };
-    let of_all = |which: usize| if which == 0 { usual } else { slope(&all, which) };
+    let usual = [0, 1, 2].map(|which| slope(&all, which));
     // A slope of its own explains all leaps of a run that has one or two.
-    let left = |which: usize| -> f64 {
-        let of_run = |run: &Vec<[f64; 3]>| {
-            let is_own = run.len() >= LEAST_OF_RUN;
-            left_m2(run, which, if is_own { slope(run, which) } else { of_all(which) })
-        };
-        pairs.iter().map(of_run).sum()
+    let slope_of = |run: &[[f64; 3]], which: usize| {
+        if run.len() >= LEAST_OF_RUN { slope(run, which) } else { usual[which] }
     };
+    let share = |run: &Vec<[f64; 3]>| slope_of(run, 0);
+    let left = |which: usize| -> f64 { pairs.iter().map(|run| left_m2(run, which, slope_of(run, which))).sum() };
     let squares: f64 = all.iter().map(|[_, off_m, _]| off_m * off_m).sum();
     let by_second = |sign: f64| all.iter().map(|[_, off_m, mps]| (off_m - sign * mps).powi(2)).sum::<f64>();
     let by_time = (LESS_THAN_BY_SECONDS * by_second(1.0).min(by_second(-1.0))).min(THAN_BY_SPEED * left(2));
@@ -111,7 +107,7 @@ pub(crate) fn put_right(recordings: &mut [Recording], usable: &[usize]) -> Optio
     }
     let mut shares: Vec<f64> = pairs.iter().filter(|run| run.len() >= LEAST_OF_RUN).map(share).collect();
     if shares.is_empty() {
-        shares.push(usual);
+        shares.push(usual[0]);
     }
     for (i, (leaps, pairs)) in usable.iter().zip(runs.iter().zip(&pairs)) {
         bring_back(&mut recordings[*i].rows, leaps, share(pairs));

@@ -135,28 +135,23 @@ pub(super) fn read(windows: &[Driven], train: &Train, track: &Track) -> Option<B
         return None;
     }
     let climbs: Vec<f64> = windows.iter().map(|window| window.climb_n_per_kg(train, track)).collect();
-    let read_as = |which| read_as(which, windows, &climbs, (train, track));
-    let [means, moments] = [read_as(0)?, read_as(1)?];
-    let apart = means.steep.value - moments.steep.value;
-    let which = usize::from(moments.sds_n_per_kg[0] < means.sds_n_per_kg[0]);
-    let better = [means, moments][which];
+    let [means, moments] = [read_as(0, windows, &climbs)?, read_as(1, windows, &climbs)?];
+    let apart = means.0.steep.value - moments.0.steep.value;
+    let which = usize::from(moments.0.sds_n_per_kg[0] < means.0.sds_n_per_kg[0]);
+    let (better, left_mps2) = if which == 1 { moments } else { means };
     let steep = Figure { sd: better.steep.sd.hypot(0.5 * apart), ..better.steep };
-    let length = || length::by_efforts(which, windows, train, track);
     (better.sds_n_per_kg[0] < MOST_SD_N_PER_KG).then(|| {
-        let length = length();
+        let length = length::by_efforts(which, windows, train, track);
+        let locations = locations::by_efforts(windows, &left_mps2, train, track);
         // What a length that is off leaves at a place is alike in both directions, too.
-        let resists = better.resists.filter(|_| length.is_none() && better.locations.is_none());
-        ByEfforts { steep, length, resists, ..better }
+        let resists = better.resists.filter(|_| length.is_none() && locations.is_none());
+        ByEfforts { steep, length, locations, resists, ..better }
     })
 }
 
-/// With one of the two efforts; `climbs_n_per_kg`: of each window.
-fn read_as(
-    which: usize,
-    windows: &[Driven],
-    climbs_n_per_kg: &[f64],
-    (train, track): (&Train, &Track),
-) -> Option<ByEfforts> {
+/// With one of the two efforts, and what it leaves of the accelerations; `climbs_n_per_kg`: of each window. Length and
+/// locations are not asked yet.
+fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<(ByEfforts, Vec<f64>)> {
     let others = |window: &Driven| {
         let v = window.speed_mps;
         [window.efforts_n_per_kg[which], 1.0, v, v * v]
@@ -189,7 +184,7 @@ fn read_as(
     };
     let left_mps2: Vec<f64> = freely.iter().map(|(x, y)| y - x.dot(&beta)).collect();
     let sds_n_per_kg = [(left / freely.len() as f64).sqrt(), rms(&residuals)];
-    Some(ByEfforts {
+    let found = ByEfforts {
         steep,
         sds_n_per_kg,
         off,
@@ -198,10 +193,11 @@ fn read_as(
         mean_way_m: mean_of(windows.iter().map(|window| window.way_m)).max(places::PLACE_M),
         climbs_n_per_kg: rms(climbs_n_per_kg),
         length: None,
-        locations: locations::by_efforts(windows, &left_mps2, train, track),
+        locations: None,
         windows: windows.len(),
         runs: windows.iter().map(|window| window.run).collect::<BTreeSet<usize>>().len(),
-    })
+    };
+    Some((found, left_mps2))
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use super::driven::Driven;
 use crate::agreement::Figure;
 use rundown::model::direction::Direction;
 use rundown::model::{track::Track, train::Train};
+use rundown_files::statistics::Pairs;
 use std::collections::BTreeMap;
 
 /// Length of a section that has one x in a run, m: trains are set right at stations.
@@ -36,22 +37,8 @@ pub(super) struct OffFromRunToRun {
     pub(super) off_n_per_kg: f64,
 }
 
-/// Sums over the windows of a run in a section: of 1, s = dc/ds, e, s² and s e.
-#[derive(Clone, Copy, Default)]
-struct SlopeSums([f64; 5]);
-
-impl SlopeSums {
-    fn add(&mut self, slope: f64, left: f64) {
-        let more = [1.0, slope, left, slope * slope, slope * left];
-        self.0.iter_mut().zip(more).for_each(|(sum, one)| *sum += one);
-    }
-
-    /// Sums of s² and of s e about their means: a force that a run has of its own is no x.
-    fn about_means(&self) -> [f64; 2] {
-        let Self([n, slope, left, squares, products]) = *self;
-        [squares - slope * slope / n, products - slope * left / n]
-    }
-}
+/// dc/ds and e of the windows of each run in a section.
+type OfRuns = BTreeMap<usize, Vec<(f64, f64)>>;
 
 /// `left_mps2`: what the efforts leave of the acceleration in each window.
 pub(super) fn by_efforts(
@@ -60,24 +47,25 @@ pub(super) fn by_efforts(
     train: &Train,
     track: &Track,
 ) -> Option<OffFromRunToRun> {
-    let mut sections: BTreeMap<(i64, bool), BTreeMap<usize, SlopeSums>> = BTreeMap::new();
+    let mut sections: BTreeMap<(i64, bool), OfRuns> = BTreeMap::new();
     let (mut squares, mut slopes) = (0.0, 0.0);
     for (window, left) in windows.iter().zip(left_mps2) {
         let climb = |by_m: f64| window.moved(by_m).climb_n_per_kg(train, track);
         let slope = (climb(STEP_M) - climb(-STEP_M)) / (2.0 * STEP_M);
         let section = (window.fronts_m[0] / SECTION_M).floor() as i64;
         let of_runs = sections.entry((section, window.direction == Direction::Up)).or_default();
-        of_runs.entry(window.run).or_default().add(slope, *left);
+        of_runs.entry(window.run).or_default().push((slope, *left));
         (squares, slopes) = (squares + left * left, slopes + slope * slope);
     }
     let n = windows.len() as f64;
     let variance = squares / n;
     let (mut scatter, mut free, mut weight) = (0.0, 0.0, 0.0);
     for of_runs in sections.values() {
-        let known = of_runs.values().map(SlopeSums::about_means);
-        let known = known.filter(|[squares, _]| squares * MOST_SD_M * MOST_SD_M > variance);
+        // About their means: a force that a run has of its own is no x.
+        let known = of_runs.values().map(|windows| Pairs::of(windows));
+        let known = known.filter(|pairs| pairs.xx * MOST_SD_M * MOST_SD_M > variance);
         // x with its weight.
-        let known: Vec<[f64; 2]> = known.map(|[squares, products]| [products / squares, squares / variance]).collect();
+        let known: Vec<[f64; 2]> = known.map(|pairs| [pairs.slope(), pairs.xx / variance]).collect();
         if known.len() < LEAST_RUNS {
             continue;
         }
