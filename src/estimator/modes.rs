@@ -96,7 +96,8 @@ pub(super) fn learning_tick(
     if let Ok(speed_mps) = judged.speed_mps {
         run.hops.observe(&config.short_hops, judged.time_s, speed_mps, standing);
     }
-    let short_hops = run.hops.pieces(&config.short_hops, judged.time_s);
+    run.staircase.observe(&config.sensor, judged.dt_s as f32, judged.speed_mps.ok().map(|speed_mps| speed_mps as f32));
+    let short_hops = run.hops.pieces(&config.short_hops, judged.time_s, run.staircase.is_clean());
     let reading = &mut run.effort_reading;
     let read_effort = match config.mode {
         Mode::Measured => {
@@ -304,6 +305,7 @@ fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Ti
         dt_s: judged.dt_s,
         location_m: judged.location_m.ok(),
         speed_mps: judged.speed_mps.ok(),
+        edge_mps: run.staircase.edge_mps(),
         effort: MeanEffort::default(),
     }
 }

@@ -20,6 +20,7 @@ use crate::tick::plausibility::Plausibility;
 use crate::tick::regime::{Recogniser, Regime};
 use crate::tick::short_hops::Hops;
 use crate::tick::snapshot::{InPlace, in_place};
+use crate::tick::staircase::Staircase;
 use crate::tick::truncation::Distances;
 use rundown_wire::errors;
 
@@ -46,6 +47,7 @@ in_place! {
         /// The last tick and where the train was by its readings: it waits for the next row of the effort.
         pub(crate) waits: Option<(Tick, Gaussian<2>)> = (None, zeroed Some((Tick::START, Gaussian::ZEROED)));
         pub(crate) hops: Hops = (in place);
+        pub(crate) staircase: Staircase = (in place);
         /// The recorder cuts its speeds off, as the runs before have shown.
         pub(crate) truncated: bool = (false);
         pub(crate) distances: Distances = (in place);

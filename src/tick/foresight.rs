@@ -264,6 +264,11 @@ impl Course {
         self.before = *before;
     }
 
+    /// What was believed when it began.
+    pub(crate) fn before(&self) -> &Gaussian<3> {
+        &self.before
+    }
+
     /// Up to here.
     pub(crate) fn lines(&self) -> Lines {
         self.lines

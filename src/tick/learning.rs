@@ -27,6 +27,7 @@ use crate::tick::foresight::{Course, Foresight, Leg, Lines};
 use crate::tick::memory::beside_gain;
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::{InPlace, in_place};
+use crate::tick::staircase;
 use heapless::Deque;
 use nalgebra::Vector3;
 
@@ -114,6 +115,8 @@ pub struct Tick {
     pub location_m: Option<Real>,
     /// Speed reading, m/s.
     pub speed_mps: Option<Real>,
+    /// The speed that was passed within this tick, m/s, see [`crate::tick::staircase`].
+    pub edge_mps: Option<f32>,
     /// Effort over the interval.
     pub effort: MeanEffort,
     /// Spectral density of the acceleration by the doubt of the track, m²/s³.
@@ -121,7 +124,7 @@ pub struct Tick {
 }
 
 plain! {
-    struct Tick { time_s, dt_s, location_m, speed_mps, effort, track_density }
+    struct Tick { time_s, dt_s, location_m, speed_mps, edge_mps, effort, track_density }
 }
 
 /// What of a segment counts.
@@ -161,6 +164,12 @@ pub const MIN_CHANGE_SHARE: Real = 0.08;
 /// was chosen, for a segment begins where the readings look like coasting; one that is too low does so more often, and
 /// believed it made r 0.2 % too small at 140 km/h and 0.9 % too large at 20 km/h.
 const BEGIN_SPEED_SD_MPS: Real = 1.0;
+
+/// Standard deviation of a speed on the edge of two steps, km/h, at least: as much noise does not show in the steps.
+const EDGE_SD_KMH: Real = 0.1;
+
+/// Square of a change of r that is none, (N/kg)².
+const NO_CHANGE: Real = 1e-12;
 
 /// Of a tick: a filter that is set to shorter ones would take longer than the tick.
 pub(crate) const MOST_SUB_STEPS: u32 = 1000;
@@ -455,7 +464,18 @@ impl Segment {
         }
     }
 
-    /// Predicts in sub-steps and updates. `false`: the readings left the gate.
+    /// It moved r(v) by more standard deviations than `gate` of what it could teach. A gentle brake moves no single
+    /// reading out of the gate, and r would follow it.
+    fn strays(&self, gate: Real) -> bool {
+        let (before, now) = (self.course.before(), davis_of(&self.constants()));
+        let speed_mps = self.belief.mean[SPEED];
+        let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
+        let moved = at.dot(&(now.mean - before.mean));
+        let taught = at.dot(&((before.covariance - now.covariance) * at));
+        moved * moved > gate * gate * taught.max(0.0) + NO_CHANGE
+    }
+
+    /// Predicts in sub-steps and updates. `false`: the readings left the gate, or r went astray.
     fn step(
         &mut self,
         config: &LearningConfig,
@@ -506,14 +526,24 @@ impl Segment {
         if coasts {
             self.course.add(&leg);
         }
-        let observation = Shared {
+        let mut observation = Shared {
             readings: LocationAndSpeed {
                 location_variance: sensor.location_sd_m * sensor.location_sd_m,
                 speed_variance,
             },
             own_speed_variance: speed_variance / staircase,
         };
-        let innovation = ukf.update(&mut self.belief, &observation, &[tick.location_m, tick.speed_mps])?;
+        let mut speed_mps = tick.speed_mps;
+        let is_short = tick.dt_s as f32 <= staircase::LONGEST_ROW_S;
+        if let Some(edge_mps) = tick.edge_mps.filter(|_| is_short && fine_sd_mps.is_none()) {
+            // Passed at any moment of the tick alike.
+            let half_mps = 0.5 * (ends_mps - began_mps);
+            let noise_mps = sensor.speed_noise_kmh.max(EDGE_SD_KMH) / 3.6;
+            speed_mps = Some(Real::from(edge_mps) + half_mps);
+            observation.readings.speed_variance =
+                half_mps * half_mps / 3.0 + noise_mps * noise_mps + Real::from(tick.effort.unseen);
+        }
+        let innovation = ukf.update(&mut self.belief, &observation, &[tick.location_m, speed_mps])?;
         let [location, speed] = innovation.readings;
         if location == Reading::Used {
             self.last_location_s = tick.time_s;
@@ -522,6 +552,7 @@ impl Segment {
             self.last_speed_s = tick.time_s;
         }
         let gap_s = tick.time_s - self.last_speed_s.min(self.last_location_s);
-        Ok((innovation, speed != Reading::Gated && gap_s <= config.max_gap_s))
+        let goes_on = speed != Reading::Gated && gap_s <= config.max_gap_s;
+        Ok((innovation, goes_on && !(coasts && self.strays(config.gate))))
     }
 }

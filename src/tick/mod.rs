@@ -17,5 +17,6 @@ pub mod regime;
 pub mod sensor;
 pub mod short_hops;
 pub(crate) mod snapshot;
+pub mod staircase;
 pub mod track_doubt;
 pub mod truncation;

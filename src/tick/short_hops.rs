@@ -9,7 +9,8 @@
 //! intercity), so it is used on short hops alone.
 //!
 //! Of coasts of 12 s, the usual ones of metros and trams, even that leaves nothing. Speeds in tenths of a km/h show
-//! within 4 s what whole ones show within 7, and how a brake begins within 3.
+//! within 4 s what whole ones show within 7, and how a brake begins within 3; clean steps of whole ones lie in between
+//! (see [`crate::tick::staircase`]).
 
 use crate::Real;
 use crate::tick::bounds::settings;
@@ -52,8 +53,8 @@ pub struct Pieces {
 }
 
 impl ShortHopConfig {
-    /// At most what is set, where the speeds are finer than whole km/h.
-    fn pieces(&self, speed_sd_mps: Option<f32>) -> Pieces {
+    /// At most what is set, where the speeds are finer than whole km/h, or clean steps.
+    fn pieces(&self, speed_sd_mps: Option<f32>, steps: bool) -> Pieces {
         let Self { interval_s, end_cut_s, min_segment_s, .. } = *self;
         let least_change = LeastChange::Share(MIN_CHANGE_SHARE);
         let mut pieces = Pieces { interval_s, end_cut_s, min_segment_s, least_change, speed_sd_mps };
@@ -62,6 +63,10 @@ impl ShortHopConfig {
             pieces.end_cut_s = end_cut_s.min(FINE_END_CUT_S);
             pieces.min_segment_s = min_segment_s.min(FINE_MIN_SEGMENT_S);
             pieces.least_change = LeastChange::Fall(LEAST_FALL_MPS2);
+        } else if steps {
+            pieces.interval_s = interval_s.min(STEPS_INTERVAL_S);
+            pieces.end_cut_s = end_cut_s.min(STEPS_END_CUT_S);
+            pieces.min_segment_s = min_segment_s.min(STEPS_MIN_SEGMENT_S);
         }
         pieces
     }
@@ -70,6 +75,9 @@ impl ShortHopConfig {
 const FINE_INTERVAL_S: Real = 4.0;
 const FINE_END_CUT_S: Real = 3.0;
 const FINE_MIN_SEGMENT_S: Real = 7.0;
+const STEPS_INTERVAL_S: Real = 6.0;
+const STEPS_END_CUT_S: Real = 4.0;
+const STEPS_MIN_SEGMENT_S: Real = 8.0;
 /// A speed that is held wanders by less, and where a driver takes back the power near the speed that is wanted it
 /// rises: both look like coasts on gentle slopes. Of steeper coasts enough are left. By whole km/h the coasts would be
 /// chosen for their rounding, and r(v) of suburban trains became too large.
@@ -142,8 +150,9 @@ impl Hops {
     }
 
     /// What counts of coasts on short hops; `None` on longer ones.
-    pub fn pieces(&self, config: &ShortHopConfig, time_s: Real) -> Option<Pieces> {
-        self.are_short(config, time_s).then(|| config.pieces(self.speed_sd_mps()))
+    /// `steps`: the speeds are whole steps without noise.
+    pub fn pieces(&self, config: &ShortHopConfig, time_s: Real, steps: bool) -> Option<Pieces> {
+        self.are_short(config, time_s).then(|| config.pieces(self.speed_sd_mps(), steps))
     }
 
     /// The last hop was short, and this one is not longer yet.
