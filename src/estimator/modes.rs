@@ -305,6 +305,7 @@ fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Ti
         dt_s: judged.dt_s,
         location_m: judged.location_m.ok(),
         speed_mps: judged.speed_mps.ok(),
+        steps: run.staircase.is_clean(),
         edge_mps: run.staircase.edge_mps(),
         effort: MeanEffort::default(),
     }

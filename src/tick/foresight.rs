@@ -283,13 +283,13 @@ impl Course {
         self.foreseen_mps += leg.foreseen_mps + more * leg.dt_s;
         self.apart_mps += (leg.described.resistance_n_per_kg(leg.midway_mps) - r_before) * leg.dt_s;
         self.midway_mps = leg.midway_mps;
-        self.speed_variance = leg.speed_variance;
         self.gusts = leg.gusts;
         let lines = &mut self.lines;
         let t = leg.time_s - self.begin_s;
         lines.duration_s = t;
         lines.track += leg.track * leg.dt_s;
         if let Some(speed_mps) = leg.speed_mps {
+            self.speed_variance = leg.speed_variance;
             let (y, w) = (speed_mps - self.foreseen_mps, self.apart_mps);
             lines.readings += 1.0;
             lines.t += t;
@@ -306,7 +306,7 @@ impl Course {
     pub(crate) fn coast(&self, lines: &Lines) -> Option<Coast> {
         let n = lines.readings;
         let spread = lines.tt - lines.t * lines.t / n;
-        let drawn = n >= 3.0 && spread > 0.0;
+        let drawn = n >= 2.0 && spread > 0.0;
         drawn.then(|| {
             let slope = |sum: Real, with_t: Real| (with_t - lines.t * sum / n) / spread;
             // The slope of a line through a random walk has 6/5 of the variance of its mean step.

@@ -115,7 +115,10 @@ pub struct Tick {
     pub location_m: Option<Real>,
     /// Speed reading, m/s.
     pub speed_mps: Option<Real>,
-    /// The speed that was passed within this tick, m/s, see [`crate::tick::staircase`].
+    /// The speeds are whole steps without noise, see [`crate::tick::staircase`]; the one between two of them that was
+    /// passed within this tick, m/s.
+    pub steps: bool,
+    /// See `steps`.
     pub edge_mps: Option<f32>,
     /// Effort over the interval.
     pub effort: MeanEffort,
@@ -124,7 +127,7 @@ pub struct Tick {
 }
 
 plain! {
-    struct Tick { time_s, dt_s, location_m, speed_mps, edge_mps, effort, track_density }
+    struct Tick { time_s, dt_s, location_m, speed_mps, steps, edge_mps, effort, track_density }
 }
 
 /// What of a segment counts.
@@ -508,7 +511,24 @@ impl Segment {
             None => (sensor.speed_sd_mps(), (config.staircase_s / tick.dt_s).max(1.0)),
         };
         let speed_variance = speed_sd_mps * speed_sd_mps * staircase + Real::from(tick.effort.unseen);
+        let mut observation = Shared {
+            readings: LocationAndSpeed {
+                location_variance: sensor.location_sd_m * sensor.location_sd_m,
+                speed_variance,
+            },
+            own_speed_variance: speed_variance / staircase,
+        };
         let ends_mps = self.belief.mean[SPEED];
+        let has_edges = tick.steps && fine_sd_mps.is_none() && tick.dt_s as f32 <= staircase::LONGEST_ROW_S;
+        let mut speed_mps = tick.speed_mps;
+        if let Some(edge_mps) = tick.edge_mps.filter(|_| has_edges) {
+            // Passed at any moment of the tick alike.
+            let half_mps = 0.5 * (ends_mps - began_mps);
+            let noise_mps = sensor.speed_noise_kmh.max(EDGE_SD_KMH) / 3.6;
+            speed_mps = Some(Real::from(edge_mps) + half_mps);
+            observation.readings.speed_variance =
+                half_mps * half_mps / 3.0 + noise_mps * noise_mps + Real::from(tick.effort.unseen);
+        }
         // A measured effort has errors of its own, which would be taken for those of the resistance.
         let coasts = tick.effort.variance == 0.0;
         let leg = Leg {
@@ -518,30 +538,14 @@ impl Segment {
             foreseen_mps: ends_mps - began_mps,
             believed,
             described: line.train.davis(),
-            speed_mps: tick.speed_mps,
-            speed_variance,
+            // Between edges little is read.
+            speed_mps: speed_mps.filter(|_| !has_edges || tick.edge_mps.is_some()),
+            speed_variance: observation.readings.speed_variance,
             gusts,
             track: tick.track_density,
         };
         if coasts {
             self.course.add(&leg);
-        }
-        let mut observation = Shared {
-            readings: LocationAndSpeed {
-                location_variance: sensor.location_sd_m * sensor.location_sd_m,
-                speed_variance,
-            },
-            own_speed_variance: speed_variance / staircase,
-        };
-        let mut speed_mps = tick.speed_mps;
-        let is_short = tick.dt_s as f32 <= staircase::LONGEST_ROW_S;
-        if let Some(edge_mps) = tick.edge_mps.filter(|_| is_short && fine_sd_mps.is_none()) {
-            // Passed at any moment of the tick alike.
-            let half_mps = 0.5 * (ends_mps - began_mps);
-            let noise_mps = sensor.speed_noise_kmh.max(EDGE_SD_KMH) / 3.6;
-            speed_mps = Some(Real::from(edge_mps) + half_mps);
-            observation.readings.speed_variance =
-                half_mps * half_mps / 3.0 + noise_mps * noise_mps + Real::from(tick.effort.unseen);
         }
         let innovation = ukf.update(&mut self.belief, &observation, &[tick.location_m, speed_mps])?;
         let [location, speed] = innovation.readings;

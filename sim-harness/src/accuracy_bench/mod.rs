@@ -96,7 +96,8 @@ fn judge_vehicle(
     let judged = JudgedVehicle { estimator: &estimator, truth, band_kmh: fleet.band_kmh };
     table.judge_vehicle(&judged, &driven);
     let worth = Worth::of(&scenario.sensors);
-    let bound = Bound::new(Known::of(fleet.mode), worth, scatter(&nominal), fleet.effort_gain_sd, scenario.wind_sd_mps);
-    table.judge_bound(&judged, bound, &driven);
+    let bounds = [estimator.new_vehicle().davis().covariance, scatter(&nominal)]
+        .map(|prior| Bound::new(Known::of(fleet.mode), worth, prior, fleet.effort_gain_sd, scenario.wind_sd_mps));
+    table.judge_bounds(&judged, bounds, &driven);
     Ok(table)
 }

@@ -158,8 +158,9 @@ pub struct FleetFigures {
     pub features: [Vec<f64>; 4],
     /// Time learned from in each run, s.
     pub learned_s: Vec<f64>,
-    /// Squares of the smallest possible errors of the vehicle's r(v), as shares of it, after 1, 10 and all runs.
-    possible: [Vec<f64>; 3],
+    /// Squares of the smallest possible errors of the vehicle's r(v), as shares of it, after 1, 10 and all runs: by the
+    /// prior that the board has, and for one who knows how the fleet scatters.
+    possible: [[Vec<f64>; 3]; 2],
 }
 
 /// Which of the looks, after 1, 10 and all runs, follow a run.
@@ -199,22 +200,25 @@ impl FleetFigures {
         }
     }
 
-    /// Adds what can be known of one vehicle.
-    pub(crate) fn judge_bound(&mut self, judged: &JudgedVehicle<'_>, mut bound: Bound, fleet: &[Run]) {
-        for (index, run) in fleet.iter().enumerate() {
-            let DavisTruth { r0, r1, r2 } = run.facts.davis;
-            bound.run(&run.truth, &run.samples, [r0, r1, r2]);
-            for slot in looks(index, fleet.len()) {
-                let possible = Gaussian { mean: Vector3::zeros(), covariance: bound.davis() };
-                let share = |kmh: f64| resistance(&possible, kmh).1 / judged.truth.resistance_n_per_kg(kmh / 3.6);
-                self.possible[slot].extend(speeds_kmh(judged.band_kmh).map(share).map(|share| share * share));
+    /// Adds what can be known of one vehicle, by both priors.
+    pub(crate) fn judge_bounds(&mut self, judged: &JudgedVehicle<'_>, bounds: [Bound; 2], fleet: &[Run]) {
+        for (mut bound, possible) in bounds.into_iter().zip(&mut self.possible) {
+            for (index, run) in fleet.iter().enumerate() {
+                let DavisTruth { r0, r1, r2 } = run.facts.davis;
+                bound.run(&run.truth, &run.samples, [r0, r1, r2]);
+                for slot in looks(index, fleet.len()) {
+                    let least = Gaussian { mean: Vector3::zeros(), covariance: bound.davis() };
+                    let share = |kmh: f64| resistance(&least, kmh).1 / judged.truth.resistance_n_per_kg(kmh / 3.6);
+                    possible[slot].extend(speeds_kmh(judged.band_kmh).map(share).map(|share| share * share));
+                }
             }
         }
     }
 
-    /// Root mean square of the smallest possible errors of the vehicle's r(v) after 1, 10 and all runs, %.
-    pub fn possible_percent(&self) -> [f64; 3] {
-        [0, 1, 2].map(|slot| 100.0 * mean_of(&self.possible[slot]).sqrt())
+    /// Root mean squares of the smallest possible errors of the vehicle's r(v) after 1, 10 and all runs, %: by the
+    /// board's prior, and for one who knows how the fleet scatters.
+    pub fn possible_percent(&self) -> [[f64; 3]; 2] {
+        [0, 1].map(|prior| [0, 1, 2].map(|slot| 100.0 * mean_of(&self.possible[prior][slot]).sqrt()))
     }
 
     /// Adds the vehicles of another table.
@@ -232,7 +236,8 @@ impl FleetFigures {
         cells.zip(other.confusion.iter().flatten().flatten()).for_each(|(own, other)| *own += other);
         self.features.iter_mut().zip(other.features).for_each(|(own, other)| own.extend(other));
         self.learned_s.extend(other.learned_s);
-        self.possible.iter_mut().zip(other.possible).for_each(|(own, other)| own.extend(other));
+        let possible = self.possible.iter_mut().flatten();
+        possible.zip(other.possible.into_iter().flatten()).for_each(|(own, other)| own.extend(other));
     }
 
     fn regimes(&mut self, run: &Run, estimates: &[Estimate]) {

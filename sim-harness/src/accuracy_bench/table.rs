@@ -8,17 +8,20 @@ use rundown_files::statistics::mean_of;
 /// The fleets beside each other: r(v), then regimes and features.
 pub fn tables(judged: &[(Fleet, FleetFigures)]) -> String {
     let mut text = String::from(
-        "| fleet | r(v) of the vehicle, rms % after 1 / 10 / all runs | possible | of the running train | truths inside 95 % | \
-         learned from, s a run |\n|---|---|---|---|---|---|\n",
+        "| fleet | r(v) of the vehicle, rms % after 1 / 10 / all runs | possible by the board's prior | by the fleet's | \
+         of the running train | truths inside 95 % | learned from, s a run |\n|---|---|---|---|---|---|---|\n",
     );
     for (fleet, table) in judged {
         let mode = if fleet.mode == Mode::Measured { ", `measured`" } else { "" };
         let inside = slots(&table.vehicle, |errors| format!("{:.0}", 100.0 * errors.coverage()));
         let [vehicle, running] =
             [&table.vehicle, &table.running].map(|errors| slots(errors, |errors| rms(errors.rmse_percent())));
-        let possible = slots(&table.possible_percent(), |percent| rms(*percent));
+        let [possible, knowing] = table.possible_percent().map(|percent| slots(&percent, |percent| rms(*percent)));
         let learned_s = mean_of(&table.learned_s);
-        text += &format!("| {}{mode} | {vehicle} | {possible} | {running} | {inside} | {learned_s:.0} |\n", fleet.what);
+        text += &format!(
+            "| {}{mode} | {vehicle} | {possible} | {knowing} | {running} | {inside} | {learned_s:.0} |\n",
+            fleet.what
+        );
     }
     text += "\n| fleet | regimes right, at the sample / one later | macro F1 one later | 90 % of brake starts, coast starts \
              within | cruise, power |\n|---|---|---|---|---|\n";
