@@ -83,6 +83,7 @@
 
 pub mod coast_ahead;
 pub mod estimator;
+mod extremes;
 pub mod features;
 pub mod filter;
 mod listed;

@@ -4,6 +4,7 @@ use super::outcome::NINETY_PERCENT;
 use super::way::{Stands, Way};
 use super::{Arrival, CoastAhead, CoastConfig, Outcome};
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::pieces::pieces;
@@ -80,7 +81,7 @@ fn coast(
         if let Err(Stands { after_m }) = way.advance(step_m) {
             // v² is nearly straight over the distance, and its deviation is that of where the step began.
             let sd = here.sd_of(here.energy(&way.by_energy), &way.by_energy, estimate, way.noise_energy);
-            let sd_m = Real::from(0.5 * sd / way.braking_n_per_kg().max(davis.r0 as f32));
+            let sd_m = Real::from(0.5 * sd / way.braking_n_per_kg().at_least(davis.r0 as f32));
             let location_m = way.location_m + sign * Real::from(after_m);
             let left_m = ahead_m - sign * (location_m - from.location_m);
             // NaN goes on and is found to be none.
@@ -274,7 +275,7 @@ mod tests {
                             assert!(left_m <= 0.0);
                             let late_s = (found.time_s - t).abs();
                             let errors = [(found.speed_mps - v).abs(), late_s / (t - 1000.0)];
-                            largest = [0, 1].map(|i| Real::max(largest[i], errors[i]));
+                            largest = [0, 1].map(|i| largest[i].at_least(errors[i]));
                         }
                         Outcome::Stops { location_m, .. } => {
                             assert!((location_m - s).abs() < 60.0, "{location_m} {s} {ahead_m}");

@@ -1,6 +1,7 @@
 //! When a prediction is published again: with hysteresis.
 
 use super::{CoastAhead, CoastConfig, Outcome};
+use crate::extremes::Extremes;
 use crate::plain::plain;
 
 /// Least worth of a metre that is divided by, (m/s)/m.
@@ -55,7 +56,7 @@ fn same(config: &CoastConfig, said: &Outcome, found: &Outcome) -> bool {
     match (said, found) {
         (Outcome::Arrives(said), Outcome::Arrives(found)) => {
             let faster_mps = (found.speed_mps - said.speed_mps).abs();
-            let moved_m = faster_mps / found.speed_per_m.max(LEAST_SPEED_PER_M);
+            let moved_m = faster_mps / found.speed_per_m.at_least(LEAST_SPEED_PER_M);
             moved_m <= config.coasting_point_m && (found.time_s - said.time_s).abs() <= config.arrival_s
         }
         (Outcome::Stops { location_m: said_m, .. }, Outcome::Stops { location_m: found_m, .. }) => {

@@ -8,6 +8,7 @@
 use super::config::{Config, Mode};
 use super::run_state::RunState;
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::filter::elimination::NotPositiveDefinite;
 use crate::filter::gaussian::Gaussian;
 use crate::filter::ukf::Innovation;
@@ -256,12 +257,12 @@ fn recognise(
         (_, false) => run.regime,
     });
     let usual_s = config.recogniser.interval_s;
-    let interval_s = short_hops.map_or(usual_s, |pieces| usual_s.min(pieces.interval_s));
+    let interval_s = short_hops.map_or(usual_s, |pieces| usual_s.at_most(pieces.interval_s));
     if evidence.interval_s >= 0.95 * interval_s {
         recognition.coasts = Some(recognised.now.of(Regime::Coast));
         run.recogniser = recognised.now;
         run.anchor = Some(*now);
-        if config.mode == Mode::Measured && anchor.speed_mps.min(now.speed_mps) > SLOWEST_MEASURED_MPS {
+        if config.mode == Mode::Measured && anchor.speed_mps.at_most(now.speed_mps) > SLOWEST_MEASURED_MPS {
             let sd = [speed_sd_mps, evidence.resistance_sd_n_per_kg];
             let effort = effort::over_steps(line, acting, &davis, [&anchor, now], config.learning.sub_step_s);
             run.effort_reading.compare(&config.effort_reading, evidence.interval_s, &effort, sd, run.learner.gain());

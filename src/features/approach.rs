@@ -11,6 +11,7 @@
 
 use super::{Phase, SwitchingPoint};
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::tick::regime::Regime;
 
 /// Final coast and final brake, of so many switching points. None before the train has stood after a brake, and none
@@ -53,7 +54,7 @@ fn phase(start: &SwitchingPoint, end: &SwitchingPoint) -> Phase {
         start_time_s: start.time_s,
         start_location_m: start.location_m,
         start_speed_mps: start.speed_mps,
-        duration_s: (end.time_s - start.time_s).max(0.0),
+        duration_s: (end.time_s - start.time_s).at_least(0.0),
         length_m: (end.location_m - start.location_m).abs(),
     }
 }

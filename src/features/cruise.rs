@@ -16,6 +16,7 @@
 use super::Statistic;
 use super::statistic::WeightedMoments;
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::pieces::whole;
 use crate::model::units::KmPerHour;
 use crate::plain::{Bytes, Plain};
@@ -52,12 +53,12 @@ impl HeldSpeeds {
         // In bins; bin i reaches from i to i + 1.
         let bin = |mps: Real| (mps * 3.6 * BINS_PER_KMH + 0.5).clamp(0.0, BINS as Real - 0.5);
         let (a, b) = (bin(from_mps), bin(to_mps));
-        let (low, high) = (a.min(b), a.max(b));
+        let (low, high) = (a.at_most(b), a.at_least(b));
         let (first, last) = (whole(low) as usize, whole(high) as usize);
         let dt_ms = dt_s * 1000.0;
         for (i, time_ms) in self.time_ms.iter_mut().enumerate().take(last + 1).skip(first) {
-            let left = low.max(i as Real);
-            let right = high.min(i as Real + 1.0);
+            let left = low.at_least(i as Real);
+            let right = high.at_most(i as Real + 1.0);
             let share = if high - low > 1e-6 { (right - left) / (high - low) } else { 1.0 };
             *time_ms = time_ms.saturating_add(whole(dt_ms * share + 0.5));
             if share == 1.0 {

@@ -16,6 +16,7 @@ use super::statistic::{LineFit, WeightedMoments};
 use super::steady::SteadyIntervals;
 use super::{Energy, FeatureConfig, Features, MAX_SWITCHING_POINTS, Observation, SwitchingPoint};
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::resistance::Davis;
 use crate::model::units::KmPerHour;
 use crate::tick::regime::Regime;
@@ -182,7 +183,7 @@ impl FeatureExtractor {
         }
         let stops = tick.regime == Regime::Standstill && before.regime != Regime::Standstill;
         let moving_s = match before.acceleration_mps2 {
-            Some(rate) if stops && rate < 0.0 => (before.speed_mps / -rate).min(tick.dt_s),
+            Some(rate) if stops && rate < 0.0 => (before.speed_mps / -rate).at_most(tick.dt_s),
             _ => 0.0,
         };
         for (regime, dt_s) in [(before.regime, moving_s), (tick.regime, tick.dt_s - moving_s)] {
@@ -197,7 +198,7 @@ impl FeatureExtractor {
             (Regime::Standstill, Regime::Standstill) => {}
             (_, Regime::Standstill) => self.arrival_top_speed_mps = self.top_speed_mps,
             (Regime::Standstill, _) => self.top_speed_mps = tick.speed_mps,
-            _ => self.top_speed_mps = self.top_speed_mps.max(tick.speed_mps),
+            _ => self.top_speed_mps = self.top_speed_mps.at_least(tick.speed_mps),
         }
     }
 
@@ -224,7 +225,7 @@ impl FeatureExtractor {
             }
             if inside(config.max_power_window_kmh) {
                 let max = self.max_power_w_per_kg;
-                self.max_power_w_per_kg = Some(max.map_or(power_w_per_kg, |max| max.max(power_w_per_kg)));
+                self.max_power_w_per_kg = Some(max.map_or(power_w_per_kg, |max| max.at_least(power_w_per_kg)));
             }
         }
         self.steady_power.push(bridge, &stretch);
@@ -267,7 +268,7 @@ impl FeatureExtractor {
 
     /// Places those points again whose surroundings are still coming in.
     fn place_recent(&mut self, config: &FeatureConfig, tick: &Observation) {
-        let open_since_s = tick.time_s - 8.0 * config.window_s.max(tick.dt_s);
+        let open_since_s = tick.time_s - 8.0 * config.window_s.at_least(tick.dt_s);
         for i in (0..self.recent.len()).rev() {
             let Some((boundary, _)) = self.recent.get(i).copied() else {
                 return;

@@ -40,6 +40,7 @@ use super::phases::Boundary;
 use super::statistic::LineFit;
 use super::{FeatureConfig, Observation, SwitchingPoint};
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::plain::plain;
 use crate::tick::regime::Regime;
 use crate::tick::snapshot::in_place;
@@ -214,7 +215,7 @@ impl Course {
                 .or_else(|| self.crossing(config, boundary, after_s, before_s))
         };
         let nowhere = Knot { time_s: boundary.time_s, impulse_mps: 0.0, speed_mps: 0.0, location_m: 0.0 };
-        let knot = found.or_else(|| self.at(boundary.time_s.min(before_s))).unwrap_or(nowhere);
+        let knot = found.or_else(|| self.at(boundary.time_s.at_most(before_s))).unwrap_or(nowhere);
         SwitchingPoint {
             time_s: knot.time_s,
             location_m: knot.location_m,
@@ -230,8 +231,8 @@ impl Course {
             return None;
         }
         let [back, on] = FIT_WINDOWS.map(|windows| windows * config.window_s);
-        let end_s = (boundary.time_s + on).min(next_s - BUILD_UP_S);
-        let start = self.first(since_s.max(boundary.time_s - back), 0.0);
+        let end_s = (boundary.time_s + on).at_most(next_s - BUILD_UP_S);
+        let start = self.first(since_s.at_least(boundary.time_s - back), 0.0);
         // The present is no knot on every tick.
         let end = self.first(end_s, 0.0).min(self.knots.len());
         if end < start + LEAST_KNOTS {
@@ -257,7 +258,7 @@ impl Course {
         }
         let is_straight = least < Real::from((end - start) as u32) * WORST_FIT_MPS * WORST_FIT_MPS;
         let fits = is_straight || boundary.from == Regime::Traction;
-        fits.then_some(Knot { speed_mps: speed_mps.max(0.0), ..*self.knots.get(best)? })
+        fits.then_some(Knot { speed_mps: speed_mps.at_least(0.0), ..*self.knots.get(best)? })
     }
 
     fn stop(&self, config: &FeatureConfig, boundary: &Boundary) -> Option<Knot> {
@@ -265,7 +266,9 @@ impl Course {
         let (_, rate_mps2) = self.slowing(&last, boundary.time_s - config.window_s)?;
         let end = self.at(boundary.first_sample_s)?;
         let interval_s = end.time_s - last.time_s;
-        let time_s = last.time_s + (last.speed_mps / rate_mps2).clamp(0.0, interval_s.max(0.0));
+        // Not `at_least`, of which the compiler would not know that the bounds of `clamp` are in order.
+        let most_s = if interval_s > 0.0 { interval_s } else { 0.0 };
+        let time_s = last.time_s + (last.speed_mps / rate_mps2).clamp(0.0, most_s);
         Some(Knot { time_s, speed_mps: 0.0, ..end })
     }
 
@@ -352,7 +355,7 @@ impl Course {
         // The speed has its corner here: the mean of both lines, not the chord.
         let forward = t0.speed_mps + slope(start, t0) * from_t0_s;
         let backward = t1.speed_mps - slope(t1, end) * (span_s - from_t0_s);
-        let speed_mps = (0.5 * (forward + backward)).max(0.0);
+        let speed_mps = (0.5 * (forward + backward)).at_least(0.0);
         let length_m = 0.5 * (t0.speed_mps + speed_mps) * from_t0_s;
         let sign = if t1.location_m < t0.location_m { -1.0 } else { 1.0 };
         let knot = Knot {

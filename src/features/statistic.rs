@@ -4,6 +4,7 @@
 
 use super::{EffortLine, Statistic};
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::pieces::whole;
 use crate::plain::plain;
 
@@ -43,7 +44,7 @@ impl WeightedMoments {
     /// Standard deviation of the values, with so many times their variance.
     #[inline(never)]
     pub(super) fn sd(&self, times: Real) -> Real {
-        crate::roots::square_root((self.squares / self.weight * times).max(0.0))
+        crate::roots::square_root((self.squares / self.weight * times).at_least(0.0))
     }
 
     /// Standard deviation with n - 1 in the denominator.
@@ -120,7 +121,7 @@ impl LineFit {
         }
         let line = self.least_squares(0.0);
         let free = n - if line.sloped { 2.0 } else { 1.0 };
-        let sd = if free > 0.0 { crate::roots::square_root(line.rest.max(0.0) / free) } else { 0.0 };
+        let sd = if free > 0.0 { crate::roots::square_root(line.rest.at_least(0.0) / free) } else { 0.0 };
         let effort = Statistic { count: whole(n), mean: self.y / n, sd };
         Some(EffortLine { effort, at_lower_n_per_kg: line.at_0, slope: line.slope })
     }

@@ -1,6 +1,7 @@
 //! A normal distribution: what is believed of a state.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::plain::{Bytes, Plain};
 use nalgebra::{ArrayStorage, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -47,7 +48,7 @@ impl<const N: usize> Gaussian<N> {
     /// Standard deviation of one component; 0 where the variance is not above 0.
     pub fn sd(&self, component: usize) -> Real {
         let variance = self.covariance.get((component, component)).copied().unwrap_or(0.0);
-        crate::roots::square_root(variance.max(0.0))
+        crate::roots::square_root(variance.at_least(0.0))
     }
 
     /// Every number is finite.

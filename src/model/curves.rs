@@ -7,6 +7,7 @@
 //! board has two tracks in RAM: 16 bytes a curve, 0.01 m at 100 km, 1e-6 of the resistance.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::bounds::FAR_M;
 use crate::model::table::Table;
 use crate::plain::plain;
@@ -44,7 +45,7 @@ const LEAST_RADIUS_M: Real = 50.0;
 /// assert!((roeckl(280.0) - 0.002).abs() < 1e-15);
 /// ```
 pub fn roeckl(radius_m: Real) -> Real {
-    if radius_m >= 300.0 { 0.650 / (radius_m - 55.0) } else { 0.500 / (radius_m.max(LEAST_RADIUS_M) - 30.0) }
+    if radius_m >= 300.0 { 0.650 / (radius_m - 55.0) } else { 0.500 / (radius_m.at_least(LEAST_RADIUS_M) - 30.0) }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -105,7 +106,7 @@ impl Table for Curves {
         let last_begin_m = last.map_or(Real::NEG_INFINITY, |_| self.begun_m);
         let last_end_m = last.map_or(Real::NEG_INFINITY, |last| Real::from(last.to_m));
         let before_m = last.map_or(0.0, |last| last.integral_m(last.to_m));
-        let from_m = curve.from_m.max(last_end_m);
+        let from_m = curve.from_m.at_least(last_end_m);
         // Also refuses NaN.
         let good = curve.from_m >= -FAR_M
             && curve.to_m <= FAR_M
@@ -115,7 +116,7 @@ impl Table for Curves {
         let bend = Bend {
             from_m: from_m as f32,
             // Inside the one before it: of no length, so that curves keep their numbers.
-            to_m: curve.to_m.max(from_m) as f32,
+            to_m: curve.to_m.at_least(from_m) as f32,
             roeckl: roeckl(curve.radius_m) as f32,
             before_m,
         };
@@ -129,7 +130,7 @@ impl Table for Curves {
 
 impl Bend {
     fn integral_m(&self, location_m: f32) -> f32 {
-        self.before_m + (location_m.min(self.to_m) - self.from_m) * self.roeckl
+        self.before_m + (location_m.at_most(self.to_m) - self.from_m) * self.roeckl
     }
 }
 

@@ -4,6 +4,7 @@
 //! motion linearly. The `measured` mode appends one more constant, the gain of the measured effort.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use nalgebra::{SVector, Vector3};
@@ -36,5 +37,5 @@ pub fn davis<const N: usize>(state: &SVector<Real, N>) -> Davis {
 /// Standard deviation of r(v) by a belief of r0, r1, r2, N/kg.
 pub fn resistance_sd(belief: &Gaussian<3>, speed_mps: Real) -> Real {
     let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
-    crate::roots::square_root(at.dot(&(belief.covariance * at)).max(0.0))
+    crate::roots::square_root(at.dot(&(belief.covariance * at)).at_least(0.0))
 }

@@ -1,6 +1,7 @@
 //! The train as its description states it: mass, length, manufacturer's Davis coefficients and limits.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::bounds::{OutOfRange, Range, between, field_name};
 use crate::model::resistance::Davis;
 use crate::plain::plain;
@@ -195,8 +196,8 @@ impl Train {
     /// Largest applicable effort in N/kg at a speed: constant effort below, constant power above the transition speed
     /// (section 4.4).
     pub fn max_effort_n_per_kg(&self, speed_mps: Real) -> Real {
-        let by_power = self.description.max_power_w / speed_mps.max(Real::MIN_POSITIVE);
-        self.description.max_tractive_effort_n.min(by_power) / self.rotating_mass_kg()
+        let by_power = self.description.max_power_w / speed_mps.at_least(Real::MIN_POSITIVE);
+        self.description.max_tractive_effort_n.at_most(by_power) / self.rotating_mass_kg()
     }
 }
 

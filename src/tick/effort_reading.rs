@@ -30,6 +30,7 @@ mod share;
 
 use self::share::Share;
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::effort::Effort;
 use crate::plain::plain;
 use crate::tick::bounds::settings;
@@ -119,13 +120,13 @@ impl Column {
         // A doubt is rounded up. A number that is none becomes the largest, as one that is too large.
         let tick = 1e2 * tick_s;
         let steps = [1e4 * (gain as f32 - 1.0), 1e4 * gain_sd as f32, 1e3 * share, 1e3 * root(variance), tick];
-        Self { steps: steps.map(|steps| (steps + 0.999).min(MOST_STEPS) as i16 as u16) }
+        Self { steps: steps.map(|steps| (steps + 0.999).at_most(MOST_STEPS) as i16 as u16) }
     }
 
     /// Variance of the gain as the last run left it; 0: nothing is known of it.
     pub(crate) fn gain_variance(self) -> Real {
         let [(_, variance), _] = self.next_run();
-        if variance > 0.0 { (variance - square(GAIN_DRIFT_SD)).max(0.0).into() } else { 0.0 }
+        if variance > 0.0 { (variance - square(GAIN_DRIFT_SD)).at_least(0.0).into() } else { 0.0 }
     }
 
     /// How much of what goes with the gain goes with that of the next run, for it drifts between runs; and its variance
@@ -140,7 +141,7 @@ impl Column {
     pub(crate) fn next_gain(self, described_sd: Real) -> (Real, Real) {
         let [(gain, variance), _] = self.next_run();
         let described = described_sd * described_sd;
-        (gain.into(), if variance > 0.0 { described.min(variance.into()) } else { described })
+        (gain.into(), if variance > 0.0 { described.at_most(variance.into()) } else { described })
     }
 
     /// Before the next run: mean and variance of the gain, true over read, and of `s`; 0 where nothing is known, or a
@@ -226,14 +227,14 @@ impl EffortReading {
 
     /// Longest time between two rows with an effort of which the mean is known, s.
     fn longest_s(&self) -> f32 {
-        (LONGEST_TICK * self.usual_s).max(LONGEST_S)
+        (LONGEST_TICK * self.usual_s).at_least(LONGEST_S)
     }
 
     /// The usual tick follows those of the log, a gap hardly.
     fn become_usual(&mut self, tick_s: f32) {
         let most_s = if self.usual_s > 0.0 { LONGEST_TICK * self.usual_s } else { tick_s };
         let usual_s = if self.usual_s > 0.0 { self.usual_s } else { tick_s };
-        self.usual_s = usual_s + (tick_s.min(most_s) - usual_s) / USUAL_ROWS;
+        self.usual_s = usual_s + (tick_s.at_most(most_s) - usual_s) / USUAL_ROWS;
     }
 
     /// Takes the tick that ends now into the interval, of which rows without an effort have taken the last one so far.
@@ -257,7 +258,7 @@ impl EffortReading {
         [before, last, now]: [f32; 3],
     ) -> MeanEffort {
         let Share { mean: share, variance: share_variance, .. } = self.share(config).at(config, tick_s);
-        let (late, momentary) = ((-share).max(0.0), share.max(0.0));
+        let (late, momentary) = ((-share).at_least(0.0), share.at_least(0.0));
         // What is not seen of a late column's tick is taken from the rows on both sides of its end, so it is as much
         // too little before a change as it is too much after it, and gone with the next row. It is a doubt of the
         // reading of the speed.
@@ -265,13 +266,13 @@ impl EffortReading {
         // Of a column in time the change is taken around the row, by which it is doubted: with that up to the row a
         // mean whose noise hides the change of a falling effort would be believed more than one whose noise adds to it,
         // and r become too large.
-        let seen = if late > 0.0 { 0.5 + 0.5 * late.min(1.0) } else { (0.5 - momentary).max(0.0) };
+        let seen = if late > 0.0 { 0.5 + 0.5 * late.at_most(1.0) } else { (0.5 - momentary).at_least(0.0) };
         let change = behind + seen * (ahead - behind);
         // A momentary value misses what happened within the tick. Power is turned off at the same places in each run,
         // so what is missed of a large change is no noise: such a row hardly teaches.
         let within = change_share + MISSED * momentary * (1.0 + change.abs() / SMALL_CHANGE_N_PER_KG);
         let noise = config.noise_share as f32 * last + config.noise_n_per_kg as f32;
-        let wander = square(WANDER * last) * (WANDER_S / tick_s).max(1.0);
+        let wander = square(WANDER * last) * (WANDER_S / tick_s).at_least(1.0);
         MeanEffort {
             n_per_kg: last + share * change,
             variance: square(noise) + wander + (share_variance + square(within)) * square(change),
@@ -358,15 +359,15 @@ impl EffortReading {
         let common = square(resistance_sd * time_s) + square(gain_sd * read) + kind_variance * square(gain * kind);
         let own = square(speed_sd_mps)
             + square(config.noise_share as f32 * read) * self.usual_s / time_s
-            + square(MISSED * share.max(0.0) * column);
+            + square(MISSED * share.at_least(0.0) * column);
         let expected = share_variance * square(column) + common + own;
-        let least = (COMMON * common / square(column)).min(share_variance);
-        let after = (share_variance * (common + own) / expected).max(least);
+        let least = (COMMON * common / square(column)).at_most(share_variance);
+        let after = (share_variance * (common + own) / expected).at_least(least);
         if after >= share_variance {
             return;
         }
         let limit = GATE * root(expected);
-        let missed = (asked - gain * (read + kind_mean * kind) - share * column).min(limit).max(-limit);
+        let missed = (asked - gain * (read + kind_mean * kind) - share * column).at_most(limit).at_least(-limit);
         self.share = Share { mean: share + (1.0 - after / share_variance) / column * missed, variance: after, tick_s };
     }
 }

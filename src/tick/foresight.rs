@@ -18,6 +18,7 @@
 //! and no number of coasts averages that away: the reported resistance is doubted by it, see [`Trust::widen`].
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::model::state::resistance_sd;
@@ -103,7 +104,7 @@ impl Trust {
     /// scatters beyond what is ordinary, O: by the variance (I - O) s = n (I - O) / I of that of the filters.
     pub fn doubt(&self) -> Real {
         let inflation = self.inflation();
-        1.0 + self.coasts * (inflation - ORDINARY_SCATTER * ORDINARY_SCATTER).max(0.0) / inflation
+        1.0 + self.coasts * (inflation - ORDINARY_SCATTER * ORDINARY_SCATTER).at_least(0.0) / inflation
     }
 
     /// Share that one coast has in what all of them say, the more the more they scatter.
@@ -112,7 +113,7 @@ impl Trust {
     }
 
     fn scatter(&self, squares: Real) -> Real {
-        ((EXPECTED_COASTS + squares) / (EXPECTED_COASTS + self.coasts)).max(1.0)
+        ((EXPECTED_COASTS + squares) / (EXPECTED_COASTS + self.coasts)).at_least(1.0)
     }
 
     /// By how many standard deviations the described resistance foresees the coasts better than the learned one; 0 with

@@ -7,6 +7,7 @@
 //! seconds nothing but the location is read it is its reading, for what the carried speed misses has one sign.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::filter::gaussian::Gaussian;
 use crate::plain::plain;
 use crate::tick::sensor::SensorConfig;
@@ -67,7 +68,7 @@ impl Kinematics {
                 self.speed_sd_mps = sensor.speed_sd_mps();
             }
             // Bounded: no train is further from its last speed than this.
-            None => self.speed_sd_mps = (before_sd_mps + grown_mps).min(30.0),
+            None => self.speed_sd_mps = (before_sd_mps + grown_mps).at_most(30.0),
         }
         let run_m = 0.5 * (before_mps + self.speed_mps) * dt_s;
         self.location_m += sign * run_m;

@@ -12,6 +12,7 @@
 //! count at all.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::filter::elimination::NotPositiveDefinite;
 use crate::filter::gaussian::Gaussian;
 use crate::filter::ukf::{Innovation, MeasurementModel, Reading, Spread, Ukf};
@@ -302,7 +303,7 @@ impl Learner {
     /// Markov chain).
     pub fn end_of_interval(&mut self, coasted: Real, coasts: Real, least: Real) {
         // At most 1, for what coasted throughout coasts at the end.
-        let unbroken = self.unbroken(coasted) / coasts.max(Real::MIN_POSITIVE);
+        let unbroken = self.unbroken(coasted) / coasts.at_least(Real::MIN_POSITIVE);
         match &mut self.segment {
             Some(segment) if segment.believed || unbroken >= least => segment.unbroken = unbroken,
             _ => self.end(),
@@ -475,7 +476,7 @@ impl Segment {
         let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
         let moved = at.dot(&(now.mean - before.mean));
         let taught = at.dot(&((before.covariance - now.covariance) * at));
-        moved * moved > gate * gate * taught.max(0.0) + NO_CHANGE
+        moved * moved > gate * gate * taught.at_least(0.0) + NO_CHANGE
     }
 
     /// Predicts in sub-steps and updates. `false`: the readings left the gate, or r went astray.
@@ -508,7 +509,7 @@ impl Segment {
         // A coasting train crosses a fine step within a second.
         let (speed_sd_mps, staircase) = match fine_sd_mps {
             Some(sd_mps) => (sd_mps.into(), 1.0),
-            None => (sensor.speed_sd_mps(), (config.staircase_s / tick.dt_s).max(1.0)),
+            None => (sensor.speed_sd_mps(), (config.staircase_s / tick.dt_s).at_least(1.0)),
         };
         let speed_variance = speed_sd_mps * speed_sd_mps * staircase + Real::from(tick.effort.unseen);
         let mut observation = Shared {
@@ -524,7 +525,7 @@ impl Segment {
         if let Some(edge_mps) = tick.edge_mps.filter(|_| has_edges) {
             // Passed at any moment of the tick alike.
             let half_mps = 0.5 * (ends_mps - began_mps);
-            let noise_mps = sensor.speed_noise_kmh.max(EDGE_SD_KMH) / 3.6;
+            let noise_mps = sensor.speed_noise_kmh.at_least(EDGE_SD_KMH) / 3.6;
             speed_mps = Some(Real::from(edge_mps) + half_mps);
             observation.readings.speed_variance =
                 half_mps * half_mps / 3.0 + noise_mps * noise_mps + Real::from(tick.effort.unseen);
@@ -555,7 +556,7 @@ impl Segment {
         if speed == Reading::Used {
             self.last_speed_s = tick.time_s;
         }
-        let gap_s = tick.time_s - self.last_speed_s.min(self.last_location_s);
+        let gap_s = tick.time_s - self.last_speed_s.at_most(self.last_location_s);
         let goes_on = speed != Reading::Gated && gap_s <= config.max_gap_s;
         Ok((innovation, goes_on && !(coasts && self.strays(config.gate))))
     }

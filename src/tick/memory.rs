@@ -30,6 +30,7 @@ pub use by_gain::{ByGain, beside_gain};
 pub use record::{HypothesisRecord, Implausible, LEAST_SHARE, MOST_SHARE, VehicleRecord};
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::tick::bounds::settings;
@@ -98,7 +99,7 @@ impl MemoryConfig {
 
 /// A coefficient by which shares are taken; a description may state 0 for r1 or r2, and a share of 0 says nothing.
 fn guarded(coefficient: Real) -> Real {
-    coefficient.max(1e-9)
+    coefficient.at_least(1e-9)
 }
 
 /// One scale of the deviation with its vehicle, in shares of the manufacturer's coefficients.
@@ -216,7 +217,7 @@ impl Vehicle {
 
     fn hops_sd_of(&self, share: Real) -> Real {
         let sd = if share.is_sign_negative() {
-            (FALSE_COASTS * self.trust.of_one()).max(FINE_HOPS_SD)
+            (FALSE_COASTS * self.trust.of_one()).at_least(FINE_HOPS_SD)
         } else {
             SHORT_HOPS_SD
         };
@@ -319,16 +320,16 @@ impl Vehicle {
             };
             *exponent = found;
         }
-        let most = exponents.iter().copied().fold(Real::MIN, Real::max);
+        let most = exponents.iter().copied().fold(Real::MIN, Extremes::at_least);
         let mut largest = 0.0;
         for (hypothesis, exponent) in next.hypotheses.iter_mut().zip(exponents) {
             hypothesis.weight *= libm::exp(exponent - most);
-            largest = hypothesis.weight.max(largest);
+            largest = hypothesis.weight.at_least(largest);
         }
         let mut sum = 0.0;
         for hypothesis in &mut next.hypotheses {
             // A scale is never given up for good: winds change with the seasons.
-            hypothesis.weight = (hypothesis.weight / largest).max(1e-3);
+            hypothesis.weight = (hypothesis.weight / largest).at_least(1e-3);
             sum += hypothesis.weight;
         }
         let mut slope = Vector3::zeros();
@@ -411,7 +412,7 @@ impl Hypothesis {
     fn forget(&mut self, share: Real, run: &Matrix3<Real>, described: &Gaussian<3>) -> Option<()> {
         let (prior, known) = (inverse(&described.covariance)?, inverse(&self.vehicle.covariance)?);
         let gained = known.trace() - prior.trace();
-        let share = if gained > 0.0 { share.min(run.trace() / gained).max(0.0) } else { 0.0 };
+        let share = if gained > 0.0 { share.at_most(run.trace() / gained).at_least(0.0) } else { 0.0 };
         let covariance = inverse(&(prior * share + known * (1.0 - share)))?;
         let vector = prior * described.mean * share + known * self.vehicle.mean * (1.0 - share);
         self.vehicle = Gaussian { mean: covariance * vector, covariance: (covariance + covariance.transpose()) * 0.5 };
@@ -437,7 +438,7 @@ impl Hypothesis {
         let eta = vector - information * mean;
         let foreseen = one + information * of_run.covariance;
         let gain = of_run.covariance * inverse(&foreseen)?;
-        self.weight /= crate::roots::square_root(foreseen.determinant().max(Real::MIN_POSITIVE));
+        self.weight /= crate::roots::square_root(foreseen.determinant().at_least(Real::MIN_POSITIVE));
         let exponent = 0.5 * eta.dot(&(gain * eta)) + vector.dot(&mean) - 0.5 * mean.dot(&(information * mean));
 
         // What is left of the run's information once its own deviation is integrated out.

@@ -15,6 +15,7 @@
 //! | speed changes faster than a train can | dropped; three in a row that agree with each other are believed |
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::direction::Direction;
 use crate::model::train::Train;
 use crate::plain::plain;
@@ -342,7 +343,7 @@ impl Plausibility {
             let margin_mps = quantum_mps + 6.0 * sensor.speed_noise_kmh / 3.6;
             // Twice what the train is described to do and a steep descent: descriptions are rough.
             let by_train = 2.0 * train.max_effort_n_per_kg(from_mps) + DESCENT_N_PER_KG;
-            let up = config.max_acceleration_mps2.min(by_train);
+            let up = config.max_acceleration_mps2.at_most(by_train);
             let change_mps = speed_mps - from_mps;
             -config.max_acceleration_mps2 * age_s <= change_mps + margin_mps && change_mps <= up * age_s + margin_mps
         };
@@ -384,7 +385,7 @@ impl Plausibility {
         };
         let allowed_m = config.location_jump_m + config.location_share * self.since_location_m;
         let step_m = step_m.unwrap_or(run_m);
-        let agrees = |a: Real, b: Real| (a - b).abs() <= 0.3 * b.abs().max(a.abs()) + 15.0;
+        let agrees = |a: Real, b: Real| (a - b).abs() <= 0.3 * b.abs().at_least(a.abs()) + 15.0;
 
         if run_m > 15.0 && step_m < -10.0 && agrees(-step_m, run_m) {
             self.backward = self.backward.saturating_add(1);

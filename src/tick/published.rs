@@ -12,6 +12,7 @@
 //!   off at 0.5 and 2 times; the filter goes on with its own.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::model::state::resistance_sd;
@@ -77,7 +78,7 @@ impl Published {
             |(r, kmh): (Real, Real)| (low..=high).contains(&(r / nominal.resistance_n_per_kg(KmPerHour(kmh).to_mps())));
         self.out_of_bounds = !(does_rise(found_n_per_kg) && found_n_per_kg.into_iter().zip(BOUND_KMH).all(is_within));
         if self.out_of_bounds {
-            let cut = |found: Real, nominal: Real| found.max(0.5 * nominal).min(2.0 * nominal);
+            let cut = |found: Real, nominal: Real| found.at_least(0.5 * nominal).at_most(2.0 * nominal);
             let davis = Davis { r0: cut(r0, nominal.r0), r1: cut(r1, nominal.r1), r2: cut(r2, nominal.r2) };
             return (davis, Learned::OutOfBounds);
         }

@@ -13,6 +13,7 @@
 //! (see [`crate::tick::staircase`]).
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::tick::bounds::settings;
 use crate::tick::learning::LeastChange;
 use crate::tick::snapshot::in_place;
@@ -59,9 +60,9 @@ impl ShortHopConfig {
         let least_change = LeastChange::Share(MIN_CHANGE_SHARE);
         let mut pieces = Pieces { interval_s, end_cut_s, min_segment_s, least_change, speed_sd_mps };
         if speed_sd_mps.is_some() {
-            pieces.interval_s = interval_s.min(FINE_INTERVAL_S);
-            pieces.end_cut_s = end_cut_s.min(FINE_END_CUT_S);
-            pieces.min_segment_s = min_segment_s.min(FINE_MIN_SEGMENT_S);
+            pieces.interval_s = interval_s.at_most(FINE_INTERVAL_S);
+            pieces.end_cut_s = end_cut_s.at_most(FINE_END_CUT_S);
+            pieces.min_segment_s = min_segment_s.at_most(FINE_MIN_SEGMENT_S);
             pieces.least_change = LeastChange::Fall(LEAST_FALL_MPS2);
         } else if steps {
             pieces.interval_s = interval_s.min(STEPS_INTERVAL_S);
@@ -138,7 +139,7 @@ impl Hops {
         let other_mps = (change_mps - core::mem::replace(&mut self.last_change_mps, change_mps)).abs();
         if other_mps > ROUNDING_MPS && self.changes < MOST_CHANGES {
             self.changes += 1;
-            self.changed_mps += other_mps.min(MOST_CHANGE_MPS);
+            self.changed_mps += other_mps.at_most(MOST_CHANGE_MPS);
         }
     }
 

@@ -17,6 +17,7 @@
 //! it has in what is not known ([`Vehicle::learn`](crate::tick::memory::Vehicle::learn)).
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::line::Line;
 use crate::tick::bounds::settings;
 
@@ -45,7 +46,7 @@ impl TrackDoubtConfig {
             return 0.0;
         }
         let sd = self.sd_n_per_kg(line, location_m);
-        2.0 * self.alike_m * sd * sd / speed_mps.max(SLOWEST_MPS)
+        2.0 * self.alike_m * sd * sd / speed_mps.at_least(SLOWEST_MPS)
     }
 
     /// Standard deviation of the mean force of the gradients over a time, N/kg.
@@ -53,7 +54,7 @@ impl TrackDoubtConfig {
     pub fn mean_sd_n_per_kg(&self, line: &Line<'_>, location_m: Real, speed_mps: Real, time_s: Real) -> Real {
         let density = self.density(line, location_m, speed_mps);
         if density > 0.0 {
-            crate::roots::square_root(density / time_s).min(self.sd_n_per_kg(line, location_m))
+            crate::roots::square_root(density / time_s).at_most(self.sd_n_per_kg(line, location_m))
         } else {
             0.0
         }

@@ -19,6 +19,7 @@
 //! readings that are far apart. What is known of the rest stays.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::plain::plain;
 use crate::tick::plausibility::Judged;
 use crate::tick::sensor::{Rounding, SensorConfig};
@@ -130,7 +131,7 @@ impl SpeedOffset {
     /// chance.
     fn scatter(&self) -> f32 {
         let squares = self.squares - self.vector * self.vector / self.information;
-        ((EXPECTED_RUNS + squares) / (EXPECTED_RUNS + self.runs - 1.0)).max(LEAST_SCATTER)
+        ((EXPECTED_RUNS + squares) / (EXPECTED_RUNS + self.runs - 1.0)).at_least(LEAST_SCATTER)
     }
 
     /// The speeds are cut off, beyond doubt.
@@ -153,7 +154,7 @@ impl SpeedOffset {
         let Some((information, offset)) = run.said(step_mps) else {
             return;
         };
-        let information = information.min(MOST_INFORMATION / (step_mps * step_mps));
+        let information = information.at_most(MOST_INFORMATION / (step_mps * step_mps));
         let sum = |before: f32, run: f32| REMEMBERED * before + run;
         let vector = information * offset;
         let next = Self {
@@ -252,7 +253,7 @@ impl Distances {
         let location_sd_m = sensor.location_sd_m as f32;
         let (count, squares) = self.missed;
         let variance = (DESCRIBED * location_sd_m * location_sd_m + LASTING * squares) / (DESCRIBED + count);
-        let variance = variance.max(LEAST_NOISE_M * LEAST_NOISE_M);
+        let variance = variance.at_least(LEAST_NOISE_M * LEAST_NOISE_M);
 
         let foreseen_m = self.mean[C] + speed_mps * self.mean[AGE];
         let last_m = self.location_m.replace(location_m);

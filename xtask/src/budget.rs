@@ -21,14 +21,13 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 128 532 with Debian's Rust 1.96.0-1~deb12u2. The compiler before it
-/// made 3540 less of the same sources.
-const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 129_000, goal: 96 << 10 };
+/// Code, constants and first values of variables: 123 896 with Debian's Rust 1.96.0-1~deb12u2.
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 124_200, goal: 96 << 10 };
 /// 81 912; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
-/// 7992; the goal is a quarter of SRAM2.
+/// 8144; the goal is a quarter of SRAM2.
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
-/// At most 7460.
+/// At most 7572.
 const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most: 8170, ..STACK };
 /// One call of the application, without the time of the line, 317 500: at 80 MHz and one instruction a cycle 1.9 ms for
 /// the goal.

@@ -13,6 +13,7 @@
 
 use super::{Effects, Moment};
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::line::Line;
 use crate::model::point::Point;
 use crate::model::resistance::Davis;
@@ -102,7 +103,7 @@ impl Journey {
     }
 
     fn since_departure_s(&self, time_s: Real) -> Real {
-        self.departure_s.filter(|_| self.departed).map_or(0.0, |departure_s| (time_s - departure_s).max(0.0))
+        self.departure_s.filter(|_| self.departed).map_or(0.0, |departure_s| (time_s - departure_s).at_least(0.0))
     }
 }
 
@@ -131,7 +132,7 @@ impl<'a> Acting<'a> {
         }
         let moment = Moment {
             location_m: at.location_m,
-            speed_mps: at.speed_mps.max(0.0),
+            speed_mps: at.speed_mps.at_least(0.0),
             effort_n_per_kg,
             since_departure_s: self.journey.since_departure_s(at.time_s),
             stood_s: self.journey.stood_s,

@@ -8,6 +8,7 @@
 
 use super::{BrakeFade, Law, Limits};
 use crate::Real;
+use crate::extremes::Extremes;
 
 impl BrakeFade {
     /// Brake effort at a speed over the one at low speed, 0 to 1.
@@ -22,7 +23,7 @@ impl BrakeFade {
     /// ```
     pub fn factor(&self, speed_mps: Real) -> Real {
         let way = (3.6 * speed_mps - self.from_kmh) / (140.0 - self.from_kmh);
-        (1.0 - self.fade_at_140 * way.max(0.0)).max(0.0)
+        (1.0 - self.fade_at_140 * way.at_least(0.0)).at_least(0.0)
     }
 
     /// The limits at a speed.

@@ -1,6 +1,7 @@
 //! What the train can do at most.
 
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::train::Train;
 
 /// Largest effort, power and brake per rotating mass γ m.
@@ -35,7 +36,7 @@ impl Limits {
     /// assert_eq!(limits.traction_n_per_kg(20.0), 0.25);
     /// ```
     pub fn traction_n_per_kg(&self, speed_mps: Real) -> Real {
-        let by_power = self.power_w_per_kg / speed_mps.max(Real::MIN_POSITIVE);
-        self.effort_n_per_kg.min(by_power)
+        let by_power = self.power_w_per_kg / speed_mps.at_least(Real::MIN_POSITIVE);
+        self.effort_n_per_kg.at_most(by_power)
     }
 }

@@ -3,6 +3,7 @@
 use super::frame::point_of;
 use super::{Effect, EffectError, FrameError, Limits, Moment, Unknown};
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::listed::listed;
 use crate::model::line::Line;
 use crate::model::resistance::Davis;
@@ -147,7 +148,7 @@ impl Effects {
     pub fn effort_n_per_kg(&self, resultant_n_per_kg: Real) -> Real {
         let share: Real = self.iter().map(Effect::effort_share).sum();
         // Bounded by the range of a mass error; several of them may not turn the sign of an effort.
-        resultant_n_per_kg / (1.0 - share).max(0.1)
+        resultant_n_per_kg / (1.0 - share).at_least(0.1)
     }
 
     /// The limits of a train with all effects.

@@ -3,6 +3,7 @@
 use super::EffectError;
 use super::error::within;
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::model::bounds::{FAR_M, Range, field_name};
 use crate::model::direction::Direction;
 use rundown_wire::EffectKind;
@@ -24,7 +25,7 @@ pub fn share_inside(from_m: Real, to_m: Real, front_m: Real, train_length_m: Rea
         Direction::Down => (front_m, front_m + train_length_m),
     };
     // NaN is nowhere: the comparisons of min and max drop it.
-    let inside_m = ahead_m.min(to_m) - rear_m.max(from_m);
+    let inside_m = ahead_m.at_most(to_m) - rear_m.at_least(from_m);
     (inside_m / train_length_m).clamp(0.0, 1.0)
 }
 

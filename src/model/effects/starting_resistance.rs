@@ -17,6 +17,7 @@
 
 use super::{Law, Situation, StartingResistance};
 use crate::Real;
+use crate::extremes::Extremes;
 
 /// Above this nobody has found a train harder to start, °C.
 const MILD_C: Real = 10.0;
@@ -37,7 +38,7 @@ impl StartingResistance {
     /// ```
     pub fn resistance_n_per_kg(&self, speed_mps: Real, stood_s: Option<Real>, temperature_c: Option<Real>) -> Real {
         let stood = stood_s.map_or(1.0, |stood_s| 1.0 - libm::exp(-stood_s / (60.0 * self.standing_min)));
-        let cold = temperature_c.map_or(1.0, |at_c| 1.0 + self.cold_per_deg_c * (MILD_C - at_c).max(0.0));
+        let cold = temperature_c.map_or(1.0, |at_c| 1.0 + self.cold_per_deg_c * (MILD_C - at_c).at_least(0.0));
         self.amplitude * libm::exp(-3.6 * speed_mps / self.decay_kmh) * stood * cold
     }
 }

@@ -6,6 +6,7 @@
 
 use super::{Law, Situation, WarmUp};
 use crate::Real;
+use crate::extremes::Extremes;
 
 impl WarmUp {
     /// Extra resistance in N/kg at a time after the departure.
@@ -17,7 +18,7 @@ impl WarmUp {
     /// assert!((cold.resistance_n_per_kg(300.0) - 1.4715e-3).abs() < 1e-7);
     /// ```
     pub fn resistance_n_per_kg(&self, since_departure_s: Real) -> Real {
-        self.amplitude * libm::exp(-since_departure_s.max(0.0) / self.tau_s)
+        self.amplitude * libm::exp(-since_departure_s.at_least(0.0) / self.tau_s)
     }
 }
 

@@ -20,6 +20,7 @@
 
 use super::Regime;
 use crate::Real;
+use crate::extremes::Extremes;
 use crate::plain::plain;
 use crate::tick::bounds::settings;
 
@@ -135,7 +136,7 @@ impl Recogniser {
     pub fn step(&self, config: &RecogniserConfig, evidence: &Evidence) -> Recognised {
         let foreseen = foreseen(config, evidence);
         let noise = evidence.acceleration_sd_mps2 * evidence.acceleration_sd_mps2;
-        let share = (evidence.interval_s / TRANSITION_S).min(1.0);
+        let share = (evidence.interval_s / TRANSITION_S).at_most(1.0);
         let mut now = [0.0; COUNT];
         let mut before = [0.0; COUNT];
         let mut coasted = 0.0;
