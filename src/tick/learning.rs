@@ -172,8 +172,8 @@ const BEGIN_SPEED_SD_MPS: Real = 1.0;
 /// Standard deviation of a speed on the edge of two steps, km/h, at least: as much noise does not show in the steps.
 const EDGE_SD_KMH: Real = 0.1;
 
-/// Square of a change of r that is none, (N/kg)².
-const NO_CHANGE: Real = 1e-12;
+/// A coast goes astray by at least this share of r(v).
+const STRAY_SHARE: Real = 0.25;
 
 /// Of a tick: a filter that is set to shorter ones would take longer than the tick.
 pub(crate) const MOST_SUB_STEPS: u32 = 1000;
@@ -468,15 +468,17 @@ impl Segment {
         }
     }
 
-    /// It moved r(v) by more standard deviations than `gate` of what it could teach. A gentle brake moves no single
-    /// reading out of the gate, and r would follow it.
+    /// It moved r(v) by more standard deviations than `gate` of what it could teach, and by a large share of it. A
+    /// gentle brake moves no single reading out of the gate, and r would follow it. Less may be a brake that drags in
+    /// some coasts: it must teach, or r would stay that of the first ones, and none would speak against it.
     fn strays(&self, gate: Real) -> bool {
         let (before, now) = (self.course.before(), davis_of(&self.constants()));
         let speed_mps = self.belief.mean[SPEED];
         let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
         let moved = at.dot(&(now.mean - before.mean));
         let taught = at.dot(&((before.covariance - now.covariance) * at));
-        moved * moved > gate * gate * taught.at_least(0.0) + NO_CHANGE
+        let least = STRAY_SHARE * at.dot(&before.mean);
+        moved * moved > (gate * gate * taught).at_least(least * least)
     }
 
     /// Predicts in sub-steps and updates. `false`: the readings left the gate, or r went astray.

@@ -65,9 +65,9 @@ impl ShortHopConfig {
             pieces.min_segment_s = min_segment_s.at_most(FINE_MIN_SEGMENT_S);
             pieces.least_change = LeastChange::Fall(LEAST_FALL_MPS2);
         } else if steps {
-            pieces.interval_s = interval_s.min(STEPS_INTERVAL_S);
-            pieces.end_cut_s = end_cut_s.min(STEPS_END_CUT_S);
-            pieces.min_segment_s = min_segment_s.min(STEPS_MIN_SEGMENT_S);
+            pieces.interval_s = interval_s.at_most(STEPS_INTERVAL_S);
+            pieces.end_cut_s = end_cut_s.at_most(STEPS_END_CUT_S);
+            pieces.min_segment_s = min_segment_s.at_most(STEPS_MIN_SEGMENT_S);
         }
         pieces
     }
