@@ -34,8 +34,15 @@ pub fn davis<const N: usize>(state: &SVector<Real, N>) -> Davis {
     Davis { r0: state[R0], r1: state[R1], r2: state[R2] }
 }
 
+/// Variance of r(v) by a belief of r0, r1, r2, (N/kg)².
+// Once in the image.
+#[inline(never)]
+pub fn resistance_variance(belief: &Gaussian<3>, speed_mps: Real) -> Real {
+    let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
+    at.dot(&(belief.covariance * at)).at_least(0.0)
+}
+
 /// Standard deviation of r(v) by a belief of r0, r1, r2, N/kg.
 pub fn resistance_sd(belief: &Gaussian<3>, speed_mps: Real) -> Real {
-    let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
-    crate::roots::square_root(at.dot(&(belief.covariance * at)).at_least(0.0))
+    crate::roots::square_root(resistance_variance(belief, speed_mps))
 }

@@ -20,7 +20,8 @@ use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::motion::{Evaluate, Motion};
 use crate::model::pieces::pieces;
-use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED, davis};
+use crate::model::resistance::Davis;
+use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED, davis, resistance_variance};
 use crate::plain::plain;
 use crate::tick::bounds::settings;
 use crate::tick::effort_reading::MeanEffort;
@@ -474,11 +475,11 @@ impl Segment {
     fn strays(&self, gate: Real) -> bool {
         let (before, now) = (self.course.before(), davis_of(&self.constants()));
         let speed_mps = self.belief.mean[SPEED];
-        let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
-        let moved = at.dot(&(now.mean - before.mean));
-        let taught = at.dot(&((before.covariance - now.covariance) * at));
-        let least = STRAY_SHARE * at.dot(&before.mean);
-        moved * moved > (gate * gate * taught).at_least(least * least)
+        let [r0, r1, r2] = before.mean.into();
+        let r_before = Davis { r0, r1, r2 }.resistance_n_per_kg(speed_mps);
+        let moved = davis(&self.belief.mean).resistance_n_per_kg(speed_mps) - r_before;
+        let taught = resistance_variance(before, speed_mps) - resistance_variance(&now, speed_mps);
+        moved.abs() > STRAY_SHARE * r_before && moved * moved > gate * gate * taught
     }
 
     /// Predicts in sub-steps and updates. `false`: the readings left the gate, or r went astray.
@@ -522,18 +523,17 @@ impl Segment {
             own_speed_variance: speed_variance / staircase,
         };
         let ends_mps = self.belief.mean[SPEED];
-        let has_edges = tick.steps && fine_sd_mps.is_none() && tick.dt_s as f32 <= staircase::LONGEST_ROW_S;
+        // A measured effort has errors of its own, which would be taken for those of the resistance.
+        let coasts = tick.effort.variance == 0.0;
+        let has_edges = coasts && tick.steps && tick.dt_s as f32 <= staircase::LONGEST_ROW_S;
         let mut speed_mps = tick.speed_mps;
         if let Some(edge_mps) = tick.edge_mps.filter(|_| has_edges) {
             // Passed at any moment of the tick alike.
             let half_mps = 0.5 * (ends_mps - began_mps);
             let noise_mps = sensor.speed_noise_kmh.at_least(EDGE_SD_KMH) / 3.6;
             speed_mps = Some(Real::from(edge_mps) + half_mps);
-            observation.readings.speed_variance =
-                half_mps * half_mps / 3.0 + noise_mps * noise_mps + Real::from(tick.effort.unseen);
+            observation.readings.speed_variance = half_mps * half_mps / 3.0 + noise_mps * noise_mps;
         }
-        // A measured effort has errors of its own, which would be taken for those of the resistance.
-        let coasts = tick.effort.variance == 0.0;
         let leg = Leg {
             time_s: tick.time_s,
             dt_s: tick.dt_s,
