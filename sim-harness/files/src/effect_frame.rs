@@ -22,7 +22,7 @@ use thiserror::Error;
 pub enum EffectFrameError {
     /// A frame was damaged.
     #[error("message {message}: {reason}")]
-    Damaged { message: usize, reason: serial::DecodeError },
+    Damaged { message: usize, reason: serial::SerialError },
     #[error("message {message}: expected an open uplink message with an effect, found another one")]
     NoEffect { message: usize },
     #[error("message {message}: the effect is refused: {reason}")]
