@@ -37,8 +37,8 @@ errors! {
     #[non_exhaustive]
     pub enum SerialError {
         /// The zero came before the end that COBS had announced.
-        Cobs { decoded: usize } => "message ends early, after {decoded} bytes",
-        TooLong { capacity: usize } => "expected at most {capacity} bytes, found more",
+        Cobs { decoded: usize } => "message: expected the end that it announced, found a zero after {decoded} bytes",
+        TooLong { capacity: usize } => "message: expected at most {capacity} bytes, found more",
         /// Too few bytes, or the wrong ones.
         Checksum(error: ChecksumError) => "{error}",
     }
