@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::link::checksum::{ChecksumError, crc32c};
-use rundown::link::serial::{SerialError, Decoder, MAX_SERIAL, SerialLink, encode};
+use rundown::link::serial::{Decoder, MAX_SERIAL, SerialError, SerialLink, encode};
 use rundown::link::{Counters, Link, LinkError, MAX_MESSAGE};
 use std::cell::Cell;
 
