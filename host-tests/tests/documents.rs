@@ -231,6 +231,14 @@ fn the_snippet_of_the_library_learns_the_resistance_of_a_coasting_train() {
     let shown = page.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next());
     assert_eq!(shown, Some(include_str!("documents/snippet.rs")));
 
+    // The front page has the lines of its body.
+    let front = text("README.md");
+    let fragment = front.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a snippet");
+    let (imports, body) = fragment.split_once("\n\n").expect("imports, and lines of code");
+    let indented: String = body.lines().map(|line| format!("    {line}\n")).collect();
+    let snippet = include_str!("documents/snippet.rs");
+    assert!(snippet.starts_with(imports) && snippet.contains(&indented), "{fragment}");
+
     let davis = NOMINAL;
     // It coasts from 140 km/h with a tenth less resistance than described.
     let (mut location_m, mut speed_mps) = (0.0, 140.0 / 3.6);
