@@ -12,6 +12,7 @@ use rundown_truth::facts::Facts;
 use rundown_truth::motion::Motion;
 use rundown_truth::plan::{Headings, RunPlan, plan};
 use rundown_truth::sensors::TruthSample;
+use rundown_truth::weather::Climate;
 use serde_json::Value;
 
 /// An acceleration is computed to this; a step across the edge of a section or gradient sees both sides, N/kg.
@@ -54,8 +55,10 @@ fn board_effect(mut value: Value) -> Result<Effect, String> {
     serde_json::from_value(value).map_err(|error| format!("expected an effect of the board: {error}"))
 }
 
+/// Cold enough for what acts in frost.
 fn scenario(effects: &[TrueEffect], headings: Headings) -> Scenario {
-    Scenario { effects: effects.to_vec(), headings, brake_test_share: 1.0, ..Scenario::default() }
+    let climate = Climate { mean_c: 0.0, ..Climate::default() };
+    Scenario { effects: effects.to_vec(), headings, climate, brake_test_share: 1.0, ..Scenario::default() }
 }
 
 /// The middle one of three runs.
@@ -63,11 +66,11 @@ fn planned(scenario: &Scenario) -> RunPlan {
     plan(scenario, 3, 5).swap_remove(1)
 }
 
-/// What a run shows, to the last digit.
+/// What three runs over a year show, to the last digit.
 fn shown(effects: &[TrueEffect]) -> String {
     let scenario = scenario(effects, Headings::Up);
-    let run = simulate_planned(&scenario, &planned(&scenario)).unwrap();
-    format!("{:?} {:?}", run.truth, run.samples)
+    let runs = plan(&scenario, 3, 5).into_iter().map(|plan| simulate_planned(&scenario, &plan).unwrap());
+    runs.map(|run| format!("{:?} {:?}", run.truth, run.samples)).collect()
 }
 
 /// Largest difference of truth and board in the motion of a run, but for the steps across edges, and the largest
@@ -123,7 +126,7 @@ fn account(
     (errors, largest)
 }
 
-/// Largest difference of what truth and board leave of traction and brake, and the most that the board takes, as shares.
+/// Largest difference of what truth and board leave of traction and brake, and the most that the board takes; shares.
 fn limits(effect: &TrueEffect, board: &Effect) -> (f64, f64) {
     let whole = Limits { effort_n_per_kg: 1.0, power_w_per_kg: 1.0, brake_n_per_kg: 1.0 };
     let (mut difference, mut largest) = (0.0_f64, 0.0_f64);

@@ -173,7 +173,7 @@ impl Sequence {
             let came = slot == Some(place);
             // The same number at another tick: the board restarted and counts once more.
             let taken = !came && slot.is_some_and(|(of, _)| of == number);
-            // A board that restarted counts from 0, at an early tick. The frame that came last, sent twice, is no restart.
+            // A board that restarted counts from 0, at an early tick. The newest frame, sent twice, is no restart.
             let begins = number == 0 || (tick < newest_tick && number < WINDOW);
             let was_missed = behind < self.span;
             let restarted =

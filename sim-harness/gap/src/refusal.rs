@@ -139,7 +139,7 @@ pub enum Refusal {
     Effects(#[from] EffectError),
 }
 
-/// Slopes of which the motion needs less than this are no survey of the line. Judgement: no unit of slopes is so far off.
+/// Slopes of which the motion needs less than this are no survey of the line. Judgement.
 const ANOTHER_LINE: f64 = 0.3;
 /// Less than this share of the needed effort is none. Judgement: beyond all units of forces.
 const NO_EFFORT: f64 = 0.01;

@@ -136,8 +136,8 @@ pub fn is_reported(gain: Figure, config: &GapConfig) -> bool {
     gain.value.abs() > config.nuisance.least_gain && gain.away_from(0.0) > config.nuisance.sure
 }
 
-/// All nuisances, reported or not; without an effort column the offset of the locations alone. `gain`: of the effort column
-/// less 1.
+/// All nuisances, reported or not; without an effort column the offset of the locations alone. `gain`: of the effort
+/// column less 1.
 pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) -> Vec<Nuisance> {
     let (nuisance, enough) = (&config.nuisance, config.search.enough);
     let one = |kind, figure: Figure, told| Nuisance {
