@@ -74,12 +74,13 @@
 //! |---|---|---|
 //! | `onboard` | yes | [`onboard`]: store, authentication, task, serial line; with it `embedded-storage`, `embedded-hal-nb` |
 //! | `alloc` | no | effects are read and written by name (TOML, JSON), which takes an allocator |
+//! | `can` | no | CAN beside the serial line in the firmware of the B-L475E-IOT01A; nothing in the library |
 //! | `mps2`, `emulator`, `filter-step` | no | test firmware for the emulator; nothing in the library |
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
-// Parts of the model are set in place by a board only.
-#![cfg_attr(not(feature = "onboard"), allow(dead_code, unused_imports))]
+// What a board sets in place or writes as plain bytes, a replay does not.
+#![cfg_attr(not(feature = "onboard"), allow(dead_code))]
 
 pub mod coast_ahead;
 pub mod estimator;

@@ -112,7 +112,7 @@ fn the_interval_of_a_late_column_holds() {
     for seed in [31, 32, 33] {
         all.merge(sim_harness::accuracy_bench::judge(&fleet, fleet.config(), 4, 24, seed, || ()).unwrap());
     }
-    all.print("mean efforts one second late, and not told so");
+    all.print("mean efforts one second late, and not declared");
     for (errors, most_percent) in all.vehicle.iter().zip([2.6, 1.2, 0.9]) {
         assert!(errors.rmse_percent() < most_percent);
         assert!(errors.coverage() > 0.92 && errors.deviations() < 1.2);
@@ -211,12 +211,12 @@ fn truncated_speed_costs_nothing_when_configured() {
     assert!(table.feature_p90()[2] < 0.7);
 }
 
-/// Not told so, the estimator ended with 2.0 % after 20 runs, and half of the truths inside the interval.
+/// Not declared, the estimator ended with 2.0 % after 20 runs, and half of the truths inside the interval.
 #[test]
 fn speeds_that_are_cut_off_are_found_and_put_right() {
     let fleet = fleets::all().into_iter().find(|fleet| fleet.name == "truncated").unwrap();
     let table = sim_harness::accuracy_bench::judge(&fleet, fleet.config(), 6, 20, 4000, || ()).unwrap();
-    table.print("truncated, not told so");
+    table.print("truncated, not declared");
     assert!(table.vehicle[2].rmse_percent() < 1.0);
     assert!(table.vehicle[1].coverage() > 0.92 && table.vehicle[2].coverage() > 0.92);
     assert!(table.feature_p90()[2] < 0.9, "cruise speed");

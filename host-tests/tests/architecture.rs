@@ -100,6 +100,26 @@ impl Source {
         }
         self.take(path, line);
     }
+
+    /// The types that a macro is given to define, or defines under a name of its own.
+    fn take_types(&mut self, tokens: proc_macro2::TokenStream) {
+        use proc_macro2::TokenTree;
+        let mut is_type = false;
+        for token in tokens {
+            match token {
+                TokenTree::Ident(ident) if is_type => {
+                    self.types.push(ident.to_string());
+                    is_type = false;
+                }
+                TokenTree::Ident(ident) => is_type = ident == "struct" || ident == "enum",
+                TokenTree::Group(group) => {
+                    self.take_types(group.stream());
+                    is_type = false;
+                }
+                _ => is_type = false,
+            }
+        }
+    }
 }
 
 impl<'a> Visit<'a> for Source {
@@ -162,6 +182,10 @@ impl<'a> Visit<'a> for Source {
 
     fn visit_macro(&mut self, item: &'a syn::Macro) {
         self.take_tokens(item.tokens.clone());
+        // It names a type that stands elsewhere.
+        if !item.path.is_ident("plain") {
+            self.take_types(item.tokens.clone());
+        }
         visit::visit_macro(self, item);
     }
 }
@@ -425,4 +449,12 @@ fn a_circle_is_seen() {
     let mut found: Vec<String> = source.imports.iter().map(|import| import.path.join("::")).collect();
     found.sort();
     assert_eq!(found, ["crate::a::b", "crate::a::c", "self::i::j", "super::g::h"]);
+}
+
+#[test]
+fn a_type_of_a_macro_is_seen() {
+    let mut source = Source::default();
+    let text = "errors! { pub enum A { B } } macro_rules! m { ($N:ident) => { struct $N; struct C; } } plain! { struct D { e } }";
+    source.visit_file(&syn::parse_file(text).unwrap());
+    assert_eq!(source.types, ["A", "C"]);
 }

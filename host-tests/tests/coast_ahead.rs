@@ -10,7 +10,7 @@ use host_tests::said;
 use rayon::prelude::*;
 use rundown::coast_ahead::CoastConfig;
 use rundown::model::track::MAX_TARGETS;
-use rundown::onboard::uplink::{Setting, TargetPart};
+use rundown::uplink::{Setting, TargetPart};
 use rundown_truth::driver::Regime;
 use rundown_wire::{Body, CoastAhead, CoastOutcome, Refusal};
 

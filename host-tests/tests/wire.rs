@@ -19,9 +19,9 @@ use host_tests::flash::Flash;
 use host_tests::prelude::*;
 use rundown::onboard::auth::Signer;
 use rundown::onboard::task::DATA_ID;
-use rundown::onboard::uplink::{self, OPEN, SECURED, Setting, TrainFrame, Uplink, VERSION as UPLINK_VERSION};
 use rundown::tick::paper::Difference;
 use rundown::tick::sensor::Rounding;
+use rundown::uplink::{self, OPEN, SECURED, Setting, TrainFrame, Uplink, VERSION as UPLINK_VERSION};
 use rundown_wire::link::{checksum::CHECKSUM_BYTES, serial};
 use rundown_wire::{
     Cause, CoastArrival, CoastOutcome, DecodeError, Downlink, Effect, EffectKind, EffectParameter, FILE_TAIL, Failure,

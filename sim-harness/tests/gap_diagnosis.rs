@@ -48,7 +48,7 @@ fn truncated_speeds_are_put_right_said_and_named_no_wheel() {
 }
 
 #[test]
-fn a_wheel_is_put_right_and_told_the_analyst_once() {
+fn a_wheel_is_put_right_and_reported_once() {
     let folder = truncated(1.013);
     let Said { out: screen, err, .. } = gap(&folder, &[]);
     assert!(err.contains("the speed is off by a factor: read over true: 1.01"), "{err}");
@@ -67,7 +67,7 @@ fn a_wheel_is_put_right_and_told_the_analyst_once() {
 }
 
 #[test]
-fn locations_that_are_off_are_told_without_an_effort_column() {
+fn locations_that_are_off_are_reported_without_an_effort_column() {
     let folder = Folder::simulated(
         "name = \"set\"\nruns = 24\nseed = 6\ndirections = \"both\"\n[line]\nname = \"hilly\"\n[sensors]\nlocation_offset_m = 60.0\n",
     );

@@ -263,7 +263,7 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
 }
 
 #[test]
-fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
+fn the_truth_beside_simulated_logs_is_shown_and_its_absence_reported() {
     let folder =
         Folder::new().with("s.toml", "runs = 3\n[driver]\ndrivers = 2\n[wind]\nsd_mps = 2.0\n[load]\nsd = 0.02\n");
     quiet(&folder, &["simulate", "--scenario", "s.toml", "--out", "set"]);

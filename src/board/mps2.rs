@@ -1,7 +1,8 @@
 //! Arm MPS2 with AN386 (Cortex-M4F, 25 MHz), test-only: in the emulator its watchdog bites, and its PSRAM, kept in a
 //! file, plays the flash over a loss of power.
 //!
-//! The interrupts bear the reference board's names, so that both boards run the same `firmware.rs`.
+//! The interrupts bear the reference board's names, so that both boards run the same
+//! `src/bin/firmware/tasks.rs`.
 
 pub mod device;
 mod serial;

@@ -10,7 +10,7 @@
 use super::approach::final_phases;
 use super::hindsight::Hindsight;
 use super::interval::{Interval, Stretches};
-use super::onset::Course;
+use super::onset::RecentTicks;
 use super::phases::{Boundary, Phases};
 use super::statistic::{LineFit, WeightedMoments};
 use super::steady::SteadyIntervals;
@@ -48,7 +48,7 @@ in_place! {
         max_power_w_per_kg: Option<Real> = (None);
         brake_rates: [WeightedMoments; 5] = ([WeightedMoments::ZEROED; 5]);
         phases: Phases = (in place);
-        course: Course = (in place);
+        course: RecentTicks = (in place);
         recent: Deque<(Boundary, SwitchingPoint), MAX_RECENT> = (in place);
         older: Vec<SwitchingPoint, MAX_SWITCHING_POINTS> = (in place);
         lost: u32 = (0);

@@ -85,14 +85,14 @@ plain! {
 in_place! {
     /// The last minutes.
     #[derive(Clone, Debug)]
-    pub(super) struct Course {
+    pub(super) struct RecentTicks {
         knots: Deque<Knot, KNOTS> = (in place);
         head: Option<Knot> = (None);
         last_good: Option<Observation> = (None, zeroed Some(Observation::ZEROED));
     }
 }
 
-impl Course {
+impl RecentTicks {
     /// Takes a tick. After a dropout the effort since the last good tick comes from the speeds at both ends, Eq. (1).
     pub(super) fn push(&mut self, config: &FeatureConfig, tick: &Observation) {
         let Some(effort) = tick.effort_n_per_kg else {

@@ -26,4 +26,12 @@ impl Direction {
             Self::Down => -1.0,
         }
     }
+
+    /// The word used in every file.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Up => "up",
+            Self::Down => "down",
+        }
+    }
 }

@@ -29,5 +29,3 @@ pub mod task;
 pub mod train_id;
 pub mod versions;
 pub mod watchdog;
-
-pub use crate::uplink;

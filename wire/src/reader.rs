@@ -171,9 +171,9 @@ impl Sequence {
         if behind < WINDOW {
             let slot = self.slot(number).and_then(|slot| *slot);
             let came = slot == Some(place);
-            // The same number in another tick is another count.
+            // The same number at another tick: the board restarted and counts once more.
             let taken = !came && slot.is_some_and(|(of, _)| of == number);
-            // A count begins with number 0, and early; the very frame that came last begins nothing.
+            // A board that restarted counts from 0, at an early tick. The newest frame, sent twice, is no restart.
             let begins = number == 0 || (tick < newest_tick && number < WINDOW);
             let was_missed = behind < self.span;
             let restarted =

@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_finding_is_told_without_the_news_around_it() {
+    fn a_finding_is_reported_without_the_news_around_it() {
         assert_eq!(
             finding("INFO: seed\n#2 NEW\nthread panicked at src\n#3 NEW\nnot a number\n"),
             "thread panicked at src\nnot a number"

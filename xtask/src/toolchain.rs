@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn debians_cargo_is_told_to_build_core() {
+    fn debians_cargo_is_asked_to_build_core() {
         let debian = Toolchain::Debian { linker: PathBuf::from("/lld") };
         let line = crate::shell::shown(&debian.cargo("build"));
         assert_eq!(line, format!("cargo build -Z build-std=core --target {TARGET}"));

@@ -9,7 +9,7 @@ use rundown::onboard::kept::Kept;
 use rundown_wire::{Failure, Memory, Refusal, ResetCause, Stalled};
 
 #[test]
-fn a_run_is_told_from_its_begin_to_its_record_and_the_next_start_finds_it() {
+fn a_run_is_logged_from_its_begin_to_its_record_and_the_next_start_finds_it() {
     let (mut board, description, log) = running(described());
     for measurement in &log {
         board.measure(measurement);

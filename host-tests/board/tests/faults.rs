@@ -9,7 +9,7 @@ use board_tests::prelude::*;
 use board_tests::said;
 use rundown::link::serial::{Decoder, encode};
 use rundown::model::effects::*;
-use rundown::onboard::uplink::{self, Setting, Uplink};
+use rundown::uplink::{self, Setting, Uplink};
 use rundown_wire::{Downlink, Refusal};
 
 /// Digests of the estimates: equal digests, equal states.

@@ -4,8 +4,8 @@ use board_tests::board::{Board, answer, described, estimate, running};
 use board_tests::prelude::*;
 use board_tests::said;
 use board_tests::serial_board::{LINE_BYTES_PER_S, SerialBoard};
-use rundown::onboard::uplink::{self, OPEN, SECURED, Uplink};
 use rundown::tick::estimate::Cause;
+use rundown::uplink::{self, OPEN, SECURED, Uplink};
 use rundown_wire::{Answer, Body, Estimate as Estimated, Refusal};
 
 /// What a clock does to the times of a run: number since it went wrong, and true time, to its time. With it why such a

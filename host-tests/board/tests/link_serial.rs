@@ -7,12 +7,12 @@ use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::link::checksum::{ChecksumError, crc32c};
-use rundown::link::serial::{DecodeError, Decoder, MAX_SERIAL, SerialLink, encode};
+use rundown::link::serial::{Decoder, MAX_SERIAL, SerialError, SerialLink, encode};
 use rundown::link::{Counters, Link, LinkError, MAX_MESSAGE};
 use std::cell::Cell;
 
 /// All messages and errors that these bytes give.
-fn decode(bytes: &[u8]) -> (Vec<Vec<u8>>, Vec<DecodeError>) {
+fn decode(bytes: &[u8]) -> (Vec<Vec<u8>>, Vec<SerialError>) {
     let mut decoder: Decoder = Decoder::new();
     let (mut messages, mut errors) = (Vec::new(), Vec::new());
     for byte in bytes {
@@ -211,7 +211,7 @@ fn the_buffer_of_the_decoder_bounds_the_message() {
         }
         let expected = match fits {
             true => Ok(true),
-            false => Err(DecodeError::TooLong { capacity: 14 }),
+            false => Err(SerialError::TooLong { capacity: 14 }),
         };
         assert_eq!(last, expected, "{length} bytes");
     }
@@ -223,7 +223,7 @@ fn nothing_between_two_delimiters_is_no_error() {
     assert_eq!(decode(&line), (vec![b"a".to_vec(), b"b".to_vec()], vec![]));
     assert_eq!(crc32c(&[]), 0, "why an empty message does not exist");
     assert!(encode(&[]).is_err());
-    assert_eq!(decode(&[1, 1, 1, 1, 1, 0]).1, [DecodeError::Checksum(ChecksumError::TooShort { found: 4 })]);
+    assert_eq!(decode(&[1, 1, 1, 1, 1, 0]).1, [SerialError::Checksum(ChecksumError::TooShort { found: 4 })]);
 }
 
 #[test]

@@ -173,8 +173,8 @@ async fn learning_and_foresight_are_shown() {
     assert!(foreseen.starts_with("coasts foreseen within their 90 % interval: "), "{foreseen}");
     let sensor = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'suspected sensor').lastChild.textContent";
     assert_eq!(desk.browser.ask::<String>(sensor).await, "none");
-    let anew = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'board began anew').lastChild.textContent";
-    assert_eq!(desk.browser.ask::<String>(anew).await, "2", "with each run");
+    let restarts = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'board restarted').lastChild.textContent";
+    assert_eq!(desk.browser.ask::<String>(restarts).await, "2", "with each run");
     let firmware = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'firmware').lastChild.textContent";
     let firmware: String = desk.browser.ask(firmware).await;
     assert!(firmware.starts_with(env!("CARGO_PKG_VERSION")), "of the second run, too: {firmware}");

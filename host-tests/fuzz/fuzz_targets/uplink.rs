@@ -7,7 +7,7 @@ use host_tests::flash::Flash;
 use libfuzzer_sys::fuzz_target;
 use rundown::estimator::run_state::RunState;
 use rundown::onboard::task::{Room, Task};
-use rundown::onboard::uplink::{self, OPEN};
+use rundown::uplink::{self, OPEN};
 use rundown_fuzz::{Conversation, Step};
 use rundown_wire::MAX_MESSAGE;
 

@@ -11,7 +11,7 @@ use host_tests::prelude::*;
 use rundown::model::effects::*;
 use rundown::onboard::auth::Signer;
 use rundown::onboard::task::DATA_ID;
-use rundown::onboard::uplink::{self, OPEN, SECURED, Uplink};
+use rundown::uplink::{self, OPEN, SECURED, Uplink};
 use rundown_wire::{Body, Downlink, MAX_MESSAGE};
 use std::collections::VecDeque;
 use std::sync::LazyLock;

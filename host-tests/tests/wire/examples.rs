@@ -10,12 +10,12 @@ use rundown::model::track::{Curve, Gradient, Target};
 use rundown::model::train::TrainDescription;
 use rundown::onboard::auth::{Signer, Verifier};
 use rundown::onboard::task::DATA_ID;
-use rundown::onboard::uplink::{
+use rundown::tick::measurement::Measurement;
+use rundown::tick::paper::Difference;
+use rundown::uplink::{
     self, CURVES, Command, CurvePart, GRADIENTS, OPEN, Pace, Request, SECURED, Setting, TARGETS, TargetPart, TrackPart,
     TrainFrame, Uplink,
 };
-use rundown::tick::measurement::Measurement;
-use rundown::tick::paper::Difference;
 use rundown_wire::link::Counters;
 use rundown_wire::*;
 

@@ -7,7 +7,7 @@ const KMH = 3.6;
 /** Font size of a chart's axes: that of the part it stands in. */
 const fontSize = (box) => Math.max(13, Math.min(24, Math.round(box.clientHeight / 22)));
 
-/** Makes a chart anew when its box has another size. */
+/** Makes a chart again when its box has another size. */
 class Chart {
   constructor(box, options) {
     this.box = box;

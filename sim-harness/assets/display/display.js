@@ -328,7 +328,7 @@ function showLink() {
   const causes = status?.causes.reduce((sum, count) => sum + count, 0), refusals = status?.refusals.reduce((sum, count) => sum + count, 0);
   const rows = {
     source: link?.source, "last frame": link?.age_s == null ? null : `${fixed(link.age_s, 0)} s ago`, frames: link?.frames, lost: link?.lost, damaged: link?.damaged,
-    "out of order": link?.out_of_order, "runs without an end": state.missing, repeated: link?.repeated, "not understood": link?.unknown, "board began anew": link?.restarts, reconnects: link?.reconnects,
+    "out of order": link?.out_of_order, "runs without an end": state.missing, repeated: link?.repeated, "not understood": link?.unknown, "board restarted": link?.restarts, reconnects: link?.reconnects,
     "run under way": status && (status.running ? "yes" : "no"), train: status?.train_id?.toString(16), track: status?.track_id?.toString(16), memory: status && plain(String(status.memory)),
     "suspected sensor": suspected(),
     "speeds cut off": recorder && `true is ${fixed(3.6 * recorder.speed_offset_mps.value, 2)} km/h more; half a step is added ${recorder.put_right ? "to each" : "from the next run on"}`,
@@ -359,7 +359,7 @@ function show() {
 }
 
 function take(update) {
-  // The program that came back may have been told another train and track.
+  // The program that came back may have been given another train and track.
   if (state.gone) state.described = null;
   state.gone = false;
   state.now = update.now;

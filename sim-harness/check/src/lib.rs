@@ -14,7 +14,7 @@
 //! | are single locations wild? | `spikes` |
 //! | which readings stay the same? | [`stuck_rows`] |
 //! | does the location stand still? | `stuck_locations` |
-//! | and the speed? | `stuck_speeds`, `stuck_goes_on` |
+//! | and the speed? | `stuck_speeds`, `stuck_speed_by_location` |
 //! | does it end at a largest value? | `saturated` |
 //! | did the train go there and back in one log? | `two_directions` |
 //! | which way do the locations grow, how far does a train go between rows? | [`ways`] |
@@ -28,22 +28,22 @@
 //! | what does the rounding of held speeds do? | `rounding` |
 //! | does the speed repeat old values? | [`held`] |
 //! | does the speed change in stairs? | `stairs` |
-//! | and the effort? | `effort_stairs` |
+//! | and the effort? | `effort::stairs` |
 //! | do whole km/h come late? | `dead_band` |
 //! | do the wheels slip or slide? | `slips` |
 //! | are rows no readings, but between them? | `interpolated` |
 //! | does a straight line bridge what was not received? | `bridged` |
-//! | does the effort stand still? | `effort_held` |
-//! | is it cut off at a maximum? | `effort_cut` |
+//! | does the effort stand still? | `effort::held` |
+//! | is it cut off at a maximum? | `effort::cut` |
 //! | do speeds trail behind the train in a filter? | `trailing` |
 //! | are speeds means over some seconds? | `smoothed` |
 //! | what does an age of the speed add to the way besides? | `second_order` |
-//! | is the effort older than the speed? | `effort_age` |
-//! | is it what acts, or what the lever asks for? | `effort_demanded` |
-//! | have small efforts the gain of large ones? | `effort_small` |
-//! | is the effort of a run unlike that of the others? | `effort_unlike` |
-//! | what does it have for trains that coast? | `effort_coasting` |
-//! | is its zero one? | `effort_zero` |
+//! | is the effort older than the speed? | `effort::age` |
+//! | is it what acts, or what the lever asks for? | `effort::demanded` |
+//! | have small efforts the gain of large ones? | `effort::small` |
+//! | is the effort of a run unlike that of the others? | `effort::unlike` |
+//! | what does it have for trains that coast? | `effort::coasting` |
+//! | is its zero one? | `effort::zero` |
 //! | do trains exceed what is described of them? | [`limits`] |
 //! | is a log another one again, whole or in part? | [`same`] |
 //! | does the location drift between corrections? | `drifting` |
@@ -92,17 +92,6 @@ pub mod dead_zone;
 mod diagnosis;
 mod drifting;
 pub mod effort;
-mod effort_age;
-mod effort_coasting;
-mod effort_cut;
-mod effort_demanded;
-mod effort_gap;
-mod effort_held;
-mod effort_small;
-mod effort_stairs;
-mod effort_unlike;
-mod effort_zero;
-mod effort_zero_of_run;
 pub mod finding;
 pub mod gradients;
 pub mod held;
@@ -132,9 +121,9 @@ mod smoothed;
 mod spikes;
 mod stairs;
 pub mod steps;
-mod stuck_goes_on;
 mod stuck_locations;
 pub mod stuck_rows;
+mod stuck_speed_by_location;
 pub mod stuck_speeds;
 mod trailing;
 mod two_directions;

@@ -9,8 +9,8 @@ use crate::parts::compared;
 use crate::perturbed::Perturbation;
 use crate::same::{Seen, Shared};
 use crate::{
-    bridged, bursts, chainage, clock, effort_stairs, interpolated, late_rows, odometer, placeholders, readings,
-    row_step, saturated, spikes, stairs, stuck_locations, stuck_speeds, two_directions, wheel_change,
+    bridged, bursts, chainage, clock, effort, interpolated, late_rows, odometer, placeholders, readings, row_step,
+    saturated, spikes, stairs, stuck_locations, stuck_speeds, two_directions, wheel_change,
 };
 use nalgebra::Vector2;
 use rundown_files::recording::Recording;
@@ -241,7 +241,7 @@ fn of_run(recording: &mut Recording, ends_at_mps: Option<f64>) -> (RunCheck, Opt
             saturated::leave_out(rows, end_mps, &mut findings);
             stairs::leave_out(rows, &mut findings);
         }
-        effort_stairs::put_right(rows, &mut findings);
+        effort::stairs::put_right(rows, &mut findings);
         two_directions::refuse(rows, &mut findings);
     }
     clock::gaps(rows, &mut findings);

@@ -14,8 +14,8 @@
 
 use crate::finding::{Finding, Kind};
 use crate::steps;
-use crate::stuck_goes_on::{self, LARGEST_MPS2, Steps};
 use crate::stuck_rows::{self, LEAST_STUCK, LEAST_STUCK_M, STUCK_SHARE, StuckRows};
+use crate::stuck_speed_by_location::{self, LARGEST_MPS2, Steps};
 use crate::ways;
 use rundown_files::sample::Sample;
 
@@ -120,7 +120,9 @@ fn misses(rows: &[Sample], stuck: &StuckRows, away: &Away, usual: &UsualReadings
 
 /// What a train may miss of the way of its speed between two of the rows, m.
 fn between_m(rows: &[Sample], stuck: &StuckRows) -> f64 {
-    stuck_goes_on::between_m((rows[stuck.to].time_s - rows[stuck.from].time_s) / (stuck.count - 1).max(1) as f64)
+    stuck_speed_by_location::between_m(
+        (rows[stuck.to].time_s - rows[stuck.from].time_s) / (stuck.count - 1).max(1) as f64,
+    )
 }
 
 /// How the speed goes on: by how much, m/s, and how much more that is than a train makes in the time, m/s.

@@ -10,10 +10,10 @@
 //! A filter is late by T, and so are locations that are moved by the age of the speed. But it is no delay: a start is
 //! spread over some T, and beside an effort that is as sharp as it was a start looks like a resistance, in each run
 //! alike. Which of both it is, or a mean over some seconds, the accelerations say: each is tried with the age that
-//! suits it best ([`effort_age`](crate::effort_age)).
+//! suits it best ([`effort::age`](crate::effort::age)).
 
 use crate::agreement::Figure;
-use crate::effort_age::{Asked, Reading, of_run, pooled};
+use crate::effort::age::{Asked, Reading, of_run, pooled};
 use crate::smoothed::averaged;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median_of;

@@ -8,11 +8,11 @@ use rundown::model::effects::{Effect, Effects};
 use rundown::model::track::{Curve, Gradient, Target, Track};
 use rundown::model::train::{Train, TrainDescription};
 use rundown::onboard::auth::{Provisioning, Refusal, SealError, Signer};
-use rundown::onboard::uplink::{
+use rundown::tick::measurement::Measurement;
+use rundown::uplink::{
     self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TARGETS, TargetPart, TrackPart,
     TrainFrame, Uplink,
 };
-use rundown::tick::measurement::Measurement;
 use rundown::{
     estimator::Estimator, estimator::config::Config, model::direction::Direction, onboard::task::DATA_ID, tick::digest,
 };
@@ -116,7 +116,7 @@ pub enum DeskError {
     )]
     WrongKey(Refusal),
     /// The message is longer than the link allows.
-    #[error("a message must not be longer than {} bytes", MAX_MESSAGE)]
+    #[error("message: expected at most {} bytes, found more", MAX_MESSAGE)]
     TooLong,
     /// No more messages in this epoch: restart the board.
     #[error("{0}")]

@@ -22,10 +22,10 @@ use thiserror::Error;
 pub enum EffectFrameError {
     /// A frame was damaged.
     #[error("message {message}: {reason}")]
-    Damaged { message: usize, reason: serial::DecodeError },
+    Damaged { message: usize, reason: serial::SerialError },
     #[error("message {message}: expected an open uplink message with an effect, found another one")]
     NoEffect { message: usize },
-    #[error("message {message}: the effect is refused: {reason}")]
+    #[error("message {message}: {reason}")]
     Refused { message: usize, reason: FrameError },
     /// The last frame has no end.
     #[error("message {message}: expected its end, found the end of the file")]
@@ -37,9 +37,9 @@ pub enum EffectFrameError {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "said by the messages")]
 pub enum TooLong {
-    #[error("an effect is longer than a message: {0}")]
+    #[error("effect: {0}")]
     Message(EncodeError),
-    #[error("a message is longer than a frame: {0}")]
+    #[error("message: {0}")]
     Frame(LengthError),
 }
 

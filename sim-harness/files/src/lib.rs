@@ -10,7 +10,7 @@
 //! | which runs, in which order? | [`run_set`] |
 //! | what stands in a log? | [`run_log`], its columns [`sample`]; several runs in one table: [`run_rows`] |
 //! | what is refused, and how is it said? | [`refusal`] |
-//! | what does the estimator get? | [`recording`], [`map_matching`], [`units`] |
+//! | what does the estimator get? | [`recording`], [`map_matching`] on the [`ellipsoid`], [`units`] |
 //! | what does it say? | [`replay`] |
 //! | train, track, configuration, effects | [`train_file`], [`track_file`] (and which of the two: `exchanged`), [`config_file`], [`effect_file`], all by [`toml_file`] |
 //! | how do results get into their folder? | [`folder`] |
@@ -22,6 +22,7 @@ pub mod column;
 pub mod config_file;
 pub mod effect_file;
 pub mod effect_frame;
+pub mod ellipsoid;
 mod exchanged;
 pub mod folder;
 pub mod map_matching;

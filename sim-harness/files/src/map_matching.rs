@@ -10,6 +10,7 @@
 //!
 //! Assumes that the line does not cross the date line or a pole.
 
+use crate::ellipsoid::metres_of_radian;
 use crate::track_file::CentreLinePoint;
 use std::ops::Range;
 
@@ -19,10 +20,6 @@ pub const MAX_DISTANCE_M: f64 = 100.0;
 const MAX_SPEED_MPS: f64 = 120.0;
 /// How far two neighbouring matches may lie apart beyond that, m.
 const MATCH_ERROR_M: f64 = 2.0 * MAX_DISTANCE_M;
-
-/// WGS 84 semi-major axis, m, and first eccentricity squared.
-const SEMI_MAJOR_M: f64 = 6_378_137.0;
-const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_14e-3;
 
 /// The centre line of a track, ready for matching.
 #[derive(Clone, Debug)]
@@ -150,10 +147,7 @@ impl CentreLine {
 
 impl Segment {
     fn new(from: CentreLinePoint, to: CentreLinePoint) -> Self {
-        let (sin, cos) = (0.5 * (from.latitude_deg + to.latitude_deg)).to_radians().sin_cos();
-        let flattened = 1.0 - ECCENTRICITY_SQUARED * sin * sin;
-        let meridian_m = SEMI_MAJOR_M * (1.0 - ECCENTRICITY_SQUARED) / flattened.powf(1.5);
-        let parallel_m = SEMI_MAJOR_M / flattened.sqrt() * cos;
+        let (meridian_m, parallel_m) = metres_of_radian(0.5 * (from.latitude_deg + to.latitude_deg));
         let scale = (meridian_m.to_radians(), parallel_m.to_radians());
         Self {
             from,

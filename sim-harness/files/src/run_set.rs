@@ -435,7 +435,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_is_not_in_the_index_keeps_the_given_order_and_is_told() {
+    fn a_run_that_is_not_in_the_index_keeps_the_given_order_and_is_reported() {
         let index = "file,departure_utc\na.csv,2025-02-01T08:00\n";
         let folder = folder(&[("a.csv", ""), ("b.csv", ""), ("runs.csv", index)]);
         let set = RunSet::find(&[folder.path().join("b.csv"), folder.path().join("a.csv")]).unwrap();
@@ -444,7 +444,7 @@ mod tests {
     }
 
     #[test]
-    fn a_log_that_only_the_index_knows_is_told() {
+    fn a_log_that_only_the_index_knows_is_reported() {
         let index = "file\nc.csv\na.csv\nb.csv\n";
         let folder = folder(&[("a.csv", ""), ("runs.csv", index)]);
         let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
@@ -499,7 +499,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_of_one_name_are_told_apart() {
+    fn runs_of_one_name_are_distinguished() {
         let folder = folder(&[("x/run.csv", ""), ("y/run.csv", "")]);
         let set =
             RunSet::find(&[folder.path().join("x"), folder.path().join("y"), folder.path().join("y/run.csv")]).unwrap();

@@ -1,11 +1,14 @@
-//! Every threshold and prior of the workflow: a name, a unit, a source, and a value that a file may change.
+//! The thresholds and priors by which the workflow decides: a name, a unit, a source, and a value that a file may
+//! change.
 //!
 //! Each line of documentation ends with where the value comes from: `Measured` on data with a known answer, `Derived`
 //! from the formulation, or `Judgement`. Sizes that an effect must have, and the shapes that are tried, belong to the
 //! effect: they stand in its file below `candidates/` and can be set as `[prior.<name>]`.
 //!
 //! What only says how finely something is computed (points along a path, steps of an integration, rounds of an
-//! iteration) is a constant where it is used.
+//! iteration), or which words a refusal has, is a constant where it is used. What recorders did to the logs is found
+//! before, while logs are read, by [`rundown_check`] and `data/load.rs`: these thresholds are constants there, and are
+//! not set here.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -102,6 +105,9 @@ settings! {
         leap_apart: f64 = 0.25, /// Leaps of one place differ by a smaller share. Judgement: the noise of two locations.
         leap_share: f64 = 0.6, /// Share of the runs that have it. Judgement: some are lost between two readings, or stop there.
         most_off_share: f64 = 0.2, /// With a larger share of the locations of moving trains off the described track nothing is analysed. Judgement: nothing is known of gradients there, and they would be named.
+        level_rows: usize = 5, /// Rows that show the slope of a place on a line that is described as level. Judgement.
+        level_places: usize = 5, /// Places that show what such a line is like. Judgement.
+        level_sure: f64 = 3.0, /// Standard deviations of its mean by which the middle one of the places must differ from level. Judgement.
     }
     /// Speed against location: what the diagnosis of the logs says, and what of it has a name.
     kinematics: KinematicsConfig {
@@ -144,7 +150,7 @@ settings! {
         most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.
         sure: f64 = 3.0, /// What is so many of its own standard deviations off is reported. Judgement.
         least_gain: f64 = 0.01, /// A gain nearer to 1 is not reported: a sensor is off by about so much. Judgement.
-        least_delay_s: f64 = 0.7, /// A shorter delay is put right and not told, s. Judgement: what a mean over a second before is late by.
+        least_delay_s: f64 = 0.7, /// A shorter delay is put right and not reported, s. Judgement: what a mean over a second before is late by.
         least_offset_m: f64 = 10.0, /// A smaller offset is left as it is, m. Judgement: receivers.
         most_between: f64 = 0.7, /// Offsets of single runs that differ by more than this share of that of all are none of all. Derived: of half of the runs alone they differ by the whole of the mean.
         gain_sd: f64 = 0.002, /// Standard deviation of a gain at least: efforts between two readings, as a share. Judgement.
@@ -182,6 +188,8 @@ settings! {
         most_sd_n_per_kg: f64 = 0.03, /// The largest, N/kg. Judgement.
         fast_s: f64 = 3.0, /// Logs with less between samples are fast, s. Judgement.
         fast_share: f64 = 0.7, /// Rounding that is left of a speed of a fast log, as a share. Derived: a line through several readings.
+        few_slow: usize = 20, /// So many slow intervals show nothing, and it is said below which speed there are no more. Judgement.
+        slow_kmh: f64 = 12.0, /// From this speed on, km/h. Judgement: what a starting resistance acts below.
     }
     /// Coasting, recognised in logs without an effort column.
     coasting: CoastingConfig {
@@ -247,7 +255,7 @@ settings! {
         most_dragging: f64 = 0.6, /// More than this share of the runs does not drag: it is the train. Judgement.
         drags: f64 = 1.0, /// A run drags if the data are more likely by so much, log-likelihood. Judgement.
         least_with_term: f64 = 0.15, /// Least share of the runs in which another length acts that has not all: fewer may be locations that are far off. Judgement: a shift is straight within a train's length.
-        least_effort: f64 = 0.02, /// Units that need efforts nearer to those of the others are told nothing of, a share. Judgement: loads and sensors differ by about half of it.
+        least_effort: f64 = 0.02, /// Units that need efforts nearer to those of the others are not reported, a share. Judgement: loads and sensors differ by about half of it.
         most_with_term: f64 = 0.9, /// Largest such share that is tried: in more of the runs it acts in all. Judgement.
     }
     /// What freedom costs, in log-likelihood: the same for resistance, traction and readings.
@@ -293,6 +301,7 @@ settings! {
         chance: f64 = 0.03, /// A term of which chance makes as much more often has no name. Derived: false names in at most 3 of 100 sets that hide nothing.
         halves: f64 = 3.0, /// Halves of the runs that differ by more standard deviations do not show the same. Judgement.
         halves_apart: f64 = 0.5, /// Halves that differ by no more than this share of the effect show the same, however sure they are. Judgement: a law that is not quite the true one, readings that differ by direction.
+        at_once: f64 = 0.3, /// The share of a section that acts as soon as the front is inside, below which nothing is said of it. Judgement.
         telling_half: f64 = 0.5, /// A half whose standard deviation is a smaller share of the effect could show it. Judgement.
         law: f64 = 0.01, /// A law is as good as this share of its coefficient, whatever the noise. Measured: means over 10 s, the path between readings.
         chosen: f64 = 0.05, /// How much further the limits of another length reach where only some runs have it, share of the difference. Measured.
@@ -327,6 +336,7 @@ settings! {
     traction: TractionConfig {
         least_share: f64 = 0.4, /// The least share of the nominal that drivers demand. Judgement.
         stray: f64 = 0.1, /// Probability that an interval is not steady power after all. Judgement.
+        moved_between: f64 = 0.5, /// Probability that a driver has moved the handle between two powering phases, or where the power limits instead of the effort. Judgement: the same share or another, as likely.
         by_power: f64 = 1.001, /// Effort limit over power limit above which the power limits. Derived: 1 but for rounding.
         corner: f64 = 1.35, /// The same up to which the corner reaches, near which neither share limits. Judgement.
         sensor: f64 = 0.008, /// What the effort sensor differs by from run to run and within one, as a share. Measured.

@@ -4,7 +4,7 @@
 use crate::candidate::Term;
 use crate::coasting::{Driven, Extra, Recognised, coasted};
 use crate::config::EffortConfig;
-use crate::data::believed::{Context, believed_load};
+use crate::data::believed::{Context, believed_load, starting_effort_n_per_kg};
 use crate::data::runs::{EffortReading, Run, usual_step_s};
 use crate::data::{cut, interval::Interval, rows::Row};
 use crate::noise::calibrate::{Calibrated, Own};
@@ -201,7 +201,7 @@ impl Looked<'_> {
             } else {
                 powering(line.train, intervals, &self.efforts(run, intervals), sd, traction_config)
             };
-            let most = line.train.max_effort_n_per_kg(0.1);
+            let most = starting_effort_n_per_kg(line.train);
             let rounded = |power: SteadyPower| power.doubted(rounding_n_per_kg * power.effort_over_limit / most);
             (powering.into_iter().map(rounded).collect(), traction(line.train, run, self.effort))
         };

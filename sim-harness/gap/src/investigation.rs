@@ -277,7 +277,7 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<N
     let limit = findings.limit(&context.config.search);
     let naming = findings.naming(context, &names);
     let mut all = named(&findings.terms, limit, &naming);
-    let gain = findings.gain.filter(|gain| nuisances::is_told(*gain, context.config)).map(|gain| gain.value);
+    let gain = findings.gain.filter(|gain| nuisances::is_reported(*gain, context.config)).map(|gain| gain.value);
     confounded(&mut all, gain, &naming);
     of_one_alone(&mut all, &findings.differing.standouts, &context.config.certainty);
     // What no board takes is no effect of a train; the residuals still say that something is left.

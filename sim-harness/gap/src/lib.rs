@@ -22,8 +22,8 @@
 //!      gap.json, page, story, tables, model, frame          Answer
 //! ```
 //!
-//! All thresholds and priors are in [`GapConfig`]; everything about one kind of effect is in its file below
-//! `candidates/`.
+//! The thresholds and priors by which it decides are in [`GapConfig`], those of what recorders did to their logs in
+//! [`rundown_check`]; everything about one kind of effect is in its file below `candidates/`.
 //!
 //! ```no_run
 //! use rundown_gap::config::GapConfig;

@@ -5,6 +5,7 @@ use rundown::model::effects::EffectError;
 use rundown_check::gradients::Doubt;
 use rundown_files::off_track::OffTrack;
 use rundown_files::refusal::ReadError;
+use rundown_files::statistics::MEDIAN_TO_SD;
 use rundown_pages::numbers::counted;
 use thiserror::Error;
 
@@ -117,8 +118,8 @@ pub enum Refusal {
     },
     /// A line that is described as level has slopes.
     #[error(
-        "track: described as level, and at half of its places the motion of the trains needs slopes beyond {:.1} permille: the gap would be theirs. Describe the gradients; nothing was written",
-        0.67 * sd_permille
+        "track: gradients: expected a level line, as described, found that the motion of the trains needs slopes beyond {:.1} permille at half of its places: the gap would be theirs. Describe the gradients; nothing was written",
+        sd_permille / MEDIAN_TO_SD
     )]
     NotLevel {
         /// Standard deviation of the slopes that the motion needs, from their median.
@@ -138,11 +139,18 @@ pub enum Refusal {
     Effects(#[from] EffectError),
 }
 
+/// Slopes of which the motion needs less than this are no survey of the line. Judgement.
+const ANOTHER_LINE: f64 = 0.3;
+/// Less than this share of the needed effort is none. Judgement: beyond all units of forces.
+const NO_EFFORT: f64 = 0.01;
+/// Efforts that are right but for their sign are within this factor. Judgement: as `effort.most_factor`.
+const RIGHT_SIZE: f64 = 1.5;
+
 /// What slopes look like of which the motion needs so many times.
 fn misdescribed(factor: f64, most: f64) -> String {
     if (-most..=-1.0 / most).contains(&factor) {
         "the sign is turned (uphill is positive)".to_owned()
-    } else if factor < 0.3 {
+    } else if factor < ANOTHER_LINE {
         "they are those of another line, or stand elsewhere along it".to_owned()
     } else if factor < 1.0 {
         format!("they are {:.1} times too steep, or in another unit", 1.0 / factor)
@@ -153,9 +161,9 @@ fn misdescribed(factor: f64, most: f64) -> String {
 
 /// What an effort column needs that is off by so much.
 fn remedy(factor: f64) -> String {
-    if factor.abs() < 0.01 {
+    if factor.abs() < NO_EFFORT {
         "a column without traction: leave it out".to_owned()
-    } else if (-1.5..-1.0 / 1.5).contains(&factor) {
+    } else if (-RIGHT_SIZE..-1.0 / RIGHT_SIZE).contains(&factor) {
         "the other sign: turn it (traction is above 0, braking below)".to_owned()
     } else {
         format!("another unit{}: divide it by {factor:.3}", if factor < 0.0 { " and the other sign" } else { "" })

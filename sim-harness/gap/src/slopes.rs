@@ -13,7 +13,7 @@ use crate::fit::Base;
 use crate::readings::offset::{is_strong, places};
 use nalgebra::DVector;
 use rundown_check::agreement::Figure;
-use rundown_files::statistics::{mean_of, median, squares_about};
+use rundown_files::statistics::{MEDIAN_TO_SD, mean_of, median, squares_about};
 use std::collections::BTreeMap;
 
 /// Times the described slopes that the motion of the trains needs; none on a level line or from too few rows. `rows`:
@@ -60,6 +60,7 @@ fn by_motion(rows: &[&Row]) -> Option<Base> {
 /// The slopes, permille, of a line that is described as level: standard deviation over places of 1 km, from the median
 /// of their sizes, so that what acts at a few places is none. None where most places are within noise. `rows` as above.
 pub fn of_level(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
+    let config = &given.config.track;
     let rows: Vec<&Row> = rows.iter().filter(|row| is_strong(row, &given.config.search)).collect();
     let base = by_motion(&rows)?;
     let mut places: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
@@ -73,23 +74,15 @@ pub fn of_level(given: &Context<'_>, rows: &[Row]) -> Option<f64> {
         let variance = squares_about(mean, residuals) / (count - 1.0);
         (mean, (variance / count).sqrt())
     };
-    let seen: Vec<(f64, f64)> = places.values().filter(|rows| rows.len() >= LEAST_IN_PLACE).map(of_place).collect();
+    let seen: Vec<(f64, f64)> = places.values().filter(|rows| rows.len() >= config.level_rows).map(of_place).collect();
     // A wind turns with the train as slopes do, and is the same everywhere.
     let wind = median(seen.iter().map(|(mean, _)| *mean))?;
     let (size, noise) =
         (median(seen.iter().map(|(mean, _)| (mean - wind).abs()))?, median(seen.iter().map(|(_, sd)| *sd))?);
     let permille = 1000.0 / given.believed.train().gravity_n_per_kg();
-    (seen.len() >= LEAST_PLACES && size > SURE * noise).then_some(MEDIAN_TO_SD * size * permille)
+    let is_sure = seen.len() >= config.level_places && size > config.level_sure * noise;
+    is_sure.then_some(MEDIAN_TO_SD * size * permille)
 }
-
-/// Rows that show the slope of a place.
-const LEAST_IN_PLACE: usize = 5;
-/// Places that show what a line is like.
-const LEAST_PLACES: usize = 5;
-/// Standard deviations of its mean by which the middle one of the places must differ from level.
-const SURE: f64 = 3.0;
-/// Standard deviation of a normal distribution over the median of its sizes.
-const MEDIAN_TO_SD: f64 = 1.48;
 
 #[cfg(test)]
 mod tests {

@@ -91,7 +91,7 @@ def test_sumo_slows_down_by_the_table_of_resistance(exported, train, tmp_path):
 
 
 @pytest.mark.parametrize("file", ["sumo.add.xml", "sumo.table.add.xml"])
-def test_sumo_pulls_with_the_largest_effort(exported, train, tmp_path, file):
+def test_sumo_powers_with_the_largest_effort(exported, train, tmp_path, file):
     vtype = xml.etree.ElementTree.parse(exported / file).find("vType")
     speeds = sumo_speeds(vtype, 1, tmp_path)
     net_n = train["max_tractive_effort_n"] - resistance_n(train, 1)

@@ -92,7 +92,7 @@ pub fn all() -> Vec<Fleet> {
         ),
         Fleet::new(
             "truncated",
-            "speeds cut off to whole km/h, and not told so",
+            "speeds cut off to whole km/h, and not declared",
             sensed(Sensors { speed: SpeedReading::Truncated, ..every(10.0) }),
         ),
         Fleet::new("odometer", "odometer in whole metres, rounded speed, 1 s", sensed(odometer())),
@@ -100,13 +100,13 @@ pub fn all() -> Vec<Fleet> {
         Fleet::new("effort-1s", "the same effort column at 1 s", sensed(every(1.0))).measured(),
         Fleet::new(
             "momentary",
-            "momentary efforts, and not told so",
+            "momentary efforts, and not declared",
             sensed(Sensors { effort_momentary: true, ..every(10.0) }),
         )
         .measured(),
         Fleet::new(
             "late",
-            "mean efforts one second late, and not told so",
+            "mean efforts one second late, and not declared",
             sensed(Sensors { effort_lag_s: 1.0, ..every(10.0) }),
         )
         .measured(),

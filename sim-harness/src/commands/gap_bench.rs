@@ -99,7 +99,7 @@ pub struct Arguments {
 /// How large the hidden effect is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum HowLarge {
-    /// Nobody would overlook it.
+    /// Well above the noise.
     Clear,
     /// In between.
     Medium,
@@ -330,7 +330,7 @@ fn line(done: &Done) -> String {
         text.push_str(&format!("; candidates {}", score.candidates.join(", ")));
     }
     for (name, value, sd) in &score.told {
-        text.push_str(&format!("; told {name} {value:.3} ± {sd:.3}"));
+        text.push_str(&format!("; reported {name} {value:.3} ± {sd:.3}"));
     }
     if let Some((name, value)) = score.nuisance {
         text.push_str(&format!("; there is {name} {value:.3}"));

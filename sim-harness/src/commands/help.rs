@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn logs_without_the_option_that_takes_them_are_told_of_it() {
+    fn logs_without_the_option_that_takes_them_are_refused_with_its_name() {
         let said =
             |arguments: &[&str]| tip(&unbroken(Arguments::command()).try_get_matches_from(arguments).unwrap_err());
         let models = ["--train", "t.toml", "--track", "k.toml"];

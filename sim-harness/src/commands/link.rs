@@ -4,7 +4,7 @@ use super::{Failure, screen};
 use crate::session::{self, Heard, Session, SessionError};
 use crate::{link::address::Address, link::record::RecordingLink, logs};
 use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
-use rundown::onboard::uplink::{Command, Pace, Request};
+use rundown::uplink::{Command, Pace, Request};
 use rundown::{link::Link, model::effects::Effects};
 use rundown_desk::{Description, Desk};
 use rundown_files::recording::{DirectionChoice, Recording};

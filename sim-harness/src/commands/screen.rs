@@ -124,8 +124,11 @@ pub(super) fn progress(runs: usize) -> ProgressBar {
     if quiet() || runs <= FEW_RUNS || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new(runs as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left") {
+    styled(ProgressBar::new(runs as u64), "{bar:40} {pos}/{len} runs, {eta} left")
+}
+
+fn styled(bar: ProgressBar, template: &str) -> ProgressBar {
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar
@@ -136,10 +139,7 @@ pub(super) fn waiting() -> ProgressBar {
     if quiet() || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
-        bar.set_style(style);
-    }
+    let bar = styled(ProgressBar::new_spinner(), "{spinner} {elapsed} {msg}");
     bar.enable_steady_tick(Duration::from_millis(100));
     bar
 }

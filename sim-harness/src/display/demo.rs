@@ -11,9 +11,7 @@ use rundown::onboard::auth::{Key, Provisioning};
 use rundown::onboard::flash::{MemoryFlash, RECORDS};
 use rundown::onboard::outbox::WhenFull;
 use rundown::onboard::task::{Port, Room, Task};
-use rundown::{
-    estimator::config::Config, estimator::run_state::RunState, onboard::train_id::TrainId, onboard::uplink::Pace,
-};
+use rundown::{estimator::config::Config, estimator::run_state::RunState, onboard::train_id::TrainId, uplink::Pace};
 use rundown_desk::{Description, Desk};
 use rundown_files::{recording::Recording, track_file::TrackFile, train_file::TrainFile};
 use rundown_wire::Health;

@@ -5,7 +5,7 @@
 
 use super::setup::Setup;
 use rundown::onboard::auth::TRAILER;
-use rundown::onboard::uplink::{self, Command, OPEN, Request, SECURED, VERSION};
+use rundown::uplink::{self, Command, OPEN, Request, SECURED, VERSION};
 use rundown_files::track_file::{SpeedLimit, Stop, TrackFile};
 use rundown_files::train_file::TrainFile;
 

@@ -29,7 +29,7 @@ pub const DRAWN: &[[&str; 4]] = &[
     [
         "[].score.shared",
         "",
-        "the same, where a hidden effect may be one of at most two rivals of a name, or of a nuisance that was told",
+        "the same, where a hidden effect may be one of at most two rivals of a name, or of a nuisance that was reported",
         "",
     ],
     [

@@ -59,7 +59,7 @@ pub struct JudgedSet {
     pub effort: bool,
     /// The verdict in one word; none where it was refused.
     pub verdict: Option<&'static str>,
-    /// In a word.
+    /// `magnitude_class` of the key; empty without one.
     pub size: String,
     /// Names of the key.
     pub hidden: Vec<String>,
@@ -67,9 +67,9 @@ pub struct JudgedSet {
     pub found: Vec<Name>,
     /// What is but a candidate.
     pub candidates: Vec<&'static str>,
-    /// All of the key, one or one that is as good for each, and no other.
+    /// Each effect of the key has its name, or one that is as good, and nothing else is named.
     pub named: bool,
-    /// The same, where one may stand among at most two rivals.
+    /// The same, where a name may have up to two rivals.
     pub shared: bool,
     /// Probability of the residuals without a gap; none where it was refused.
     pub p_value: Option<f64>,

@@ -72,7 +72,7 @@ impl Nuisance {
     }
 
     /// As the investigation calls it; none: it has nothing to tell of it.
-    pub fn told_as(self) -> Option<&'static str> {
+    pub fn reported_as(self) -> Option<&'static str> {
         match self {
             Self::EffortGain => Some(NuisanceKind::EffortGain.name()),
             Self::BrakeGain | Self::ElectricBrake => Some(NuisanceKind::BrakeGain.name()),

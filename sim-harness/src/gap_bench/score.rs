@@ -110,7 +110,7 @@ impl Score {
             nuisance: set
                 .request
                 .nuisance
-                .and_then(|nuisance| nuisance.told_as().zip(set.drawn.as_ref().and_then(DrawnNuisance::told))),
+                .and_then(|nuisance| nuisance.reported_as().zip(set.drawn.as_ref().and_then(DrawnNuisance::told))),
             sure: named.iter().map(|n| (n.confidence, is_right(&key, n))).collect(),
             candidates: found.map_or_else(Vec::new, |f| f.candidates.iter().map(|n| n.effect.name()).collect()),
             rivals: named.iter().flat_map(|n| n.ambiguous_with.iter().map(|kind| kind.name())).collect(),
@@ -164,7 +164,7 @@ fn told(set: &Set, answer: &Answer) -> Vec<(&'static str, f64, f64)> {
         let all = of_runs.chain(check.recorders.iter().map(|recorder| &recorder.findings)).flatten();
         let figures: Vec<Figure> = all.filter(|found| found.kind == kind).map(|found| found.figure).collect();
         let sd = (mean(figures.iter().map(|figure| figure.sd * figure.sd))? / figures.len() as f64).sqrt();
-        Some((nuisance.told_as()?, mean(figures.iter().map(|figure| figure.value))?, sd))
+        Some((nuisance.reported_as()?, mean(figures.iter().map(|figure| figure.value))?, sd))
     });
     let lengths = answer.found.named.iter().filter_map(length_in_runs);
     told.map(|nuisance| (nuisance.kind.name(), nuisance.value, nuisance.sd)).chain(diagnosed).chain(lengths).collect()

@@ -112,9 +112,9 @@ fn nuisances(done: &[Done]) -> String {
     }
     let mut text = String::from(
         "### Nuisances\n\n\
-        Wrong names: sets with a name that the key has not. Told: the nuisance of the set. Error: of the figure told, median of its size. \
-        Told besides: other nuisances.\n\n\
-        | nuisance | effort column | sets | wrong names | p-value below 0.05 | told | error | 95 % intervals that hold | told besides | refused |\n\
+        Wrong names: sets with a name that the key has not. Reported: the nuisance of the set. Error: of the figure reported, median of its size. \
+        Reported besides: other nuisances.\n\n\
+        | nuisance | effort column | sets | wrong names | p-value below 0.05 | reported | error | 95 % intervals that hold | reported besides | refused |\n\
         |---|---|---|---|---|---|---|---|---|---|\n",
     );
     for kind in kinds {

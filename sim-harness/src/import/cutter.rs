@@ -15,7 +15,7 @@ const LEFT_ROWS: u64 = 20_000;
 const BESIDE: usize = 20;
 const ELSEWHERE_M: f64 = 1000.0;
 /// A clock that goes back by more, beside a train that does not move, is that of a recorder which was switched on again
-/// and has not been told the time, s.
+/// and has not received the time, s.
 const MOST_BACK_S: f64 = 1.2 * 86_400.0;
 
 /// Makes stretches of rows as they come. Rows of several units or runs may take turns, as where a fleet writes one

@@ -1,18 +1,13 @@
 //! Distances and directions on the ellipsoid, good over a few kilometres.
 
+use rundown_files::ellipsoid::metres_of_radian;
+
 /// Latitude and longitude, degrees.
 pub type Fix = (f64, f64);
 
-/// WGS 84.
-const SEMI_MAJOR_M: f64 = 6_378_137.0;
-const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_14e-3;
-
 /// Where `to` lies from `from`: north and east, m.
 pub fn offset_m(from: Fix, to: Fix) -> (f64, f64) {
-    let (sin, cos) = (0.5 * (from.0 + to.0)).to_radians().sin_cos();
-    let flattened = 1.0 - ECCENTRICITY_SQUARED * sin * sin;
-    let meridian_m = SEMI_MAJOR_M * (1.0 - ECCENTRICITY_SQUARED) / flattened.powf(1.5);
-    let parallel_m = SEMI_MAJOR_M / flattened.sqrt() * cos;
+    let (meridian_m, parallel_m) = metres_of_radian(0.5 * (from.0 + to.0));
     ((to.0 - from.0).to_radians() * meridian_m, (to.1 - from.1).to_radians() * parallel_m)
 }
 

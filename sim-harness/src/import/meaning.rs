@@ -23,6 +23,18 @@ pub enum Meaning {
     Run,
 }
 
+/// Columns of one dimension have the same units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    Time,
+    Length,
+    Speed,
+    Angle,
+    /// Over the rotating mass.
+    Force,
+    Temperature,
+}
+
 impl Meaning {
     pub const ALL: [Self; 14] = [
         Self::Time,
@@ -41,19 +53,32 @@ impl Meaning {
         Self::Run,
     ];
 
+    /// What it is measured in; none: words.
+    pub const fn dimension(self) -> Option<Dimension> {
+        match self {
+            Self::Time => Some(Dimension::Time),
+            Self::Location | Self::Altitude => Some(Dimension::Length),
+            Self::Speed | Self::Headwind => Some(Dimension::Speed),
+            Self::Latitude | Self::Longitude => Some(Dimension::Angle),
+            Self::Effort | Self::Braking => Some(Dimension::Force),
+            Self::Temperature => Some(Dimension::Temperature),
+            Self::Date | Self::SpeedIsComputed | Self::Unit | Self::Run => None,
+        }
+    }
+
     /// A position on Earth.
     pub const fn is_angle(self) -> bool {
-        matches!(self, Self::Latitude | Self::Longitude)
+        matches!(self.dimension(), Some(Dimension::Angle))
     }
 
     /// In units of a speed.
     pub const fn is_speed(self) -> bool {
-        matches!(self, Self::Speed | Self::Headwind)
+        matches!(self.dimension(), Some(Dimension::Speed))
     }
 
     /// A force, which a mass divides.
     pub const fn is_force(self) -> bool {
-        matches!(self, Self::Effort | Self::Braking)
+        matches!(self.dimension(), Some(Dimension::Force))
     }
 
     /// The key in `import.toml`.

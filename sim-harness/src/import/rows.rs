@@ -8,7 +8,7 @@ use super::meaning::Meaning;
 use super::number;
 use super::source::row::RowField;
 use super::units;
-use rundown_files::sample::{COLUMNS, LOCATION, Sample};
+use rundown_files::sample::{COLUMNS, LOCATION, NumberColumn, Sample};
 use std::path::Path;
 
 /// No train turns its wheels further in its life, m.
@@ -32,6 +32,8 @@ pub struct Converter<'a> {
     /// The file, and its sheet where it has several.
     place: String,
     columns: &'a Columns,
+    /// Columns of a log that are taken as they are, in SI.
+    others: Vec<(Meaning, NumberColumn)>,
     last_s: Option<f64>,
     days_s: f64,
 }
@@ -44,6 +46,16 @@ const BEYOND: &str = "values beyond what trains do, taken as missing";
 const NO_PLACE: &str = "positions that are no place on Earth, taken as missing";
 pub const MIDNIGHT: &str = "midnights, joined";
 const DATE_LAGS: &str = "rows whose date turned before or after midnight, put right";
+/// What a sample has of these takes more than a number, or other units.
+const READ_APART: [Meaning; 7] = [
+    Meaning::Time,
+    Meaning::Location,
+    Meaning::Speed,
+    Meaning::Latitude,
+    Meaning::Longitude,
+    Meaning::Effort,
+    Meaning::SpeedIsComputed,
+];
 const DAY_S: f64 = 86_400.0;
 /// A date that is copied from another clock turns within so much of midnight, s: receivers and networks tell it each
 /// minute, or few.
@@ -53,7 +65,10 @@ const GOES_ON_S: f64 = 60.0;
 
 impl<'a> Converter<'a> {
     pub fn new(path: &Path, columns: &'a Columns) -> Self {
-        Self { place: path.display().to_string(), columns, last_s: None, days_s: 0.0 }
+        let meaning = |column: &NumberColumn| Meaning::of_name(&units::split(column.name).0);
+        let others = COLUMNS.into_iter().filter_map(|column| Some((meaning(&column)?, column)));
+        let others = others.filter(|(meaning, _)| !READ_APART.contains(meaning)).collect();
+        Self { place: path.display().to_string(), columns, others, last_s: None, days_s: 0.0 }
     }
 
     /// The rows of a sheet begin.
@@ -88,8 +103,11 @@ impl<'a> Converter<'a> {
         if self.columns.unit(Meaning::Effort).is_some() {
             sample.effort_n_per_kg = with_brake(sample.effort_n_per_kg, number(Meaning::Braking));
         }
-        sample.temperature_c = number(Meaning::Temperature);
-        sample.headwind_mps = number(Meaning::Headwind);
+        for (meaning, column) in &self.others {
+            if let Some(value) = number(*meaning) {
+                (column.set)(&mut sample, value);
+            }
+        }
         let (latitude, longitude) = (number(Meaning::Latitude), number(Meaning::Longitude));
         if let Some((latitude, longitude)) = latitude.zip(longitude) {
             // Nobody runs trains where the receiver has no fix: 0, 0.

@@ -1,6 +1,6 @@
 //! Units of columns: by their names in headers and in `import.toml`, and as factors to what a run log holds.
 
-use super::meaning::{Meaning, plain};
+use super::meaning::{Dimension, Meaning, plain};
 
 /// A unit of one kind of column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,14 +103,14 @@ const TEMPERATURES: [Unit; 3] = [
 
 /// The units that a column may have; the first `candidates` of them are tried where nothing names one.
 pub const fn of(meaning: Meaning) -> &'static [Unit] {
-    match meaning {
-        Meaning::Time => &TIMES,
-        Meaning::Location | Meaning::Altitude => &LENGTHS,
-        Meaning::Speed | Meaning::Headwind => &SPEEDS,
-        Meaning::Latitude | Meaning::Longitude => &ANGLES,
-        Meaning::Effort | Meaning::Braking => &EFFORTS,
-        Meaning::Temperature => &TEMPERATURES,
-        Meaning::Date | Meaning::SpeedIsComputed | Meaning::Unit | Meaning::Run => &[],
+    match meaning.dimension() {
+        Some(Dimension::Time) => &TIMES,
+        Some(Dimension::Length) => &LENGTHS,
+        Some(Dimension::Speed) => &SPEEDS,
+        Some(Dimension::Angle) => &ANGLES,
+        Some(Dimension::Force) => &EFFORTS,
+        Some(Dimension::Temperature) => &TEMPERATURES,
+        None => &[],
     }
 }
 

@@ -247,7 +247,7 @@ fn of_run(run: &ReplayedRun, config: &Config, tables: Tables) -> Value {
         "run": run.name,
         "unit": run.unit,
         "file": run.path.to_string_lossy(),
-        "direction": parameters::direction_word(run.direction),
+        "direction": run.direction.as_str(),
         "rows": run.rows,
         "steps": run.estimates.len(),
         "learning_steps": parameters::learning_steps(run),

@@ -1,11 +1,11 @@
 //! `parameters.csv`: what is known of the vehicle after each run, what this run's train was, and how often each cause
 //! occurred.
 
+use rundown::filter::gaussian::Gaussian;
 use rundown::model::state::{SPEED, resistance_sd};
 use rundown::model::units::KmPerHour;
 use rundown::tick::estimate::{Cause, Counters};
 use rundown::tick::foresight::Foresight;
-use rundown::{filter::gaussian::Gaussian, model::direction::Direction};
 use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
 
@@ -14,13 +14,6 @@ const COEFFICIENTS: [(&str, &str); 3] = [("r0", "N/kg"), ("r1", "N/kg per m/s"),
 
 /// Speeds at which it is said what a run taught, km/h.
 const TAUGHT_KMH: [f64; 4] = [20.0, 60.0, 100.0, 140.0];
-
-pub(crate) const fn direction_word(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Up => "up",
-        Direction::Down => "down",
-    }
-}
 
 /// The columns of the file: run, the vehicle after it, the run's own train (`run_*`: wind and load of the day
 /// included), rows and counters.
@@ -106,7 +99,7 @@ pub(super) fn unit() -> Column<ReplayedRun> {
 }
 
 pub(super) fn direction() -> Column<ReplayedRun> {
-    Column::text("direction", "`up`: locations rise, or `down`", |run: &ReplayedRun| direction_word(run.direction))
+    Column::text("direction", "`up`: locations rise, or `down`", |run: &ReplayedRun| run.direction.as_str())
 }
 
 /// How often each cause occurred.

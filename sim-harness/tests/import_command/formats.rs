@@ -348,7 +348,7 @@ fn taking_turns(header: &str, line: impl Fn(&str, f64, f64, f64) -> String) -> S
 }
 
 #[test]
-fn trains_whose_rows_take_turns_in_one_file_are_told_apart_by_their_column() {
+fn trains_whose_rows_take_turns_in_one_file_are_separated_by_their_column() {
     let text = taking_turns("time_s,train,location_m,speed_kmh", |train, t, x, v| {
         format!("{t},{train},{x:.1},{:.2}", 3.6 * v)
     });

@@ -121,7 +121,7 @@ fn most_of_the_values_may_be_in_another_unit_than_the_first() {
 }
 
 #[test]
-fn trains_that_take_turns_are_told_apart_or_a_column_that_does_is_asked_for() {
+fn trains_that_take_turns_are_separated_or_a_column_that_does_is_asked_for() {
     let of = |column: &str| {
         let header = format!("time [s],{column},tag,value,unit");
         table(&header, &drive(&STOPS_M, 25.0), |t, x, v| {

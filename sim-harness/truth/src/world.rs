@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn of_the_electric_brake_alone_there_is_as_much_as_the_motors_can_pull_and_nothing_at_walking_pace() {
+    fn of_the_electric_brake_alone_there_is_as_much_as_the_motors_give_and_nothing_at_walking_pace() {
         for kmh in [4.0, 60.0, 140.0] {
             assert!((reported(false, kmh) + 0.5).abs() < 1e-12);
         }

@@ -35,16 +35,16 @@ errors! {
     /// Why the bytes between two zeros are no message.
     #[derive(Eq)]
     #[non_exhaustive]
-    pub enum DecodeError {
+    pub enum SerialError {
         /// The zero came before the end that COBS had announced.
-        Cobs { decoded: usize } => "message ends early, after {decoded} bytes",
-        TooLong { capacity: usize } => "expected at most {capacity} bytes, found more",
+        Cobs { decoded: usize } => "message: expected the end that it announced, found a zero after {decoded} bytes",
+        TooLong { capacity: usize } => "message: expected at most {capacity} bytes, found more",
         /// Too few bytes, or the wrong ones.
         Checksum(error: ChecksumError) => "{error}",
     }
 }
 
-impl DecodeError {
+impl SerialError {
     /// Counts the cause.
     pub fn count(self, counters: &mut Counters) {
         count(match self {
@@ -138,7 +138,7 @@ impl<const N: usize> Decoder<N> {
     /// message and no error.
     ///
     /// # Errors
-    /// [`DecodeError`] at the zero that ends bytes that are no message. The decoder goes on with what follows.
+    /// [`SerialError`] at the zero that ends bytes that are no message. The decoder goes on with what follows.
     ///
     /// ```
     /// use rundown_wire::link::serial::{Decoder, encode};
@@ -156,7 +156,7 @@ impl<const N: usize> Decoder<N> {
     /// }
     /// assert_eq!(received, 1);
     /// ```
-    pub fn push(&mut self, byte: u8) -> Result<Option<&[u8]>, DecodeError> {
+    pub fn push(&mut self, byte: u8) -> Result<Option<&[u8]>, SerialError> {
         match self.cobs.feed(byte) {
             Ok(DecodeResult::DataStart) => {
                 self.checked.clear();
@@ -169,9 +169,9 @@ impl<const N: usize> Decoder<N> {
                 Ok(None)
             }
             Ok(DecodeResult::NoData) => Ok(None),
-            Ok(DecodeResult::DataComplete) | Err(_) if self.overflow => Err(DecodeError::TooLong { capacity: N }),
-            Ok(DecodeResult::DataComplete) => checksum::check(&self.checked).map(Some).map_err(DecodeError::Checksum),
-            Err(_) => Err(DecodeError::Cobs { decoded: self.checked.len() }),
+            Ok(DecodeResult::DataComplete) | Err(_) if self.overflow => Err(SerialError::TooLong { capacity: N }),
+            Ok(DecodeResult::DataComplete) => checksum::check(&self.checked).map(Some).map_err(SerialError::Checksum),
+            Err(_) => Err(SerialError::Cobs { decoded: self.checked.len() }),
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::board;
 use board_tests::board::{Board, PROVISIONING, answer, described, estimate, running};
 use board_tests::prelude::*;
 use rundown::onboard::event::Event;
-use rundown::onboard::uplink::Setting;
+use rundown::uplink::Setting;
 use rundown_wire::Refusal;
 
 #[test]

@@ -5,7 +5,7 @@ use board_tests::flash::Flash;
 use board_tests::prelude::*;
 use board_tests::said;
 use rundown::model::effects::*;
-use rundown::onboard::uplink::CurvePart;
+use rundown::uplink::CurvePart;
 use rundown_wire::Refusal;
 
 fn effects() -> Effects {

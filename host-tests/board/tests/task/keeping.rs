@@ -6,7 +6,7 @@ use board_tests::said;
 use rundown::model::effects::{Effect, WarmUp};
 use rundown::model::resistance::Davis;
 use rundown::model::train::TrainDescription;
-use rundown::onboard::uplink::Setting;
+use rundown::uplink::Setting;
 use rundown_wire::{Learned, Memory, Refusal, RunSummary};
 
 #[test]

@@ -7,7 +7,7 @@ use board_tests::prelude::*;
 use board_tests::said;
 use board_tests::serial_board::SerialBoard;
 use rundown::onboard::outbox::WhenFull;
-use rundown::onboard::uplink::{self, OPEN, Uplink};
+use rundown::uplink::{self, OPEN, Uplink};
 use rundown_wire::{Body, MAX_MESSAGE, Refusal};
 
 #[test]

@@ -7,7 +7,7 @@ use board_tests::prelude::*;
 use board_tests::said;
 use rundown::estimator::config::SecurityConfig;
 use rundown::onboard::auth::{Provisioning, Signer};
-use rundown::onboard::uplink::{self, OPEN, Uplink};
+use rundown::uplink::{self, OPEN, Uplink};
 use rundown_wire::{MAX_MESSAGE, Refusal};
 
 #[test]

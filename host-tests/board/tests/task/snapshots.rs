@@ -3,7 +3,7 @@
 use board_tests::board::{Board, described, estimate, running};
 use board_tests::prelude::*;
 use board_tests::said;
-use rundown::onboard::uplink::Setting;
+use rundown::uplink::Setting;
 use rundown_wire::Refusal;
 
 #[test]

@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_train_that_is_described_with_another_length_is_told_by_the_slopes_that_it_reaches_over() {
+    fn a_train_that_is_described_with_another_length_is_found_by_the_slopes_that_it_reaches_over() {
         for times in [0.5, 1.6, 2.5] {
             let length_m = times * train().length_m();
             let described = Train::try_new(TrainDescription { length_m, ..TrainDescription::CASE_STUDY }).unwrap();

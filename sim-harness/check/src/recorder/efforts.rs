@@ -2,16 +2,13 @@
 
 use crate::agreement::Figure;
 use crate::diagnosis::RecorderCheck;
-use crate::effort_age::Asked;
-use crate::effort_coasting::{MovingStretch, effort_of_coasts, moving_stretches};
-use crate::effort_gap::Gap;
-use crate::effort_zero::{Stretches, Zero};
+use crate::effort::age::Asked;
+use crate::effort::coasting::{MovingStretch, effort_of_coasts, moving_stretches};
+use crate::effort::gap::Gap;
+use crate::effort::zero::{Stretches, Zero};
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
-use crate::{
-    Known, SURE, effort, effort_age, effort_cut, effort_demanded, effort_gap, effort_held, effort_small, effort_unlike,
-    effort_zero, effort_zero_of_run, limits, read_of, smoothed, steps, trailing,
-};
+use crate::{Known, SURE, effort, limits, read_of, smoothed, steps, trailing};
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -84,8 +81,8 @@ impl RecorderCheck {
     /// Leaves out efforts at the most that the column has, where trains had more.
     fn cut_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let own = self.usable(runs);
-        let Some(cut) = effort_cut::of(with_lines(&own, recordings, known)) else { return };
-        let leave_out = |i: usize| effort_cut::leave_out(&mut recordings[i].rows, &cut);
+        let Some(cut) = effort::cut::of(with_lines(&own, recordings, known)) else { return };
+        let leave_out = |i: usize| effort::cut::leave_out(&mut recordings[i].rows, &cut);
         let count: usize = own.into_iter().map(leave_out).sum();
         let text = format!("{:.3} N/kg in {count} rows, which are left out with those beside them", cut.most_n_per_kg);
         self.found_by(Kind::EffortCut, cut.times, "", Done::LeftOut, text);
@@ -94,7 +91,7 @@ impl RecorderCheck {
     /// Leaves out efforts that do not act.
     fn demanded_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let own = self.usable(runs);
-        let Some(share) = effort_demanded::share(with_lines(&own, recordings, known)) else { return };
+        let Some(share) = effort::demanded::share(with_lines(&own, recordings, known)) else { return };
         self.found(Kind::EffortDemanded, share, "", Done::LeftOut);
         own.into_iter().for_each(|i| without_efforts(&mut recordings[i].rows));
     }
@@ -102,7 +99,7 @@ impl RecorderCheck {
     /// Leaves out efforts of which those that hold a speed have a gain of their own: where it changes is not known.
     fn small_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
         let own = self.usable(runs);
-        let Some(small) = effort_small::of(with_lines(&own, recordings, known)) else { return };
+        let Some(small) = effort::small::of(with_lines(&own, recordings, known)) else { return };
         let text = format!("below {:.2} N/kg", small.below_n_per_kg);
         self.found_by(Kind::EffortSmall, small.times, "", Done::LeftOut, text);
         own.into_iter().for_each(|i| without_efforts(&mut recordings[i].rows));
@@ -112,7 +109,7 @@ impl RecorderCheck {
     fn held_efforts(&mut self, recordings: &mut [Recording], runs: &[RunCheck]) {
         let own = self.usable(runs);
         let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
-        let Some(held) = effort_held::of(&rows) else {
+        let Some(held) = effort::held::of(&rows) else {
             return;
         };
         let figure = Figure { value: held.mean_s, sd: 0.0 };
@@ -144,8 +141,8 @@ impl RecorderCheck {
                 }
             }
         }
-        let answers: Vec<Option<Figure>> = own.iter().map(|i| effort_unlike::of_run(&recordings[*i].rows)).collect();
-        for (place, figure) in effort_unlike::unlike(&answers) {
+        let answers: Vec<Option<Figure>> = own.iter().map(|i| effort::unlike::of_run(&recordings[*i].rows)).collect();
+        for (place, figure) in effort::unlike::unlike(&answers) {
             runs[own[place]].answers_otherwise(figure);
             without_efforts(&mut recordings[own[place]].rows);
         }
@@ -212,7 +209,7 @@ impl RecorderCheck {
         let own = self.usable(runs);
         let moving = |recordings: &[Recording]| moving_stretches(own.iter().map(|i| &recordings[*i]), known);
         let as_read = moving(recordings);
-        let zeros = effort_zero_of_run::differing(&as_read, own.len(), self.effort_step_n_per_kg);
+        let zeros = effort::zero_of_run::differing(&as_read, own.len(), self.effort_step_n_per_kg);
         let Some(zeros) = zeros else { return as_read };
         let figure = Figure { value: zeros.spread_n_per_kg, sd: 0.0 };
         let kind = Kind::EffortZerosDiffer;
@@ -253,15 +250,15 @@ impl RecorderCheck {
     ) {
         let own =
             || recordings.iter().zip(runs).filter(|(_, run)| self.has_usable(run)).map(|(recording, _)| recording);
-        let standing = effort_zero::at_standstill(own());
+        let standing = effort::zero::at_standstill(own());
         let coasts = effort_of_coasts(moving, self.effort_step_n_per_kg);
-        let seen = effort_zero::decided(standing, coasts);
-        let zeros = effort_zero::zeros(own(), known);
+        let seen = effort::zero::decided(standing, coasts);
+        let zeros = effort::zero::zeros(own(), known);
         let rows = recordings.iter_mut().zip(runs).filter(|(_, run)| self.has_usable(run));
         let rows: Vec<&mut [Sample]> = rows.map(|(recording, _)| recording.rows.as_mut_slice()).collect();
         let is_seen = seen.is_some();
         if let Some(Zero { figure: zero, doubt_n_per_kg, may_act, seen }) =
-            seen.filter(|one| effort_zero::is_off(one.figure))
+            seen.filter(|one| effort::zero::is_off(one.figure))
         {
             self.effort_doubt_n_per_kg = self.effort_doubt_n_per_kg.max(doubt_n_per_kg);
             let doubt = if may_act { [MAY_ACT, DOUBTED].concat() } else { String::new() };
@@ -274,12 +271,12 @@ impl RecorderCheck {
         let of = |stretches: Stretches, what: &str| {
             format!("{} of {} stretches in which the train {what}", stretches.with_zeros, stretches.all)
         };
-        let gap = || effort_gap::of(rows.iter().flat_map(|rows| rows.iter()));
+        let gap = || effort::gap::of(rows.iter().flat_map(|rows| rows.iter()));
         let (why, leave_out): (String, fn(&mut [Sample]) -> usize) = if zeros.drop_what_is_small() {
-            (of(zeros.holds, "holds its speed: all efforts of 0"), effort_zero::leave_out_zeros)
+            (of(zeros.holds, "holds its speed: all efforts of 0"), effort::zero::leave_out_zeros)
         } else if zeros.never_show_a_brake() {
             let what = "brakes to a stop, and no effort is below 0: all efforts of 0";
-            (of(zeros.stops, what), effort_zero::leave_out_zeros)
+            (of(zeros.stops, what), effort::zero::leave_out_zeros)
         } else if zeros.keep_some()
             && let Some(Gap { least_n_per_kg, rows }) = gap()
         {
@@ -288,9 +285,9 @@ impl RecorderCheck {
                  {least_n_per_kg:.4} N/kg, beside {rows} of up to twice as much: all efforts of 0",
                 zeros.kept
             );
-            (why, effort_zero::leave_out_zeros)
+            (why, effort::zero::leave_out_zeros)
         } else if zeros.lack_the_brake() {
-            (of(zeros.brakes, "brakes: its efforts while it brakes"), effort_zero::leave_out_brakes)
+            (of(zeros.brakes, "brakes: its efforts while it brakes"), effort::zero::leave_out_brakes)
         } else {
             if !is_seen && zeros.are_of_many() {
                 let runs = Figure { value: self.usable(runs).len() as f64, sd: 0.0 };
@@ -315,7 +312,7 @@ impl RecorderCheck {
         }
         let ask = |i: &usize| asked(&recordings[*i], runs[*i].step_s, known);
         let asked_of: Vec<Asked<'_>> = own.iter().take(AGED).map(ask).collect();
-        let Some(usual) = effort_age::usual(&asked_of) else { return };
+        let Some(usual) = effort::age::usual(&asked_of) else { return };
         let age_s = usual.age_s;
         if age_s.value.abs() < LEAST_AGE_S || age_s.away_from(0.0) < SURE {
             return;
@@ -336,8 +333,8 @@ impl RecorderCheck {
             let rows = &mut recordings[i].rows;
             match done {
                 Done::PutRight => match usual.whole_rows(step_s).filter(|_| step_s > MOVED_STEP_S) {
-                    Some(by) => effort_age::move_by_rows(rows, runs[i].step_s, by),
-                    None => effort_age::move_efforts(rows, runs[i].step_s, line, &usual),
+                    Some(by) => effort::age::move_by_rows(rows, runs[i].step_s, by),
+                    None => effort::age::move_efforts(rows, runs[i].step_s, line, &usual),
                 },
                 Done::LeftOut => without_efforts(rows),
                 Done::Said | Done::Refused => (),

@@ -9,7 +9,6 @@ use crate::run_rows::{Batch, Places, Recordings, TEXTS, run_columns};
 use crate::sample::{COLUMNS, Sample};
 use crate::table::{Cell, Record};
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use rundown::model::direction::Direction;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -134,11 +133,8 @@ impl RunWriter {
 }
 
 fn record(run: &Recording, row: &Sample) -> Record {
-    let direction = match run.direction {
-        Direction::Up => "up",
-        Direction::Down => "down",
-    };
-    let texts = TEXTS.into_iter().zip([run.name.as_str(), run.unit.as_str(), direction, run.driver.as_str()]);
+    let texts = [run.name.as_str(), run.unit.as_str(), run.direction.as_str(), run.driver.as_str()];
+    let texts = TEXTS.into_iter().zip(texts);
     let texts = texts.map(|(name, text)| (name.to_owned(), Cell::from(text)));
     let numbers = COLUMNS.iter().map(|column| (column.name.to_owned(), Cell::from((column.get)(row))));
     texts.chain(numbers).collect()
@@ -149,6 +145,7 @@ mod tests {
     use super::*;
     use crate::column::{About, Kind};
     use crate::track_file::CentreLinePoint;
+    use rundown::model::direction::Direction;
 
     /// Forty rows with a value in every column.
     fn recording(index: u32) -> Recording {

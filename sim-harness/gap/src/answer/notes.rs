@@ -5,7 +5,7 @@ use crate::answer::unseen::unseen;
 use crate::answer::whole::Answer;
 use crate::candidate::ShowsIn;
 use crate::candidates;
-use crate::config::GapConfig;
+use crate::config::{EffortConfig, GapConfig};
 use crate::data::load::about_gradients;
 use crate::data::runs::{EffortReading, usual_step_s};
 use crate::findings::Findings;
@@ -77,7 +77,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
         Some(permille) => Some(at_most_places(permille)),
         None => input.small_errors.as_ref().map(agreeing),
     });
-    notes.extend(unseen_speeds(&found.findings));
+    notes.extend(unseen_speeds(&found.findings, &answer.config.effort));
     if input.left_out > 0 {
         notes.push(format!(
             "{} of {} logs could not be used; why stands on the screen.",
@@ -173,14 +173,10 @@ fn speeds_kmh(findings: &Findings) -> Vec<f64> {
     sorted(findings.rows.iter().map(|row| 3.6 * row.interval.mean_speed_mps()))
 }
 
-/// So many intervals show nothing, and a starting resistance acts below this, km/h.
-const FEW_SLOW: usize = 20;
-const SLOW_KMH: f64 = 12.0;
-
 /// With an effort column: below which speed hardly an interval counts, where a resistance may act.
-fn unseen_speeds(findings: &Findings) -> Option<String> {
-    let least_kmh = *speeds_kmh(findings).get(FEW_SLOW)?;
-    (findings.measured && least_kmh > SLOW_KMH).then(|| {
+fn unseen_speeds(findings: &Findings, config: &EffortConfig) -> Option<String> {
+    let least_kmh = *speeds_kmh(findings).get(config.few_slow)?;
+    (findings.measured && least_kmh > config.slow_kmh).then(|| {
         format!(
             "Hardly an interval below {least_kmh:.0} km/h counts, for the effort changes within it: what acts there alone, such as a starting resistance, is not seen."
         )
@@ -244,13 +240,11 @@ fn other_names(found: &Investigation) -> Option<String> {
     })
 }
 
-/// Less of a section that acts as soon as the front is inside is not worth a word.
-const LITTLE_AT_ONCE: f64 = 0.3;
-
 /// A section that begins and ends sooner than its law has it.
 fn at_once(answer: &Answer, one: &Named) -> Option<String> {
     let share = answer.found.findings.terms.get(one.term?)?.at_once?;
-    let is_sure = share.away_from(0.0) > answer.config.nuisance.sure && share.value > LITTLE_AT_ONCE;
+    let GapConfig { nuisance, certainty, .. } = &answer.config;
+    let is_sure = share.away_from(0.0) > nuisance.sure && share.value > certainty.at_once;
     is_sure.then(|| {
         format!(
             "{} from {} begins and ends as the front passes, not over the length of the train as its law has it ({:.2} \u{b1} {:.2} of it): no effect of its own, and not in the repaired model.",

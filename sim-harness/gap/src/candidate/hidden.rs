@@ -7,11 +7,11 @@ use rundown::model::resistance::Davis;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HiddenSize {
-    /// Nobody would overlook it.
+    /// Well above the noise.
     Clear,
-    /// In between.
+    /// Between the two.
     Medium,
-    /// At the limit.
+    /// At the limit of what data of this size show.
     Faint,
 }
 

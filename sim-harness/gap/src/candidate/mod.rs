@@ -253,9 +253,7 @@ pub trait Candidate: Sync {
     }
 
     /// The effect in a sentence.
-    fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        named.effect.name().to_owned()
-    }
+    fn sentence(&self, named: &Named, context: &Context<'_>) -> String;
 
     /// Over what its law is drawn; none: it has no law over the residuals.
     fn axis<'a>(&self, _: &'a Named, _: &Context<'a>) -> Option<Axis<'a>> {
@@ -268,9 +266,7 @@ pub trait Candidate: Sync {
     }
 
     /// What the bench hides by such a name, as in a scenario, without the name.
-    fn hidden(&self, _: &str, _: &mut Hide<'_>) -> Option<Value> {
-        None
-    }
+    fn hidden(&self, name: &str, hide: &mut Hide<'_>) -> Option<Value>;
 
     /// The parameter that is the effect's size, and its value without the effect. `length_m`: of the train as
     /// described.

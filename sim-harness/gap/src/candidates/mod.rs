@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tunnel_and_a_gradient_are_told_by_the_other_direction_first() {
+    fn the_other_direction_separates_a_tunnel_from_a_gradient_first() {
         let have = |both_directions| Have { effort: true, both_directions };
         let of = |have| separates(EffectKind::TunnelDrag, EffectKind::GradientError, have);
         assert_eq!((of(have(false)), of(have(true))), (OTHER_DIRECTION, OTHER_SPEED));

@@ -49,6 +49,16 @@ impl Candidate for Sensor {
             Self::LocationOffset => along(context, rows, |line, _, p| -slope(line, p)),
         }]
     }
+
+    /// It is in every fit, and never the answer.
+    fn sentence(&self, _: &Named, _: &Context<'_>) -> String {
+        self.name().to_owned()
+    }
+
+    /// The recorders of the simulator are its hidden ones.
+    fn hidden(&self, _: &str, _: &mut Hide<'_>) -> Option<Value> {
+        None
+    }
 }
 
 /// Change of the gradient along the line, N/kg for each m.

@@ -21,7 +21,7 @@ impl Candidate for This {
     }
 
     fn beside(&self, naming: &Naming<'_>) -> Option<(Named, Odds)> {
-        // Found and put right by the diagnosis of the logs, where it is beyond doubt and matters: told to the analyst
+        // Found and put right by the diagnosis of the logs, where it is beyond doubt and matters: reported
         // nevertheless.
         Some((Named::wheel(&naming.kinematics.scale?, naming.context.config), Vec::new()))
     }

@@ -6,6 +6,14 @@ use crate::data::runs::Run;
 use rundown::model::{direction::Direction, line::Line, track::Track, train::Train};
 use rundown_files::statistics::mean;
 
+/// A train that starts, m/s: the described effort is the largest, and the power limits nothing yet.
+const STARTING_MPS: f64 = 0.1;
+
+/// The largest described effort, N/kg.
+pub fn starting_effort_n_per_kg(train: &Train) -> f64 {
+    train.max_effort_n_per_kg(STARTING_MPS)
+}
+
 /// The believed model, with a line for each direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Believed<'a> {

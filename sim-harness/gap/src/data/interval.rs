@@ -3,6 +3,9 @@
 /// Points along the path of an interval at which laws are evaluated.
 pub const POINTS: usize = 10;
 
+/// Times that are nearer are the same: sums of lengths and differences of time stamps round, s.
+pub const SAME_TIME_S: f64 = 1e-6;
+
 /// A point on the path of an interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {

@@ -4,6 +4,7 @@
 //! an effort column shows a start second by second its first intervals are shorter.
 
 use crate::data::efforts::Efforts;
+use crate::data::interval::SAME_TIME_S;
 use crate::data::runs::Run;
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
@@ -52,7 +53,7 @@ impl Nodes<'_> {
             } else if time_s < next_s {
                 continue;
             }
-            let fresh = time_s + config.start_length_s <= started_s + config.start_s + 1e-6;
+            let fresh = time_s + config.start_length_s <= started_s + config.start_s + SAME_TIME_S;
             let length_s = if fresh { config.start_length_s } else { every_s };
             next_s = time_s + length_s - 0.25 * usual_s;
             nodes.push(if every_s > 0.0 {
@@ -124,7 +125,7 @@ impl Nodes<'_> {
         let own = self.node(here, reading);
         // A train that stands is held, and what effort and gradient give does not move it.
         let near = |&&(sample, speed): &&(usize, f64)| {
-            (self.run.samples[sample].time_s - own.time_s).abs() <= self.efforts.config.reading_s + 1e-6
+            (self.run.samples[sample].time_s - own.time_s).abs() <= self.efforts.config.reading_s + SAME_TIME_S
                 && speed > self.efforts.config.departed_mps
         };
         let before = with_speed[..place].iter().rev().take_while(near);

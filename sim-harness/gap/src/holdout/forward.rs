@@ -11,7 +11,7 @@ use crate::candidate::ShowsIn;
 use crate::candidates;
 use crate::config::HoldoutConfig;
 use crate::data::believed::{Believed, Context, wind_n_per_kg};
-use crate::data::interval::{Interval, Point};
+use crate::data::interval::{Interval, Point, SAME_TIME_S};
 use crate::data::rows::Row;
 use crate::holdout::share::{Share, Squares, multiple};
 use crate::named::Named;
@@ -108,7 +108,7 @@ pub fn windows(rows: &[Row], config: &HoldoutConfig) -> Vec<Range<usize>> {
         while end < rows.len()
             && rows[end].interval.follows
             && rows[end].interval.run == rows[begin].interval.run
-            && (rows[end].interval.begin_s - end_s(&rows[end - 1])).abs() < 1e-6
+            && (rows[end].interval.begin_s - end_s(&rows[end - 1])).abs() < SAME_TIME_S
             && end_s(&rows[end]) - rows[begin].interval.begin_s <= config.window_s
         {
             end += 1;

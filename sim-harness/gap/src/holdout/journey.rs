@@ -9,7 +9,8 @@
 //! with a perfect model.
 
 use crate::config::HoldoutConfig;
-use crate::data::{believed::Believed, interval::Point, rows::Row};
+use crate::data::interval::{Point, SAME_TIME_S};
+use crate::data::{believed::Believed, rows::Row};
 use crate::explained::extra;
 use crate::holdout::forward::{Repaired, RepairedModel, acceleration_mps2, begin_m, end_m, windows};
 use crate::holdout::share::{Share, Squares};
@@ -165,7 +166,7 @@ impl Repaired<'_> {
                 sum.before -= row.residual_n_per_kg * distance_m;
                 sum.after += (extra - row.residual_n_per_kg) * distance_m;
                 sum.floor += noise.disturbance(interval) * distance_m * distance_m;
-                if interval.begin_s > last_end_s + 1e-6 {
+                if interval.begin_s > last_end_s + SAME_TIME_S {
                     sum.floor += 2.0 * (noise.reading_mps * interval.mean_speed_mps()).powi(2);
                 }
                 last_end_s = interval.begin_s + interval.dt_s;
@@ -234,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_of_both_signs_count_and_what_chance_leaves_is_no_gap() {
+    fn errors_of_both_signs_count_and_what_noise_leaves_is_no_gap() {
         let summary = Summary::of(&errors(3.0, 1.0), &HoldoutConfig::default()).unwrap();
         assert_eq!(summary.share.before, 3.0);
         assert_eq!(summary.share.removed, Some(1.0));

@@ -1,5 +1,5 @@
-//! Which unit needs more effort than the others for the same motion? It is heavier than they are, or its effort column
-//! reads too high: each is a multiple of the effort, and no gain of all columns.
+//! Which unit needs more effort than the others for the same motion? Either it is heavier, or its effort column reads
+//! too high: both multiply the effort of this unit alone.
 //!
 //! In: all rows of an effort column beside the model that was found. Each run says by which share of its effort it
 //! needs more; units are compared as in the level above.
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_unit_that_is_heavier_is_told_with_its_share() {
+    fn a_unit_that_is_heavier_is_reported_with_its_share() {
         for seed in 0..5 {
             let found = found(0.08, seed);
             let [one] = &found[..] else {
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn where_no_unit_differs_none_is_told() {
+    fn where_no_unit_differs_none_is_reported() {
         let sets = (10..40).filter(|seed| !found(0.0, *seed).is_empty()).count();
         assert!(sets <= 2, "{sets} of 30");
     }

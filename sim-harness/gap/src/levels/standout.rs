@@ -1,7 +1,7 @@
 //! A unit, a driver or a day that differs from the others, or that cannot be compared, in words and as JSON.
 
 use crate::data::runs::Run;
-use rundown_check::agreement::Figure;
+use rundown_check::agreement::{Figure, HALF_95};
 use rundown_files::effect_file::date_of;
 use rundown_pages::numbers::counted;
 use serde_json::{Value, json};
@@ -88,7 +88,7 @@ impl Standout {
         let Self { level, of, share: Figure { value, sd }, other, p_value, .. } = self;
         let name = level.name();
         let runs = counted(self.runs, "run", "runs");
-        let share = format!("{:.1} \u{b1} {:.1} % {}", 100.0 * value.abs(), 196.0 * sd, comparative(*value));
+        let share = format!("{:.1} \u{b1} {:.1} % {}", 100.0 * value.abs(), 100.0 * HALF_95 * sd, comparative(*value));
         let than = other.as_ref().map_or("the others".to_owned(), |(other, _)| format!("those of {name} {other}"));
         match self.more {
             More::Effort => format!(

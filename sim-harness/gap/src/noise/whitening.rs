@@ -12,7 +12,7 @@
 //! least squares is right. What all runs have alike with a prior (the gain of the effort column) comes on top in the
 //! same way.
 
-use crate::data::interval::Interval;
+use crate::data::interval::{Interval, SAME_TIME_S};
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
@@ -158,5 +158,7 @@ impl Whitening {
 
 /// Whether two intervals share a reading.
 fn adjacent(before: &Interval, interval: &Interval) -> bool {
-    interval.follows && before.run == interval.run && (before.begin_s + before.dt_s - interval.begin_s).abs() < 1e-6
+    interval.follows
+        && before.run == interval.run
+        && (before.begin_s + before.dt_s - interval.begin_s).abs() < SAME_TIME_S
 }

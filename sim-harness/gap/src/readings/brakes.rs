@@ -15,7 +15,7 @@
 use crate::config::{GapConfig, NuisanceConfig};
 use crate::data::believed::{Context, believed_load};
 use crate::data::cut;
-use crate::data::interval::Interval;
+use crate::data::interval::{Interval, SAME_TIME_S};
 use crate::data::rows::Row;
 use crate::data::runs::{EffortReading, Run};
 use crate::efforts::Looked;
@@ -112,7 +112,7 @@ pub fn set_aside(context: &Context<'_>, runs: &[Run], effort: EffortReading) -> 
         let braked: Vec<Range<f64>> = intervals
             .iter()
             .filter(|interval| is_braked(context, &run, interval))
-            .map(|interval| interval.begin_s - 1e-6..interval.begin_s + interval.dt_s + 1e-6)
+            .map(|interval| interval.begin_s - SAME_TIME_S..interval.begin_s + interval.dt_s + SAME_TIME_S)
             .collect();
         for sample in &mut run.samples {
             let within = || braked.iter().any(|span| span.contains(&sample.time_s));

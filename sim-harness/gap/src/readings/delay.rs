@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effort_that_is_late_is_told_and_one_that_is_not_is_left() {
+    fn an_effort_that_is_late_is_reported_and_one_that_is_not_is_left() {
         on_a_level_line(12, |context| {
             // What drives a second of these trains stands at its beginning: half a second early.
             for (step, late) in [(10, 1), (1, 3)] {
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mean_of_long_after_is_told_as_a_momentary_value() {
+    fn a_mean_of_long_after_is_read_as_a_momentary_value() {
         let told = |reading, value| {
             let found = Delay { reading, delay_s: Some(Figure { value, sd: 0.2 }), gain: 50.0, usual_s: 10.0 };
             found.matters(&NuisanceConfig::default(), 5.0).map(|age| age.value)

@@ -1,4 +1,4 @@
-//! What is wrong with the readings of all runs alike: found, told, put right, and never the name of an effect.
+//! What is wrong with the readings of all runs alike: found, reported, put right, and never the name of an effect.
 //!
 //! The age of the effort and the offset of the locations are put right in the samples, one after the other, before
 //! effects are looked for. The gain of the effort column is straight in the residuals: it stays in every fit with its
@@ -132,12 +132,12 @@ pub fn further(context: &Context<'_>, runs: &[Run], readings: &Readings, left: O
 }
 
 /// A gain of the effort column that is neither small nor unsure.
-pub fn is_told(gain: Figure, config: &GapConfig) -> bool {
+pub fn is_reported(gain: Figure, config: &GapConfig) -> bool {
     gain.value.abs() > config.nuisance.least_gain && gain.away_from(0.0) > config.nuisance.sure
 }
 
-/// All nuisances, told or not; without an effort column the offset of the locations alone. `gain`: of the effort column
-/// less 1.
+/// All nuisances, reported or not; without an effort column the offset of the locations alone. `gain`: of the effort
+/// column less 1.
 pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) -> Vec<Nuisance> {
     let (nuisance, enough) = (&config.nuisance, config.search.enough);
     let one = |kind, figure: Figure, told| Nuisance {
@@ -147,7 +147,7 @@ pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) 
         told,
         ambiguous_with: Vec::new(),
     };
-    let gain = gain.map(|gain| one(NuisanceKind::EffortGain, gain, is_told(gain, config)));
+    let gain = gain.map(|gain| one(NuisanceKind::EffortGain, gain, is_reported(gain, config)));
     let brakes = readings.brakes.map(|brakes| one(NuisanceKind::BrakeGain, brakes.off, brakes.are_apart(nuisance)));
     let told = readings.effort.matters(nuisance, enough).is_some();
     let delay = readings.effort.age_s(nuisance).map(|delay| one(NuisanceKind::EffortDelay, delay, told));

@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn locations_that_are_off_in_all_runs_are_told_by_how_much() {
+    fn locations_that_are_off_in_all_runs_are_reported_by_how_much() {
         for (seed, offset_m) in [(1, 60.0), (2, -45.0), (3, 90.0)] {
             let (found, told) = found(offset_m, 0.0, seed);
             let error_m = found.offset_m.value - offset_m;

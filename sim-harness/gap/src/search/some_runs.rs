@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_of_a_longer_train_are_told_from_the_others() {
+    fn runs_of_a_longer_train_are_distinguished_from_the_others() {
         for seed in 0..3 {
             let found = found_in(264.0, seed, |run, _| (if run % 3 == 0 { 102.0 } else { 0.0 }, 0.0)).unwrap();
             assert_eq!(found, (0..RUNS).step_by(3).collect::<Vec<_>>(), "{seed}");

@@ -158,6 +158,7 @@ pub fn adhesion(
 mod tests {
     use super::*;
     use crate::config::GapConfig;
+    use crate::data::believed::starting_effort_n_per_kg;
     use crate::data::runs::{EffortReading, Recorded, Run};
     use crate::traction::powering::sampled_powering;
     use rand::{RngExt, SeedableRng};
@@ -181,7 +182,7 @@ mod tests {
     /// A run of a train that starts four times to 90 km/h, read every second. `cap`: share of the largest effort below
     /// a speed, km/h.
     fn run(rng: &mut ChaCha8Rng, train: &Train, handle: Handle, cap: Option<(f64, f64)>) -> Run {
-        let most = train.max_effort_n_per_kg(0.1);
+        let most = starting_effort_n_per_kg(train);
         let (mut samples, mut time_s, mut location_m) = (Vec::new(), 0.0, 0.0);
         for _ in 0..4 {
             let (mut speed_mps, mut effort, mut share, mut moved_s) = (0.0_f64, 0.0_f64, 0.0, time_s);

@@ -5,6 +5,7 @@
 //! steady power; of a calculated one, what it is at least. Where runs exceed it near its ends alone, it is shorter.
 
 use crate::config::TractionConfig;
+use crate::data::believed::starting_effort_n_per_kg;
 use crate::data::interval::{Interval, POINTS};
 use crate::data::runs::{EffortReading, Run};
 use crate::traction::limit::FoundLimit;
@@ -23,7 +24,7 @@ pub struct Reading {
 
 /// All readings of traction of a run where the power limits.
 pub fn traction(train: &Train, run: &Run, effort: EffortReading) -> Vec<Reading> {
-    let most = train.max_effort_n_per_kg(0.1);
+    let most = starting_effort_n_per_kg(train);
     let limit = |s: &Sample| Some(train.max_effort_n_per_kg(s.speed_mps?.max(0.5))).filter(|limit| *limit < most);
     let read = (0..run.samples.len()).filter_map(|i| {
         let here = &run.samples[i];
@@ -45,7 +46,7 @@ pub fn calculated(
     effort_sd: f64,
     config: &TractionConfig,
 ) -> Vec<Reading> {
-    let most = train.max_effort_n_per_kg(0.1);
+    let most = starting_effort_n_per_kg(train);
     let read = intervals.iter().zip(effort).filter_map(|(interval, effort)| {
         let limit = interval.mean(|p| train.max_effort_n_per_kg(p.speed_mps.max(0.5)));
         let least = (*effort)? - config.sure * effort_sd;

@@ -14,14 +14,13 @@ use crate::config::TractionConfig;
 use crate::traction::powering::SteadyPower;
 use crate::traction::shares::{Given, SHARES, Shares, over_shares, shares};
 
-/// Another phase, or the power that limits instead of the effort: the same share or another, as likely.
-const ANEW: f64 = 0.5;
-
 /// How often a driver moves the handle from one part of a phase to the next, and to which shares.
 #[derive(Clone, Debug)]
 pub struct Habit {
     /// While starting, below this speed, and above it: who starts gently always moves it.
     moves: [f64; 2],
+    /// The same between phases.
+    moved_between: f64,
     below_kmh: f64,
     levels: [f64; SHARES],
     at: [f64; SHARES],
@@ -94,6 +93,7 @@ pub fn habits(
     levels.iter_mut().for_each(|level| *level /= telling.len() as f64 + 1.0);
     let of_run = |run: &Demanded| Habit {
         moves: [0, 1].map(|which| rate(core::slice::from_ref(run), which, moves[which])),
+        moved_between: config.moved_between,
         below_kmh,
         levels: core::array::from_fn(|k| (run.levels[k] + own * levels[k]) / (run.decisions + own)),
         at: shares(config.least_share, 1.0),
@@ -111,7 +111,7 @@ impl Habit {
                 let before = &run.powering[before];
                 let moves = match follows(before, &run.powering[i]) {
                     true => self.moves[which(before, self.below_kmh)],
-                    false => ANEW,
+                    false => self.moved_between,
                 };
                 chance.iter_mut().zip(&self.levels).for_each(|(c, level)| *c = (1.0 - moves) * *c + moves * level);
             }

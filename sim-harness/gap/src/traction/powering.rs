@@ -1,6 +1,7 @@
 //! Steady power while a train gains speed, as a share of the believed limit.
 
 use crate::config::TractionConfig;
+use crate::data::believed::starting_effort_n_per_kg;
 use crate::data::interval::Interval;
 use crate::data::runs::{EffortReading, Run};
 use rundown::model::train::Train;
@@ -78,7 +79,7 @@ pub fn powering(
     effort_sd: f64,
     config: &TractionConfig,
 ) -> Vec<SteadyPower> {
-    let most = train.max_effort_n_per_kg(0.1);
+    let most = starting_effort_n_per_kg(train);
     let read = |(interval, effort): (&Interval, &Option<f64>)| {
         let limit = interval.mean(|p| train.max_effort_n_per_kg(p.speed_mps.max(0.5)));
         let at = (interval.run, interval.middle().location_m, interval.mean_speed_mps());
@@ -196,7 +197,7 @@ pub fn sampled_powering(
     reading: EffortReading,
     config: &TractionConfig,
 ) -> Vec<SteadyPower> {
-    let most = train.max_effort_n_per_kg(0.1);
+    let most = starting_effort_n_per_kg(train);
     let read = |(i, s): (usize, &Sample)| {
         let from = match reading {
             EffortReading::Momentary => s,
@@ -274,7 +275,7 @@ mod tests {
         let described = TrainDescription::CASE_STUDY;
         let max_tractive_effort_n = 2.0 * described.max_tractive_effort_n;
         let train = Train::try_new(TrainDescription { max_tractive_effort_n, ..described }).unwrap();
-        let most = train.max_effort_n_per_kg(0.1);
+        let most = starting_effort_n_per_kg(&train);
         let given = |mps: f64| train.max_effort_n_per_kg(mps).min(0.75 * most);
         for begin_mps in [1.5, 2.0, 3.0, 4.0, 5.0, 6.0] {
             let mut speed_mps: f64 = begin_mps;

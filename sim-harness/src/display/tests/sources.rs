@@ -3,7 +3,7 @@
 use super::{MESSAGES, file, hub, on_the_line, shown};
 use crate::display::hub::{Connection, Hub};
 use crate::{display::demo, display::setup::Setup, display::source::FrameSource, session};
-use rundown::onboard::uplink::{self, Command, Request, SECURED, Uplink};
+use rundown::uplink::{self, Command, Request, SECURED, Uplink};
 use rundown::{estimator::config::Config, model::direction::Direction, onboard::auth::TRAILER};
 use std::time::{Duration, Instant};
 use std::{io::Write, net::TcpListener, sync::Arc};
@@ -84,7 +84,7 @@ fn a_file_that_grows_is_followed() {
 }
 
 #[test]
-fn a_file_that_comes_later_and_is_written_anew_is_followed() {
+fn a_file_that_comes_later_and_is_written_again_is_followed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames");
     let hub = hub();

@@ -309,33 +309,19 @@ impl SourceFile {
             return self.joined(each);
         }
         let written = self.headers.len() - self.parts.len();
-        let mut whole: Vec<RowField> = Vec::new();
-        self.joined(&mut |event| match event {
-            Event::Row(number, row) => {
-                whole.clear();
-                whole.extend_from_slice(row);
-                // A row may be shorter, or longer, than the header.
-                whole.resize(written, RowField::Empty);
-                whole.extend(self.parts.iter().map(|part| part.field(row)));
-                each(Event::Row(number, &whole))
+        self.joined(&mut changed(each, |whole| {
+            // A row may be shorter, or longer, than the header.
+            whole.resize(written, RowField::Empty);
+            for part in &self.parts {
+                whole.push(part.field(whole));
             }
-            other => each(other),
-        })
+        }))
     }
 
     /// Rows with all of their times.
     fn timed(&self, each: &mut Each) -> Result<(), ReadError> {
         let Some(thousandths) = self.thousandths else { return self.as_written(each) };
-        let mut whole: Vec<RowField> = Vec::new();
-        self.as_written(&mut |event| match event {
-            Event::Row(number, row) => {
-                whole.clear();
-                whole.extend_from_slice(row);
-                thousandths.put_in(&mut whole);
-                each(Event::Row(number, &whole))
-            }
-            other => each(other),
-        })
+        self.as_written(&mut changed(each, |whole| thousandths.put_in(whole)))
     }
 
     /// Rows of all signals.
@@ -373,5 +359,19 @@ impl SourceFile {
             SourceFormat::JsonLines => json::rows(path, &self.written, each),
             SourceFormat::Parquet => parquet::rows(path, each),
         }
+    }
+}
+
+/// Rows that `change` completes before `each` gets them.
+fn changed(each: &mut Each, change: impl Fn(&mut Vec<RowField>)) -> impl FnMut(Event) -> bool {
+    let mut whole: Vec<RowField> = Vec::new();
+    move |event| match event {
+        Event::Row(number, row) => {
+            whole.clear();
+            whole.extend_from_slice(row);
+            change(&mut whole);
+            each(Event::Row(number, &whole))
+        }
+        other => each(other),
     }
 }

@@ -4,6 +4,7 @@ use super::Picture;
 use crate::output::json::mode_word;
 use crate::study::slope::{MODES, SelfTest, SlopeLook, fit};
 use rundown::estimator::config::Mode;
+use rundown_check::agreement::HALF_95;
 use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
@@ -51,7 +52,7 @@ pub fn slope(test: &SelfTest, runs: usize) -> Picture {
                 continue;
             };
             points.push((100.0 * x, 100.0 * y));
-            let half = 196.0 * sd;
+            let half = 100.0 * HALF_95 * sd;
             bars.push(vec![Some((100.0 * x, 100.0 * y - half)), Some((100.0 * x, 100.0 * y + half))]);
             let (mode, vehicle) = (mode_word(mode), look.vehicle);
             rows.push(SlopeRow { mode, vehicle, runs, true_deviation: x, estimated_deviation: y, reported_sd: sd });

@@ -2,7 +2,7 @@
 //! through them.
 
 use super::binned::{Bin, Value, binned, width};
-use super::maps::{LEAST_RUNS, colour, word};
+use super::maps::{LEAST_RUNS, colour};
 use crate::answer::whole::Answer;
 use crate::axis::Axis;
 use crate::candidates;
@@ -184,7 +184,8 @@ fn layers_of(rows: &[&At], group: Option<Direction>, (width, least): (f64, usize
         1 => Layer::marks(legend, colours::ESTIMATED, law),
         _ => Layer::line(legend, colours::ESTIMATED, Stroke::Solid, law.into_iter().map(Some).collect()),
     };
-    let measured = group.map_or("measured".to_owned(), |direction| format!("measured, {} the line", word(direction)));
+    let measured =
+        group.map_or("measured".to_owned(), |direction| format!("measured, {} the line", direction.as_str()));
     vec![
         Layer::threads("", dots, 0.7, data.iter().filter_map(bar).collect()),
         Layer::dots(measured, dots, 1.0, data.iter().map(point).collect()),

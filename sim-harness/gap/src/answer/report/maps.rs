@@ -74,13 +74,6 @@ pub(super) fn joined<T, P>(all: &[T], parted: impl Fn(&T, &T) -> bool, of: impl 
     all.iter().enumerate().flat_map(|(i, one)| gap(i).into_iter().chain([of(one)])).collect()
 }
 
-pub(super) fn word(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Up => "up",
-        Direction::Down => "down",
-    }
-}
-
 pub(super) fn colour(direction: Direction) -> RGBColor {
     match direction {
         Direction::Up => colours::MEASURED,
@@ -120,7 +113,7 @@ fn figure(
     let mut layers: Vec<Layer> = is_map.then(|| sections(answer)).into_iter().collect();
     for direction in directions {
         let (residuals, colour) = (bins(*direction, &|_, row| row.residual_n_per_kg), colour(*direction));
-        let legend = format!("measured, {} the line", word(*direction));
+        let legend = format!("measured, {} the line", direction.as_str());
         layers.push(Layer::band("", colour, 0.18, joined(&residuals, apart, band)));
         layers.push(Layer::line(legend, colour, Stroke::Thin, joined(&residuals, apart, mean)));
     }

@@ -2,7 +2,7 @@
 //! out.
 
 use super::held_out::simulated;
-use super::maps::{joined, sections, word};
+use super::maps::{joined, sections};
 use crate::answer::whole::Answer;
 use crate::data::rows::Row;
 use maud::{Markup, html};
@@ -48,7 +48,7 @@ pub(super) fn table(answer: &Answer, rows: &[Vec<Explained<'_>>], has_pages: boo
     ];
     let body = html! { @for (index, (run, rows)) in answer.input.runs.iter().zip(rows).enumerate() { tr {
         th scope="row" { (run_pages::linked(&run.name, index, has_pages)) }
-        td.word { (word(run.direction)) }
+        td.word { (run.direction.as_str()) }
         td.word { @if is_held_out(answer, index) { "yes" } @else { "no" } }
         td { (rows.len()) }
         td { (number(mean(rows.iter().map(|(row, _)| MILLI * row.residual_n_per_kg)), 2)) }
@@ -80,7 +80,7 @@ pub(super) fn page(answer: &Answer, rows: &[Vec<Explained<'_>>], index: usize) -
     let lead = html! {
         p.lead {
             (counted(rows.len(), "interval", "intervals")) " of this run counted; it went "
-            (word(run.direction)) " the line. "
+            (run.direction.as_str()) " the line. "
             @if is_held_out(answer, index) { "It was held out when the model was tested." }
         }
     };

@@ -9,8 +9,8 @@
 //! the deceleration of the brake, or no resistance at all.
 
 use crate::agreement::Figure;
+use crate::effort::coasting::CoastingEffort;
 use crate::effort::stretches;
-use crate::effort_coasting::CoastingEffort;
 use crate::{Known, SURE};
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;

@@ -12,8 +12,8 @@
 
 use crate::SURE;
 use crate::agreement::Figure;
+use crate::effort::demanded::{Powered, powered};
 use crate::effort::least_squares;
-use crate::effort_demanded::{Powered, powered};
 use nalgebra::Vector2;
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;

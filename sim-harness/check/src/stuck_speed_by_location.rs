@@ -1,10 +1,10 @@
-//! Speeds that stand still in a few rows far apart, and how they go on: what the locations miss beside them is the way
-//! of a train that was already on its way to the next speed.
+//! Whether a speed that stays the same in a few rows far apart is stuck, by the locations: a train that had begun to
+//! change its speed went farther, or less far, than the reading says.
 //!
-//! In: rows of a run. Out: by how much the way beside a speed that stays the same is another one, m.
+//! In: rows of a run. Out: distance by location less distance by a speed that stays the same, m.
 //!
 //! ```text
-//! v    80    80    80    80    43        o = way by location - κ way by speed - τ (change of the speed)
+//! v    80    80    80    80    43        o = distance by location - κ distance by speed - τ (change of the speed)
 //! o        0   -30   -85   -45           κ, τ: wheel and age of this run's readings, the usual ones
 //! ```
 //!
@@ -17,7 +17,7 @@ use crate::stuck_rows::StuckRows;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, spread};
 
-/// A step is off by so many times the usual scatter, and all of them together by so many.
+/// The least by which a step is off, in units of the usual scatter, and the least of their sum.
 const STEP_NOISE: f64 = 2.0;
 const ALL_NOISE: f64 = 6.0;
 /// No train brakes or powers by more, m/s².

@@ -6,6 +6,18 @@
 //! Resistance and gradients stand between the two, so they never agree in full; over starts and stops they agree by far
 //! the most. The measured mode learns from the column whatever it holds, so one that does not follow the train is said.
 
+pub(crate) mod age;
+pub(crate) mod coasting;
+pub(crate) mod cut;
+pub(crate) mod demanded;
+pub(crate) mod gap;
+pub(crate) mod held;
+pub(crate) mod small;
+pub(crate) mod stairs;
+pub(crate) mod unlike;
+pub(crate) mod zero;
+pub(crate) mod zero_of_run;
+
 use crate::agreement::{Figure, HALF_95};
 use nalgebra::{SMatrix, SVector};
 use rundown_files::recording::Recording;
