@@ -83,6 +83,8 @@ pub(super) fn paper_tick(
 }
 
 /// The resistance is learned in segments of known effort: none while coasting, or measured.
+// Part of its only caller, whose place on the stack it shares: of its own it takes 2000 B more.
+#[inline(always)]
 pub(super) fn learning_tick(
     config: &Config,
     run: &mut RunState,
@@ -306,7 +308,6 @@ fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Ti
         dt_s: judged.dt_s,
         location_m: judged.location_m.ok(),
         speed_mps: judged.speed_mps.ok(),
-        steps: run.staircase.is_clean(),
         edge_mps: run.staircase.edge_mps(),
         effort: MeanEffort::default(),
     }
@@ -314,6 +315,8 @@ fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Ti
 
 /// One row of measured effort: the tick that waits teaches, of which the `effort` is known now, and the one that ends
 /// here waits. Rows without an effort lie within a tick. Out: the innovation of a step of the segment.
+// Of its own, so that the place of its tick is given back where coasts are learned from.
+#[inline(never)]
 fn learn_measured(
     config: &Config,
     run: &mut RunState,
@@ -331,7 +334,9 @@ fn learn_measured(
     if !usual {
         run.waits = None;
     } else if !within {
-        let ends = Tick { dt_s: run.effort_reading.tick_s(), ..tick(config, run, line, judged) };
+        // In place: a copy would lie on the stack while a segment goes on.
+        let mut ends = tick(config, run, line, judged);
+        ends.dt_s = run.effort_reading.tick_s();
         run.waits = Some((ends, run.kinematics.belief()));
     }
     // Where no tick waits the segment would stay one behind.
@@ -350,6 +355,7 @@ fn learn_waiting(
     acting: &Acting<'_>,
     effort: Option<MeanEffort>,
 ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
+    let steps = run.staircase.is_clean();
     match (&mut run.waits, effort) {
         (Some((tick, _)), Some(effort)) if run.learner.in_segment() => {
             tick.effort = effort;
@@ -359,7 +365,7 @@ fn learn_waiting(
                 line,
                 acting,
                 tick,
-                &usual(config, LeastChange::None),
+                &usual(config, steps, LeastChange::None),
             );
         }
         (Some((tick, moving)), Some(_)) if tick.location_m.is_some() && tick.speed_mps.is_some() => {
@@ -379,9 +385,9 @@ fn is_powered(config: &Config, judged: &Judged, described_n_per_kg: Real) -> boo
 }
 
 /// What of a segment counts, but on short hops: it was believed when it began.
-fn usual(config: &Config, least_change: LeastChange) -> Counts {
+fn usual(config: &Config, steps: bool, least_change: LeastChange) -> Counts {
     let LearningConfig { end_cut_s, min_segment_s, .. } = config.learning;
-    Counts { believed: false, end_cut_s, min_segment_s, least_change, on_short_hops: false, speed_sd_mps: None }
+    Counts { believed: false, end_cut_s, min_segment_s, least_change, on_short_hops: false, steps, speed_sd_mps: None }
 }
 
 /// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or
@@ -398,6 +404,7 @@ fn learn_coasting(
     let Config { learning, short_hops: short, .. } = config;
     let coasted = recognition.coasted;
     let are_short = short_hops.is_some();
+    let steps = run.staircase.is_clean();
     let speed_mps = run.kinematics.belief().mean[SPEED];
     let visible = if are_short {
         let described_n_per_kg = line.train.davis().resistance_n_per_kg(speed_mps);
@@ -419,9 +426,9 @@ fn learn_coasting(
     } else if run.learner.in_segment() {
         let counts = if let Some(Pieces { end_cut_s, min_segment_s, least_change, speed_sd_mps, .. }) = short_hops {
             let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
-            Counts { believed, end_cut_s, min_segment_s, least_change, on_short_hops: true, speed_sd_mps }
+            Counts { believed, end_cut_s, min_segment_s, least_change, on_short_hops: true, steps, speed_sd_mps }
         } else {
-            usual(config, LeastChange::Share(learning::MIN_CHANGE_SHARE))
+            usual(config, steps, LeastChange::Share(learning::MIN_CHANGE_SHARE))
         };
         let tick = tick(config, run, line, judged);
         let stepped = run.learner.step(learning, &config.sensor, line, acting, &tick, &counts)?;

@@ -117,10 +117,7 @@ pub struct Tick {
     pub location_m: Option<Real>,
     /// Speed reading, m/s.
     pub speed_mps: Option<Real>,
-    /// The speeds are whole steps without noise, see [`crate::tick::staircase`]; the one between two of them that was
-    /// passed within this tick, m/s.
-    pub steps: bool,
-    /// See `steps`.
+    /// The speed between two whole steps that was passed within this tick, m/s, see [`crate::tick::staircase`].
     pub edge_mps: Option<f32>,
     /// Effort over the interval.
     pub effort: MeanEffort,
@@ -129,7 +126,7 @@ pub struct Tick {
 }
 
 plain! {
-    struct Tick { time_s, dt_s, location_m, speed_mps, steps, edge_mps, effort, track_density }
+    struct Tick { time_s, dt_s, location_m, speed_mps, edge_mps, effort, track_density }
 }
 
 /// What of a segment counts.
@@ -146,6 +143,8 @@ pub struct Counts {
     pub least_change: LeastChange,
     /// It is one of short hops.
     pub on_short_hops: bool,
+    /// Its speeds are whole steps without noise.
+    pub steps: bool,
     /// Standard deviation of a speed, m/s, where it is less than the sensor's.
     pub speed_sd_mps: Option<f32>,
 }
@@ -392,7 +391,7 @@ impl Learner {
         };
         segment.believed |= counts.believed;
         *goes_on = false;
-        let (innovation, believed) = segment.step(config, sensor, line, acting, tick, counts.speed_sd_mps)?;
+        let (innovation, believed) = segment.step(config, sensor, line, acting, tick, counts)?;
         if believed {
             self.settle(counts, tick.time_s);
             *goes_on = true;
@@ -472,6 +471,8 @@ impl Segment {
     /// It moved r(v) by more standard deviations than `gate` of what it could teach, and by a large share of it. A
     /// gentle brake moves no single reading out of the gate, and r would follow it. Less may be a brake that drags in
     /// some coasts: it must teach, or r would stay that of the first ones, and none would speak against it.
+    // What it takes on the stack is given back before effects are asked.
+    #[inline(never)]
     fn strays(&self, gate: Real) -> bool {
         let (before, now) = (self.course.before(), davis_of(&self.constants()));
         let speed_mps = self.belief.mean[SPEED];
@@ -490,7 +491,7 @@ impl Segment {
         line: &Line<'_>,
         acting: &Acting<'_>,
         tick: &Tick,
-        fine_sd_mps: Option<f32>,
+        counts: &Counts,
     ) -> Result<(Innovation<2>, bool), NotPositiveDefinite> {
         let ukf = Ukf { spread: config.spread, gate: [Some(config.gate); 2], reuse_points: false };
         let count = pieces(tick.dt_s, config.sub_step_s, MOST_SUB_STEPS);
@@ -510,7 +511,7 @@ impl Segment {
             ukf.predict(&mut self.belief, &motion.with_noise(noise_mps2))?;
         }
         // A coasting train crosses a fine step within a second.
-        let (speed_sd_mps, staircase) = match fine_sd_mps {
+        let (speed_sd_mps, staircase) = match counts.speed_sd_mps {
             Some(sd_mps) => (sd_mps.into(), 1.0),
             None => (sensor.speed_sd_mps(), (config.staircase_s / tick.dt_s).at_least(1.0)),
         };
@@ -525,7 +526,7 @@ impl Segment {
         let ends_mps = self.belief.mean[SPEED];
         // A measured effort has errors of its own, which would be taken for those of the resistance.
         let coasts = tick.effort.variance == 0.0;
-        let has_edges = coasts && tick.steps && tick.dt_s as f32 <= staircase::LONGEST_ROW_S;
+        let has_edges = coasts && counts.steps && tick.dt_s as f32 <= staircase::LONGEST_ROW_S;
         let mut speed_mps = tick.speed_mps;
         if let Some(edge_mps) = tick.edge_mps.filter(|_| has_edges) {
             // Passed at any moment of the tick alike.
