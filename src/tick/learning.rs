@@ -470,7 +470,8 @@ impl Segment {
 
     /// It moved r(v) by more standard deviations than `gate` of what it could teach, and by a large share of it. A
     /// gentle brake moves no single reading out of the gate, and r would follow it. Less may be a brake that drags in
-    /// some coasts: it must teach, or r would stay that of the first ones, and none would speak against it.
+    /// some coasts: it must teach, or r would stay that of the first ones, and none would speak against it. Asked on
+    /// short hops alone, where a piece of a few seconds counts: a train whose description is far off has to be learned.
     // What it takes on the stack is given back before effects are asked.
     #[inline(never)]
     fn strays(&self, gate: Real) -> bool {
@@ -561,6 +562,6 @@ impl Segment {
         }
         let gap_s = tick.time_s - self.last_speed_s.at_most(self.last_location_s);
         let goes_on = speed != Reading::Gated && gap_s <= config.max_gap_s;
-        Ok((innovation, goes_on && !(coasts && self.strays(config.gate))))
+        Ok((innovation, goes_on && !(counts.on_short_hops && self.strays(config.gate))))
     }
 }
