@@ -355,7 +355,6 @@ fn learn_waiting(
     acting: &Acting<'_>,
     effort: Option<MeanEffort>,
 ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
-    let steps = run.staircase.is_clean();
     match (&mut run.waits, effort) {
         (Some((tick, _)), Some(effort)) if run.learner.in_segment() => {
             tick.effort = effort;
@@ -365,7 +364,7 @@ fn learn_waiting(
                 line,
                 acting,
                 tick,
-                &usual(config, steps, LeastChange::None),
+                &usual(config, LeastChange::None),
             );
         }
         (Some((tick, moving)), Some(_)) if tick.location_m.is_some() && tick.speed_mps.is_some() => {
@@ -385,9 +384,17 @@ fn is_powered(config: &Config, judged: &Judged, described_n_per_kg: Real) -> boo
 }
 
 /// What of a segment counts, but on short hops: it was believed when it began.
-fn usual(config: &Config, steps: bool, least_change: LeastChange) -> Counts {
+fn usual(config: &Config, least_change: LeastChange) -> Counts {
     let LearningConfig { end_cut_s, min_segment_s, .. } = config.learning;
-    Counts { believed: false, end_cut_s, min_segment_s, least_change, on_short_hops: false, steps, speed_sd_mps: None }
+    Counts {
+        believed: false,
+        end_cut_s,
+        min_segment_s,
+        least_change,
+        on_short_hops: false,
+        steps: false,
+        speed_sd_mps: None,
+    }
 }
 
 /// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or
@@ -404,7 +411,6 @@ fn learn_coasting(
     let Config { learning, short_hops: short, .. } = config;
     let coasted = recognition.coasted;
     let are_short = short_hops.is_some();
-    let steps = run.staircase.is_clean();
     let speed_mps = run.kinematics.belief().mean[SPEED];
     let visible = if are_short {
         let described_n_per_kg = line.train.davis().resistance_n_per_kg(speed_mps);
@@ -426,9 +432,10 @@ fn learn_coasting(
     } else if run.learner.in_segment() {
         let counts = if let Some(Pieces { end_cut_s, min_segment_s, least_change, speed_sd_mps, .. }) = short_hops {
             let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
+            let steps = run.staircase.is_clean();
             Counts { believed, end_cut_s, min_segment_s, least_change, on_short_hops: true, steps, speed_sd_mps }
         } else {
-            usual(config, steps, LeastChange::Share(learning::MIN_CHANGE_SHARE))
+            usual(config, LeastChange::Share(learning::MIN_CHANGE_SHARE))
         };
         let tick = tick(config, run, line, judged);
         let stepped = run.learner.step(learning, &config.sensor, line, acting, &tick, &counts)?;

@@ -143,7 +143,8 @@ pub struct Counts {
     pub least_change: LeastChange,
     /// It is one of short hops.
     pub on_short_hops: bool,
-    /// Its speeds are whole steps without noise.
+    /// The edges of its speeds teach, which are whole steps without noise: on short hops, where a piece that is no
+    /// coast is one of many. A long one would decide the first run of an intercity, in too narrow an interval.
     pub steps: bool,
     /// Standard deviation of a speed, m/s, where it is less than the sensor's.
     pub speed_sd_mps: Option<f32>,
