@@ -1,6 +1,7 @@
 //! Does every kind of the catalogue do something, the same in the truth and on the board? Each is hidden as the bench
 //! of the gap workflow hides it, and a kind that is only a name is found here.
 
+use host_tests::moving::moving_steps;
 use host_tests::prelude::*;
 use rundown::model::effects::{Effect, EffectKind, Effects, Limits, Moment};
 use rundown::model::line::Line;
@@ -98,29 +99,22 @@ fn account(
     let track = track.with_curves(scenario.line.curves().iter().map(curve)).unwrap();
     let direction = if headings == Headings::Up { Direction::Up } else { Direction::Down };
     let line = Line { train: &train, track: &track, direction };
-    let departed_s = trace.windows(2).find(|pair| pair[1].speed_mps > 0.0).unwrap()[0].time_s;
-    let (mut errors, mut largest, mut braked) = (Vec::new(), 0.0_f64, false);
-    for pair in trace.windows(2) {
-        let [from, to] = [pair[0], pair[1]];
-        braked |= to.effort_n_per_kg < 0.0 && to.speed_mps > 0.0;
-        if from.speed_mps == 0.0 || to.speed_mps == 0.0 {
-            continue;
-        }
-        let mean = |of: fn(&TruthSample) -> f64| (of(&from) + of(&to)) / 2.0;
+    let (mut errors, mut largest) = (Vec::new(), 0.0_f64);
+    for step in moving_steps(trace) {
         let moment = Moment {
-            location_m: mean(|at| at.location_m),
-            speed_mps: mean(|at| at.speed_mps),
-            effort_n_per_kg: to.effort_n_per_kg * facts.train.rotating_mass_kg() / train.rotating_mass_kg(),
-            since_departure_s: mean(|at| at.time_s) - departed_s,
+            location_m: step.mean(|at| at.location_m),
+            speed_mps: step.mean(|at| at.speed_mps),
+            effort_n_per_kg: step.to.effort_n_per_kg * facts.train.rotating_mass_kg() / train.rotating_mass_kg(),
+            since_departure_s: step.since_departure_s,
             stood_s: None,
-            braked,
-            temperature_c: Some(mean(|at| at.temperature_c)),
+            braked: step.braked,
+            temperature_c: Some(step.mean(|at| at.temperature_c)),
             day: Some(facts.plan.season * PERIOD_DAYS),
         };
         let extra = board.resistance_n_per_kg(&line, &train.davis(), &moment);
         let resistance = train.davis().resistance_n_per_kg(moment.speed_mps) + extra;
         let expected = moment.effort_n_per_kg - resistance - line.gradient_n_per_kg(moment.location_m);
-        errors.push((expected - (to.speed_mps - from.speed_mps) / (to.time_s - from.time_s)).abs());
+        errors.push((expected - step.acceleration_mps2()).abs());
         largest = largest.max(extra.abs());
     }
     (errors, largest)

@@ -4,6 +4,7 @@
 //! The account of a step: speed change over time against the described model under the effort in newton. What is
 //! missing is what the effect took.
 
+use host_tests::moving::moving_steps;
 use host_tests::prelude::*;
 use rundown_files::replay::{Tick, replay_carried_by};
 use rundown_truth::driver::Regime;
@@ -208,32 +209,25 @@ fn every_effect_takes_what_its_law_says() {
 fn account(scenario: &Scenario, trace: &[TruthSample], facts: &Facts, law: &Law) -> (Vec<f64>, f64) {
     let up = facts.plan.heading == Heading::Up;
     let sign = if up { 1.0 } else { -1.0 };
-    let departed_s = trace.windows(2).find(|p| p[1].speed_mps > 0.0).unwrap()[0].time_s;
-    let (mut errors, mut largest, mut braked) = (Vec::new(), 0.0_f64, false);
-    for pair in trace.windows(2) {
-        let [from, to] = [pair[0], pair[1]];
-        braked |= to.effort_n_per_kg < 0.0 && to.speed_mps > 0.0;
-        if from.speed_mps == 0.0 || to.speed_mps == 0.0 {
-            continue;
-        }
-        let dt = to.time_s - from.time_s;
-        let v = (from.speed_mps + to.speed_mps) / 2.0;
-        let front_m = (from.location_m + to.location_m) / 2.0;
+    let (mut errors, mut largest) = (Vec::new(), 0.0_f64);
+    for step in moving_steps(trace) {
+        let v = step.mean(|at| at.speed_mps);
+        let front_m = step.mean(|at| at.location_m);
         let train_m = if up { [front_m - LENGTH_M, front_m] } else { [front_m, front_m + LENGTH_M] };
         let at = At {
             v,
             train_m,
             sign,
-            u: to.effort_n_per_kg * facts.train.rotating_mass_kg() / ROTATING_MASS_KG,
-            since_departure_s: (from.time_s + to.time_s) / 2.0 - departed_s,
-            braked,
-            temperature_c: (from.temperature_c + to.temperature_c) / 2.0,
+            u: step.to.effort_n_per_kg * facts.train.rotating_mass_kg() / ROTATING_MASS_KG,
+            since_departure_s: step.since_departure_s,
+            braked: step.braked,
+            temperature_c: step.mean(|at| at.temperature_c),
             facts,
         };
         let permille = mean_permille(scenario.line.gradients_permille(), train_m);
         let gravity = sign * GRAVITY_MPS2 / GAMMA * permille / 1000.0;
         let described = at.u - DAVIS[0] - DAVIS[1] * v - DAVIS[2] * v * v - gravity;
-        let missing = described - (to.speed_mps - from.speed_mps) / dt;
+        let missing = described - step.acceleration_mps2();
         let expected = law(&at);
         errors.push((missing - expected).abs());
         largest = largest.max(expected.abs());
