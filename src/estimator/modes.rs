@@ -83,8 +83,6 @@ pub(super) fn paper_tick(
 }
 
 /// The resistance is learned in segments of known effort: none while coasting, or measured.
-// Part of its only caller, whose place on the stack it shares: of its own it takes 2000 B more.
-#[inline(always)]
 pub(super) fn learning_tick(
     config: &Config,
     run: &mut RunState,
@@ -308,15 +306,12 @@ fn tick(config: &Config, run: &RunState, line: &Line<'_>, judged: &Judged) -> Ti
         dt_s: judged.dt_s,
         location_m: judged.location_m.ok(),
         speed_mps: judged.speed_mps.ok(),
-        edge_mps: run.staircase.edge_mps(),
         effort: MeanEffort::default(),
     }
 }
 
 /// One row of measured effort: the tick that waits teaches, of which the `effort` is known now, and the one that ends
 /// here waits. Rows without an effort lie within a tick. Out: the innovation of a step of the segment.
-// Of its own, so that the place of its tick is given back where coasts are learned from.
-#[inline(never)]
 fn learn_measured(
     config: &Config,
     run: &mut RunState,
@@ -334,9 +329,7 @@ fn learn_measured(
     if !usual {
         run.waits = None;
     } else if !within {
-        // In place: a copy would lie on the stack while a segment goes on.
-        let mut ends = tick(config, run, line, judged);
-        ends.dt_s = run.effort_reading.tick_s();
+        let ends = Tick { dt_s: run.effort_reading.tick_s(), ..tick(config, run, line, judged) };
         run.waits = Some((ends, run.kinematics.belief()));
     }
     // Where no tick waits the segment would stay one behind.
@@ -392,7 +385,7 @@ fn usual(config: &Config, least_change: LeastChange) -> Counts {
         min_segment_s,
         least_change,
         on_short_hops: false,
-        steps: false,
+        edge: None,
         speed_sd_mps: None,
     }
 }
@@ -432,8 +425,15 @@ fn learn_coasting(
     } else if run.learner.in_segment() {
         let counts = if let Some(Pieces { end_cut_s, min_segment_s, least_change, speed_sd_mps, .. }) = short_hops {
             let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
-            let steps = run.staircase.is_clean();
-            Counts { believed, end_cut_s, min_segment_s, least_change, on_short_hops: true, steps, speed_sd_mps }
+            Counts {
+                believed,
+                end_cut_s,
+                min_segment_s,
+                least_change,
+                on_short_hops: true,
+                edge: run.staircase.edge(),
+                speed_sd_mps,
+            }
         } else {
             usual(config, LeastChange::Share(learning::MIN_CHANGE_SHARE))
         };

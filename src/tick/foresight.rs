@@ -1,8 +1,8 @@
 //! How well coasts were foreseen before they taught.
 //!
-//! In: while a segment runs, each reading of the speed beside what was foreseen of it, by what was learned before the
-//! segment and by the description. Out: each segment as one [`Coast`], those of a run as a [`Foresight`], and over runs
-//! the [`Trust`] in what was learned.
+//! In: while a segment runs, each reading of the speed (each edge, where those teach) beside what was foreseen of it,
+//! by what was learned before the segment and by the description. Out: each segment as one [`Coast`], those of a run as
+//! a [`Foresight`], and over runs the [`Trust`] in what was learned.
 //!
 //! Read speed less foreseen speed is y(t), and what the description foresees of it differs from that by w(t). A
 //! straight line through each,

@@ -29,7 +29,7 @@ use crate::tick::foresight::{Course, Foresight, Leg, Lines};
 use crate::tick::memory::beside_gain;
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::{InPlace, in_place};
-use crate::tick::staircase;
+use crate::tick::staircase::{self, Edge};
 use heapless::Deque;
 use nalgebra::Vector3;
 
@@ -117,8 +117,6 @@ pub struct Tick {
     pub location_m: Option<Real>,
     /// Speed reading, m/s.
     pub speed_mps: Option<Real>,
-    /// The speed between two whole steps that was passed within this tick, m/s, see [`crate::tick::staircase`].
-    pub edge_mps: Option<f32>,
     /// Effort over the interval.
     pub effort: MeanEffort,
     /// Spectral density of the acceleration by the doubt of the track, m²/s³.
@@ -126,7 +124,7 @@ pub struct Tick {
 }
 
 plain! {
-    struct Tick { time_s, dt_s, location_m, speed_mps, edge_mps, effort, track_density }
+    struct Tick { time_s, dt_s, location_m, speed_mps, effort, track_density }
 }
 
 /// What of a segment counts.
@@ -143,9 +141,9 @@ pub struct Counts {
     pub least_change: LeastChange,
     /// It is one of short hops.
     pub on_short_hops: bool,
-    /// The edges of its speeds teach, which are whole steps without noise: on short hops, where a piece that is no
-    /// coast is one of many. A long one would decide the first run of an intercity, in too narrow an interval.
-    pub steps: bool,
+    /// What the steps of its speeds say of this tick, if they teach: on short hops, where a piece that is no coast is
+    /// one of many. A long one would decide the first run of an intercity, in too narrow an interval.
+    pub edge: Option<Edge>,
     /// Standard deviation of a speed, m/s, where it is less than the sensor's.
     pub speed_sd_mps: Option<f32>,
 }
@@ -170,7 +168,8 @@ pub const MIN_CHANGE_SHARE: Real = 0.08;
 /// believed it made r 0.2 % too small at 140 km/h and 0.9 % too large at 20 km/h.
 const BEGIN_SPEED_SD_MPS: Real = 1.0;
 
-/// Standard deviation of a speed on the edge of two steps, km/h, at least: as much noise does not show in the steps.
+/// Standard deviation of a speed on the edge of two steps, km/h, at least: noise of this size shows in few of
+/// the steps.
 const EDGE_SD_KMH: Real = 0.1;
 
 /// A coast goes astray by at least this share of r(v).
@@ -526,17 +525,17 @@ impl Segment {
             own_speed_variance: speed_variance / staircase,
         };
         let ends_mps = self.belief.mean[SPEED];
-        // A measured effort has errors of its own, which would be taken for those of the resistance.
-        let coasts = tick.effort.variance == 0.0;
-        let has_edges = coasts && counts.steps && tick.dt_s as f32 <= staircase::LONGEST_ROW_S;
+        let edge = counts.edge.filter(|_| tick.dt_s as f32 <= staircase::LONGEST_ROW_S);
         let mut speed_mps = tick.speed_mps;
-        if let Some(edge_mps) = tick.edge_mps.filter(|_| has_edges) {
+        if let Some(Edge::Passed(edge_mps)) = edge {
             // Passed at any moment of the tick alike.
             let half_mps = 0.5 * (ends_mps - began_mps);
             let noise_mps = sensor.speed_noise_kmh.at_least(EDGE_SD_KMH) / 3.6;
             speed_mps = Some(Real::from(edge_mps) + half_mps);
             observation.readings.speed_variance = half_mps * half_mps / 3.0 + noise_mps * noise_mps;
         }
+        // A measured effort has errors of its own, which would be taken for those of the resistance.
+        let coasts = tick.effort.variance == 0.0;
         let leg = Leg {
             time_s: tick.time_s,
             dt_s: tick.dt_s,
@@ -545,7 +544,7 @@ impl Segment {
             believed,
             described: line.train.davis(),
             // Between edges little is read.
-            speed_mps: speed_mps.filter(|_| !has_edges || tick.edge_mps.is_some()),
+            speed_mps: speed_mps.filter(|_| edge != Some(Edge::None)),
             speed_variance: observation.readings.speed_variance,
             gusts,
             track: tick.track_density,

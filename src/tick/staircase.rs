@@ -28,6 +28,15 @@ in_place! {
     }
 }
 
+/// What a row of a staircase says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Edge {
+    /// The reading stayed where it was, or changed by several steps.
+    None,
+    /// It stepped: the speed that was passed within the row, m/s.
+    Passed(f32),
+}
+
 /// Rows farther apart have no edges, s: within 2 s a coasting train crosses a third of a step.
 pub(crate) const LONGEST_ROW_S: f32 = 2.0;
 /// A step back within so many seconds is noise, s: no train accelerates and decelerates so fast.
@@ -68,14 +77,14 @@ impl Staircase {
         }
     }
 
-    /// The readings are whole steps without noise.
+    /// The readings look like whole steps without noise.
     pub(crate) fn is_clean(&self) -> bool {
         self.steps >= LEAST_STEPS && u32::from(self.odd) * u32::from(MOST_ODD) <= u32::from(self.steps)
     }
 
-    /// The speed that was passed within the last row, m/s, if the readings are clean.
-    pub(crate) fn edge_mps(&self) -> Option<f32> {
-        self.edge_mps
+    /// What the last row says, if the readings are clean.
+    pub(crate) fn edge(&self) -> Option<Edge> {
+        self.is_clean().then(|| self.edge_mps.map_or(Edge::None, Edge::Passed))
     }
 }
 
@@ -83,6 +92,13 @@ impl Staircase {
 mod tests {
     use super::*;
     use heapless::Vec;
+
+    fn passed_mps(staircase: &Staircase) -> Option<f32> {
+        match staircase.edge()? {
+            Edge::Passed(mps) => Some(mps),
+            Edge::None => None,
+        }
+    }
 
     /// A train that coasts from 80 km/h on, read with a step and a noise, km/h; the edges with the true speed in the
     /// middle of their row, km/h, and whether the readings are a clean staircase.
@@ -95,8 +111,7 @@ mod tests {
             let noisy_kmh = at_kmh(time_s) + noise_kmh * libm::sinf(2.5 * time_s);
             let read_kmh = libm::roundf(noisy_kmh / step_kmh) * step_kmh;
             staircase.observe(&SensorConfig::default(), 1.0, Some(read_kmh / 3.6));
-            let edge_mps = staircase.edge_mps().filter(|_| staircase.is_clean());
-            edges.extend(edge_mps.map(|edge_mps| (3.6 * edge_mps, at_kmh(time_s - 0.5))));
+            edges.extend(passed_mps(&staircase).map(|edge_mps| (3.6 * edge_mps, at_kmh(time_s - 0.5))));
         }
         (edges, staircase.is_clean())
     }
@@ -122,11 +137,11 @@ mod tests {
         let sensor = SensorConfig::default();
         for _ in 0..3 {
             staircase.observe(&sensor, 1.0, None);
-            assert_eq!(staircase.edge_mps(), None);
+            assert_eq!(staircase.edge(), Some(Edge::None));
         }
         staircase.observe(&sensor, 1.0, Some(20.0 - 1.0 / 3.6));
-        assert_eq!(staircase.edge_mps(), None);
+        assert_eq!(staircase.edge(), Some(Edge::None));
         staircase.observe(&sensor, 1.0, Some(20.0 - 2.0 / 3.6));
-        assert!(staircase.edge_mps().is_some_and(|edge_mps| (edge_mps - (20.0 - 1.5 / 3.6)).abs() < 1e-5));
+        assert!(passed_mps(&staircase).is_some_and(|edge_mps| (edge_mps - (20.0 - 1.5 / 3.6)).abs() < 1e-5));
     }
 }
