@@ -21,7 +21,7 @@ use crate::tick::effort_reading::EffortReadingConfig;
 use crate::tick::learning::LearningConfig;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::MemoryConfig;
-use crate::tick::paper::PaperConfig;
+use crate::tick::paper::{PaperConfig, PaperDriftConfig};
 use crate::tick::plausibility::PlausibilityConfig;
 use crate::tick::regime::{PaperRule, RecogniserConfig};
 use crate::tick::sensor::SensorConfig;
@@ -142,7 +142,7 @@ macro_rules! sections {
 
         impl Setting {
             /// All sections of a configuration.
-            pub fn all(config: &Config) -> [Self; 14] {
+            pub fn all(config: &Config) -> [Self; 15] {
                 [$(Self::$Section(config.$field)),*]
             }
 
@@ -185,6 +185,8 @@ sections! {
     ShortHops(ShortHopConfig) is short_hops,
     /// 13: how far the described gradients may be off.
     TrackDoubt(TrackDoubtConfig) is track_doubt,
+    /// 14: what the paper's filter lets change during a run.
+    PaperDrift(PaperDriftConfig) is paper_drift,
 }
 
 /// When a tick happens.

@@ -8,6 +8,7 @@ use rundown::features::FeatureConfig;
 use rundown::filter::ukf::{Process, Spread};
 use rundown::model::line::Line;
 use rundown::model::motion::Motion;
+use rundown::model::state::R0;
 use rundown::tick::paper::Difference;
 use rundown::tick::regime::{PaperRule, Regime};
 use rundown_files::replay::{Tick, replay};
@@ -40,6 +41,7 @@ fn paper_mode_is_table_1() {
     assert_eq!((paper.location_sd_m, paper.speed_sd_kmh), (4.0, 1.0));
     // Eq. (4) in one step, no process noise, points reused; the effort is that of docs/paper.md's best reading.
     assert_eq!(paper.acceleration_noise_mps2, 0.0);
+    assert_eq!(config.paper_drift.davis_sd, [0.0; 3]);
     assert!(paper.reuse_points && paper.sub_step_s > 3600.0);
     assert_eq!(paper.evaluate, Evaluate::Beginning);
     assert_eq!(paper.difference, Difference::Forward);
@@ -79,6 +81,12 @@ fn at_140_kmh_air_takes_three_quarters_of_the_resistance() {
 
 /// From power to brake in rows of a second, in the `paper` mode; speeds are read where `is_read`.
 fn with_missing_speeds(difference: Difference, is_read: impl Fn(u32) -> bool) -> Vec<Estimate> {
+    let mut config = Config::with_mode(Mode::Paper);
+    config.paper.difference = difference;
+    braked(config, is_read)
+}
+
+fn braked(config: Config, is_read: impl Fn(u32) -> bool) -> Vec<Estimate> {
     let row = |second: u32| {
         let location_m = (0..second).map(|t| true_mps(f64::from(t) + 0.5)).sum::<f64>();
         let time_s = f64::from(second);
@@ -86,8 +94,6 @@ fn with_missing_speeds(difference: Difference, is_read: impl Fn(u32) -> bool) ->
         Sample { time_s, location_m: Some(location_m), speed_mps, ..Sample::default() }
     };
     let run = Recording { rows: (0..60).map(row).collect(), ..Recording::default() };
-    let mut config = Config::with_mode(Mode::Paper);
-    config.paper.difference = difference;
     let estimator = Estimator::try_new(config, train(), Track::try_new(10_000.0, []).unwrap()).unwrap();
     replay(&estimator, &mut estimator.new_vehicle(), &run, Tick::EverySample).estimates
 }
@@ -106,6 +112,24 @@ fn what_the_speed_changed_by_while_no_speed_was_read_is_made_up_for() {
     let mean_mps2 = (true_mps(43.0) - true_mps(37.0)) / 6.0;
     assert!(near(again.effort_n_per_kg.unwrap(), mean_mps2, 0.03), "{again:?}");
     assert!(near(again.acceleration_mps2.unwrap(), mean_mps2, 0.02), "{again:?}");
+}
+
+/// Q on the coefficients, Eq. (3).
+#[test]
+fn coefficients_that_may_drift_are_known_the_less_the_longer_nothing_is_read() {
+    let mut config = Config::with_mode(Mode::Paper);
+    let variances = |config: Config| {
+        let estimates = braked(config, |second| second == 0);
+        [R0, R0 + 1, R0 + 2].map(|i| estimates[59].belief.covariance[(i, i)])
+    };
+    for (variance, sd) in variances(config).into_iter().zip(config.paper.initial_davis_sd) {
+        assert!(near(variance / (sd * sd), 1.0, 1e-5), "{variance}");
+    }
+    config.paper_drift.davis_sd = [2e-6, 3e-8, 4e-9];
+    let of_drift = variances(config).into_iter().zip(config.paper.initial_davis_sd).zip(config.paper_drift.davis_sd);
+    for ((variance, sd), in_a_second) in of_drift {
+        assert!(near(variance / (sd * sd + 59.0 * in_a_second * in_a_second), 1.0, 1e-4), "{variance}");
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::tick::bounds::{Check, ConfigError, settings};
 use crate::tick::effort_reading::EffortReadingConfig;
 use crate::tick::learning::LearningConfig;
 use crate::tick::memory::MemoryConfig;
-use crate::tick::paper::PaperConfig;
+use crate::tick::paper::{PaperConfig, PaperDriftConfig};
 use crate::tick::plausibility::PlausibilityConfig;
 use crate::tick::regime::{PaperRule, RecogniserConfig};
 use crate::tick::sensor::SensorConfig;
@@ -64,6 +64,8 @@ pub struct Config {
     pub short_hops: ShortHopConfig,
     /// How far the described gradients may be off.
     pub track_doubt: TrackDoubtConfig,
+    /// What the `paper` mode lets change during a run.
+    pub paper_drift: PaperDriftConfig,
 }
 
 settings! {
@@ -99,6 +101,7 @@ impl Config {
         effort_reading: EffortReadingConfig::DEFAULT,
         short_hops: ShortHopConfig::DEFAULT,
         track_doubt: TrackDoubtConfig::DEFAULT,
+        paper_drift: PaperDriftConfig::DEFAULT,
     };
 
     /// All of it, for a digest: that of a configuration which leaves the later sections as they are by default is what
@@ -126,6 +129,9 @@ impl Config {
         if self.track_doubt != TrackDoubtConfig::default() {
             self.track_doubt.pass(bytes);
         }
+        if self.paper_drift != PaperDriftConfig::default() {
+            self.paper_drift.pass(bytes);
+        }
     }
 
     /// The default values in this mode.
@@ -151,6 +157,7 @@ impl Config {
         self.effort_reading.check_ranges(&mut check);
         self.short_hops.check_ranges(&mut check);
         self.track_doubt.check_ranges(&mut check);
+        self.paper_drift.check_ranges(&mut check);
         check.result()?;
         self.features.check()
     }

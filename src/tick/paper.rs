@@ -77,6 +77,15 @@ settings! {
     }
 }
 
+settings! {
+    /// What may change during a run, as the filter of the `paper` mode sees it.
+    PaperDriftConfig in "paper_drift" {
+        /// Standard deviations of the changes of r0, r1, r2 in one second, SI units: their part of Q in Eq. (3). They
+        /// grow with the root of the time. Zero in the paper, where the coefficients are constants.
+        davis_sd: [Real; 3] = [0.0; 3], 0.0 to 1.0;
+    }
+}
+
 /// State of the paper's loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaperLoop {
@@ -136,7 +145,7 @@ impl PaperLoop {
     /// [`NotPositiveDefinite`]; the loop is then as it was.
     pub fn step(
         &mut self,
-        config: &PaperConfig,
+        (config, drift): (&PaperConfig, &PaperDriftConfig),
         line: &Line<'_>,
         acting: &Acting<'_>,
         time_s: Real,
@@ -161,6 +170,10 @@ impl PaperLoop {
         };
 
         let mut belief = self.belief;
+        // Before the points are drawn, so that they have it also where the gain is formed from them.
+        for (i, sd) in drift.davis_sd.iter().enumerate() {
+            belief.covariance[(R0 + i, R0 + i)] += sd * sd * dt_s;
+        }
         let sub_steps = pieces(dt_s, config.sub_step_s, MOST_SUB_STEPS);
         let h_s = dt_s / Real::from(sub_steps);
         let motion = |belief: &Gaussian<SIZE>, step: u32| {
