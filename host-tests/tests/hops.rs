@@ -6,12 +6,17 @@ use rundown::estimator::config::{Config, Mode};
 
 const HOPS: u32 = 8;
 const TOP_MPS: f64 = 25.0;
+/// At which the resistance is judged.
+const COAST_MPS: f64 = 24.0;
 const ACCELERATION_MPS2: f64 = 0.8;
 
 /// What happens between powering and braking.
 struct Between {
     lasts_s: u32,
     falls_mps2: f64,
+    /// Of it, a gentle brake at its end.
+    brakes_s: u32,
+    brakes_mps2: f64,
     /// What the effort column says of it.
     effort_n_per_kg: f64,
     /// Step of the speeds that are read.
@@ -20,8 +25,15 @@ struct Between {
     uphill_permille: f64,
 }
 
-const HELD: Between =
-    Between { lasts_s: 60, falls_mps2: 0.025, effort_n_per_kg: 0.0, step_kmh: 1.0, uphill_permille: 0.0 };
+const HELD: Between = Between {
+    lasts_s: 60,
+    falls_mps2: 0.025,
+    brakes_s: 0,
+    brakes_mps2: 0.0,
+    effort_n_per_kg: 0.0,
+    step_kmh: 1.0,
+    uphill_permille: 0.0,
+};
 
 /// A log of 1 s: each hop powers to 90 km/h, lets that speed fall slowly for a while, brakes and stands.
 /// On the first two the effort column says nothing: it is not known yet that hops are short.
@@ -33,7 +45,10 @@ fn log(between: &Between) -> Vec<Measurement> {
         let (hop, of_hop) = (second / 130, second % 130);
         let (acceleration_mps2, effort_n_per_kg) = match of_hop {
             _ if of_hop < power_s => (ACCELERATION_MPS2, Some(ACCELERATION_MPS2 + 0.02)),
-            _ if of_hop < power_s + between.lasts_s => (-between.falls_mps2, Some(between.effort_n_per_kg)),
+            _ if of_hop < power_s + between.lasts_s - between.brakes_s => {
+                (-between.falls_mps2, Some(between.effort_n_per_kg))
+            }
+            _ if of_hop < power_s + between.lasts_s => (-between.brakes_mps2, None),
             _ => (-ACCELERATION_MPS2, None),
         };
         let after_mps = (speed_mps + acceleration_mps2).max(0.0);
@@ -51,6 +66,11 @@ fn log(between: &Between) -> Vec<Measurement> {
 
 /// Time that taught, s.
 fn learned_s(mode: Mode, between: &Between) -> f64 {
+    learned(mode, between).0
+}
+
+/// The same, and the resistance at the speed of the coasts, N/kg.
+fn learned(mode: Mode, between: &Between) -> (f64, f64) {
     let track = Track::try_new(32e3, [Gradient { from_m: 0.0, permille: between.uphill_permille }]).unwrap();
     let estimator = Estimator::try_new(Config::with_mode(mode), train(), track).unwrap();
     let mut vehicle = estimator.new_vehicle();
@@ -58,7 +78,9 @@ fn learned_s(mode: Mode, between: &Between) -> f64 {
     for row in &log(between) {
         estimator.step(&mut state, row).unwrap();
     }
-    estimator.end_run(&mut state, &mut vehicle).learned_s
+    let learned_s = estimator.end_run(&mut state, &mut vehicle).learned_s;
+    let [r0, r1, r2] = vehicle.davis().mean.into();
+    (learned_s, Davis { r0, r1, r2 }.resistance_n_per_kg(COAST_MPS))
 }
 
 /// Speeds that were held on gentle slopes taught that the resistance is what balances the slope: trams and suburban
@@ -86,5 +108,26 @@ fn short_coasts_teach_where_speeds_are_finer_than_whole_kmh() {
     assert_eq!(coast(2.0, 0.0, 30), 0.0, "no steps of the described size");
     for uphill_permille in [-1.5, -2.0] {
         assert_eq!(coast(0.1, uphill_permille, 60), 0.0, "a speed that is held may fall by as much as this coast");
+    }
+}
+
+/// A coast of a minute passes five edges, each known to a tenth of a km/h.
+#[test]
+fn edges_of_whole_kmh_find_a_resistance_that_is_off_its_description() {
+    let described = train().davis().resistance_n_per_kg(COAST_MPS);
+    for share in [0.8, 1.25, 1.4] {
+        let (_, found) = learned(Mode::Gated, &Between { falls_mps2: share * described, ..HELD });
+        assert!((found / described / share - 1.0).abs() < 0.05, "{share}: {}", found / described);
+    }
+}
+
+/// It moves no single edge out of the gate: r would follow it, to three times its size.
+#[test]
+fn a_gentle_brake_after_a_coast_does_not_teach() {
+    let described = train().davis().resistance_n_per_kg(COAST_MPS);
+    for (brakes_s, brakes_mps2) in [(30, 0.2), (40, 0.1), (60, 0.1), (60, 0.08)] {
+        let between = Between { brakes_s, brakes_mps2, falls_mps2: described, ..HELD };
+        let (_, found) = learned(Mode::Gated, &between);
+        assert!((found / described - 1.0).abs() < 0.1, "{brakes_s} s of {brakes_mps2} m/s²: {}", found / described);
     }
 }

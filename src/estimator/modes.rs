@@ -58,7 +58,8 @@ pub(super) fn paper_tick(
         _ => begin(&davis),
     };
     if !judged.begins {
-        match next.step(paper, line, acting, time_s, judged.dt_s, [location_m, speed_mps]) {
+        let of_paper = (paper, &config.paper_drift);
+        match next.step(of_paper, line, acting, time_s, judged.dt_s, [location_m, speed_mps]) {
             Ok(found) => innovation = Some(found),
             Err(_) => {
                 // The covariance is of no use any more: begin again with what was learned.
@@ -431,7 +432,8 @@ fn learn_coasting(
                 min_segment_s,
                 least_change,
                 on_short_hops: true,
-                edge: run.staircase.edge(),
+                // Finer than any edge.
+                edge: run.staircase.edge().filter(|_| speed_sd_mps.is_none()),
                 speed_sd_mps,
             }
         } else {

@@ -168,10 +168,6 @@ pub const MIN_CHANGE_SHARE: Real = 0.08;
 /// believed it made r 0.2 % too small at 140 km/h and 0.9 % too large at 20 km/h.
 const BEGIN_SPEED_SD_MPS: Real = 1.0;
 
-/// Standard deviation of a speed on the edge of two steps, km/h, at least: noise of this size shows in few of
-/// the steps.
-const EDGE_SD_KMH: Real = 0.1;
-
 /// A coast goes astray by at least this share of r(v).
 const STRAY_SHARE: Real = 0.25;
 
@@ -527,11 +523,11 @@ impl Segment {
         let ends_mps = self.belief.mean[SPEED];
         let edge = counts.edge.filter(|_| tick.dt_s as f32 <= staircase::LONGEST_ROW_S);
         let mut speed_mps = tick.speed_mps;
-        if let Some(Edge::Passed(edge_mps)) = edge {
+        if let Some(Edge::Passed { mps, sd_mps }) = edge {
             // Passed at any moment of the tick alike.
             let half_mps = 0.5 * (ends_mps - began_mps);
-            let noise_mps = sensor.speed_noise_kmh.at_least(EDGE_SD_KMH) / 3.6;
-            speed_mps = Some(Real::from(edge_mps) + half_mps);
+            let noise_mps = (sensor.speed_noise_kmh / 3.6).at_least(sd_mps.into());
+            speed_mps = Some(Real::from(mps) + half_mps);
             observation.readings.speed_variance = half_mps * half_mps / 3.0 + noise_mps * noise_mps;
         }
         // A measured effort has errors of its own, which would be taken for those of the resistance.

@@ -5,7 +5,8 @@
 //!
 //! A coasting train crosses 1 km/h in some 6 s, and its readings stay the same meanwhile: six of them say what one
 //! does. But when the reading falls from 80 to 79 km/h the train passed 79.5 within the last row. That holds for a
-//! speed that is rounded and not noisy; noise makes readings go up and down about an edge.
+//! speed that is rounded and hardly noisy. Noise makes readings go down, up and down again about an edge, and all of
+//! these teach: the first comes too early, the last too late. How often they do says how large it is.
 
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::in_place;
@@ -17,12 +18,16 @@ in_place! {
         last_mps: f32 = (0.0);
         /// Since the last reading, s.
         unread_s: f32 = (0.0);
-        /// The last change of the reading, m/s, if it was a single step, and the time since, s.
+        /// The last change of the reading, m/s, if it was a single step; the time since, s; whether it was a turn.
         single_mps: f32 = (0.0);
         changed_s: f32 = (0.0);
-        /// Single steps, and changes that a train does not make or a rounded speed does not show.
+        turned: bool = (false);
+        /// Single steps after a reading that stood, and changes that a train hardly makes.
         steps: u16 = (0);
         odd: u16 = (0);
+        /// What an edge is worth, if the readings looked like whole steps when the train stood last, km/h. Asked within
+        /// a coast, noise would choose which of its edges teach.
+        edge_sd_kmh: Option<f32> = (None);
         /// The edge that has just been passed, m/s.
         edge_mps: Option<f32> = (None);
     }
@@ -33,17 +38,30 @@ in_place! {
 pub enum Edge {
     /// The reading stayed where it was, or changed by several steps.
     None,
-    /// It stepped: the speed that was passed within the row, m/s.
-    Passed(f32),
+    /// It stepped.
+    Passed {
+        /// The speed that was passed within the row, m/s.
+        mps: f32,
+        /// Standard deviation of that, m/s.
+        sd_mps: f32,
+    },
 }
 
 /// Rows farther apart have no edges, s: within 2 s a coasting train crosses a third of a step.
 pub(crate) const LONGEST_ROW_S: f32 = 2.0;
-/// A step back within so many seconds is noise, s: no train accelerates and decelerates so fast.
+/// A step back within so many seconds is a turn, s. Power that ends makes one, noise several in a row.
 const TURNED_S: f32 = 3.0;
-/// Single steps from which on they are believed, and the share of odd changes up to which they are.
+/// A step after so many seconds is that of a coast, s: where a train powers or brakes noise does not show, and these
+/// steps say nothing about it.
+const STOOD_S: f32 = 2.0;
+/// Single steps from which on they are believed, and odd changes over steps up to which they are: noise of 0.1 km/h
+/// makes a tenth on metros and 0.4 where speeds are held, noise of 0.3 km/h 0.7 and more, whole mph in km/h 1.6.
 const LEAST_STEPS: u16 = 5;
-const MOST_ODD: u16 = 20;
+const MOST_ODD: f32 = 0.5;
+/// Standard deviation of a speed on the edge of two steps, km/h, and how it grows with odd changes over steps: noise of
+/// 0.1 km/h shows in few.
+const EDGE_SD_KMH: f32 = 0.1;
+const ODD_SD_KMH: f32 = 0.3;
 /// By how much of a step a single one may differ from it: the numbers of a log are rounded.
 const TOLERANCE: f32 = 0.1;
 
@@ -59,81 +77,138 @@ impl Staircase {
             return;
         };
         let row_s = core::mem::take(&mut self.unread_s);
-        let change_mps = speed_mps - core::mem::replace(&mut self.last_mps, speed_mps);
+        let last_mps = core::mem::replace(&mut self.last_mps, speed_mps);
+        let change_mps = speed_mps - last_mps;
         let step_mps = sensor.speed_quantum_kmh as f32 / 3.6;
         if change_mps.abs() < TOLERANCE * step_mps {
             return;
         }
+        if speed_mps == 0.0 {
+            let odd_share = f32::from(self.odd) / f32::from(self.steps);
+            let is_clean = self.steps >= LEAST_STEPS && odd_share <= MOST_ODD;
+            self.edge_sd_kmh = is_clean.then_some(EDGE_SD_KMH + ODD_SD_KMH * odd_share);
+        }
         let steps = change_mps.abs() / step_mps;
         let single_mps = if (steps - 1.0).abs() < TOLERANCE { change_mps } else { 0.0 };
-        let turned = single_mps * core::mem::replace(&mut self.single_mps, single_mps) < 0.0;
-        let changed_s = core::mem::take(&mut self.changed_s);
-        if (turned && changed_s <= TURNED_S) || steps < 1.0 - TOLERANCE {
-            self.odd = self.odd.saturating_add(1);
-        }
-        if single_mps != 0.0 && row_s <= LONGEST_ROW_S {
-            self.steps = self.steps.saturating_add(1);
+        let near = row_s <= LONGEST_ROW_S;
+        let stood_s = core::mem::take(&mut self.changed_s);
+        let turns = single_mps * core::mem::replace(&mut self.single_mps, single_mps) < 0.0 && stood_s <= TURNED_S;
+        let turned = core::mem::replace(&mut self.turned, turns);
+        // A unit of another size that is written in these steps makes two at once now and then.
+        let jumps = near && steps > 1.0 + TOLERANCE && stood_s > TURNED_S && last_mps > 0.0;
+        self.odd = self.odd.saturating_add(u16::from((turns && turned) || jumps));
+        if single_mps != 0.0 && near {
+            self.steps = self.steps.saturating_add(u16::from(stood_s > STOOD_S));
             self.edge_mps = Some(speed_mps - 0.5 * single_mps);
         }
     }
 
-    /// The readings look like whole steps without noise.
+    /// The readings look like whole steps with little noise.
     pub(crate) fn is_clean(&self) -> bool {
-        self.steps >= LEAST_STEPS && u32::from(self.odd) * u32::from(MOST_ODD) <= u32::from(self.steps)
+        self.edge_sd_kmh.is_some()
     }
 
     /// What the last row says, if the readings are clean.
     pub(crate) fn edge(&self) -> Option<Edge> {
-        self.is_clean().then(|| self.edge_mps.map_or(Edge::None, Edge::Passed))
+        let sd_mps = self.edge_sd_kmh? / 3.6;
+        Some(self.edge_mps.map_or(Edge::None, |mps| Edge::Passed { mps, sd_mps }))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::extremes::Extremes;
     use heapless::Vec;
 
     fn passed_mps(staircase: &Staircase) -> Option<f32> {
         match staircase.edge()? {
-            Edge::Passed(mps) => Some(mps),
+            Edge::Passed { mps, .. } => Some(mps),
             Edge::None => None,
         }
     }
 
-    /// A train that coasts from 80 km/h on, read with a step and a noise, km/h; the edges with the true speed in the
-    /// middle of their row, km/h, and whether the readings are a clean staircase.
-    fn coast(step_kmh: f32, noise_kmh: f32) -> (Vec<(f32, f32), 120>, bool) {
+    const HOP_S: u16 = 120;
+
+    /// A train that powers to 70 km/h, coasts and brakes.
+    fn hop_kmh(time_s: f32) -> f32 {
+        let powers_kmh = 3.2 * time_s;
+        let coasts_kmh = 70.0 - 0.17 * (time_s - 22.0);
+        let brakes_kmh = 3.6 * (115.0 - time_s);
+        powers_kmh.at_most(coasts_kmh).at_most(brakes_kmh).at_least(0.0)
+    }
+
+    /// After three hops, with speeds in whole units that are written in steps, and with noise.
+    fn after_hops(unit_kmh: f32, written_kmh: f32, noise_kmh: f32) -> Staircase {
         let mut staircase = Staircase::default();
-        let mut edges = Vec::new();
-        let at_kmh = |time_s: f32| 80.0 - 0.17 * time_s;
-        for tick in 0..120_u8 {
-            let time_s = f32::from(tick);
-            let noisy_kmh = at_kmh(time_s) + noise_kmh * libm::sinf(2.5 * time_s);
-            let read_kmh = libm::roundf(noisy_kmh / step_kmh) * step_kmh;
+        let whole = |kmh: f32, step_kmh: f32| libm::roundf(kmh / step_kmh) * step_kmh;
+        for tick in 0..3 * HOP_S {
+            // Three waves of unlike length are normal noise, nearly.
+            let waves = [2.5, 1.3, 0.7].map(|pace| libm::sinf(pace * f32::from(tick)));
+            let noise_kmh = noise_kmh * libm::sqrtf(2.0 / 3.0) * waves.iter().sum::<f32>();
+            let true_kmh = hop_kmh(f32::from(tick % HOP_S));
+            let noisy_kmh = if true_kmh > 0.0 { (true_kmh + noise_kmh).at_least(0.0) } else { 0.0 };
+            let read_kmh = whole(whole(noisy_kmh, unit_kmh), written_kmh);
             staircase.observe(&SensorConfig::default(), 1.0, Some(read_kmh / 3.6));
-            edges.extend(passed_mps(&staircase).map(|edge_mps| (3.6 * edge_mps, at_kmh(time_s - 0.5))));
         }
-        (edges, staircase.is_clean())
+        staircase
     }
 
     #[test]
     fn edges_of_a_rounded_speed_are_known_to_a_tenth_of_a_kmh() {
-        let (edges, clean) = coast(1.0, 0.0);
-        assert!(clean && edges.len() >= 14, "{edges:?}");
+        let mut staircase = after_hops(1.0, 1.0, 0.0);
+        let mut edges = Vec::<_, 120>::new();
+        for second in 0..HOP_S {
+            let time_s = f32::from(second);
+            staircase.observe(&SensorConfig::default(), 1.0, Some(libm::roundf(hop_kmh(time_s)) / 3.6));
+            let coasts = (25.0..94.0).contains(&time_s);
+            let edge = passed_mps(&staircase).filter(|_| coasts);
+            edges.extend(edge.map(|edge_mps| (3.6 * edge_mps, hop_kmh(time_s - 0.5))));
+        }
+        assert!(edges.len() >= 10, "{edges:?}");
         assert!(edges.iter().all(|(edge_kmh, true_kmh)| (edge_kmh - true_kmh).abs() < 0.1), "{edges:?}");
     }
 
     #[test]
-    fn noisy_speeds_and_finer_ones_have_no_edges() {
-        for (step_kmh, noise_kmh) in [(1.0, 0.5), (0.1, 0.0), (0.5, 0.0), (1.609_344, 0.0)] {
-            let (edges, clean) = coast(step_kmh, noise_kmh);
-            assert!(!clean && edges.len() < 5, "{step_kmh} {noise_kmh}: {edges:?}");
+    fn noise_makes_edges_worth_less_and_much_of_it_nothing() {
+        let sd_kmh = |noise_kmh| after_hops(1.0, 1.0, noise_kmh).edge_sd_kmh;
+        // A brake that takes two steps at once after a reading that stood is as odd as noise.
+        assert!(sd_kmh(0.0).is_some_and(|sd_kmh| (0.1..0.13).contains(&sd_kmh)), "{:?}", sd_kmh(0.0));
+        assert!(sd_kmh(0.15).is_some_and(|sd_kmh| (0.13..0.25).contains(&sd_kmh)), "{:?}", sd_kmh(0.15));
+        for noise_kmh in [0.3, 0.5, 1.0] {
+            assert_eq!(sd_kmh(noise_kmh), None, "{noise_kmh}");
         }
     }
 
     #[test]
+    fn finer_and_coarser_units_have_no_edges_however_they_are_written() {
+        let [mph, knot, mps] = [1.609_344, 1.852, 3.6];
+        for (unit_kmh, written_kmh) in [(0.1, 0.1), (0.5, 0.5), (mph, 0.01), (mph, 1.0), (knot, 1.0), (0.5 * mps, 1.0)]
+        {
+            assert!(!after_hops(unit_kmh, written_kmh, 0.0).is_clean(), "{unit_kmh} {written_kmh}");
+        }
+    }
+
+    #[test]
+    fn steps_are_believed_from_the_next_standstill_on() {
+        let after = |row_s: f32, steps: u8| {
+            let mut staircase = Staircase::default();
+            for third in 0..3 * u16::from(steps) + 3 {
+                let kmh = 40.0 - f32::from(third / 3);
+                staircase.observe(&SensorConfig::default(), row_s, Some(kmh / 3.6));
+            }
+            assert!(!staircase.is_clean(), "the train has not stood since");
+            staircase.observe(&SensorConfig::default(), row_s, Some(0.0));
+            staircase.is_clean()
+        };
+        assert!(after(1.0, 5) && after(2.0, 5));
+        assert!(!after(1.0, 4), "few");
+        assert!(!after(2.5, 5), "rows too far apart for edges");
+    }
+
+    #[test]
     fn an_edge_beyond_missing_readings_is_none() {
-        let mut staircase = Staircase { steps: 10, last_mps: 20.0, ..Staircase::default() };
+        let mut staircase = Staircase { edge_sd_kmh: Some(0.1), last_mps: 20.0, ..Staircase::default() };
         let sensor = SensorConfig::default();
         for _ in 0..3 {
             staircase.observe(&sensor, 1.0, None);
