@@ -58,8 +58,8 @@ pub(super) fn paper_tick(
         _ => begin(&davis),
     };
     if !judged.begins {
-        let of_paper = (paper, &config.paper_drift);
-        match next.step(of_paper, line, acting, time_s, judged.dt_s, [location_m, speed_mps]) {
+        next.drift(&config.paper_drift, judged.dt_s);
+        match next.step(paper, line, acting, time_s, judged.dt_s, [location_m, speed_mps]) {
             Ok(found) => innovation = Some(found),
             Err(_) => {
                 // The covariance is of no use any more: begin again with what was learned.
@@ -408,7 +408,9 @@ fn learn_coasting(
     let speed_mps = run.kinematics.belief().mean[SPEED];
     let visible = if are_short {
         let described_n_per_kg = line.train.davis().resistance_n_per_kg(speed_mps);
-        described_n_per_kg > short.min_resistance_n_per_kg && !is_powered(config, judged, described_n_per_kg)
+        described_n_per_kg > short.min_resistance_n_per_kg
+            && !is_powered(config, judged, described_n_per_kg)
+            && !run.staircase.is_another_unit()
     } else {
         speed_mps > learning.min_speed_kmh / 3.6
     };
@@ -432,7 +434,7 @@ fn learn_coasting(
                 min_segment_s,
                 least_change,
                 on_short_hops: true,
-                // Finer than any edge.
+                // Such speeds are finer than an edge.
                 edge: run.staircase.edge().filter(|_| speed_sd_mps.is_none()),
                 speed_sd_mps,
             }

@@ -523,9 +523,9 @@ impl Segment {
         let ends_mps = self.belief.mean[SPEED];
         let edge = counts.edge.filter(|_| tick.dt_s as f32 <= staircase::LONGEST_ROW_S);
         let mut speed_mps = tick.speed_mps;
-        if let Some(Edge::Passed { mps, sd_mps }) = edge {
+        if let Some(Edge::Passed { mps, sd_mps, row_s }) = edge {
             // Passed at any moment of the tick alike.
-            let half_mps = 0.5 * (ends_mps - began_mps);
+            let half_mps = 0.5 * (ends_mps - began_mps) * Real::from(row_s) / tick.dt_s;
             let noise_mps = (sensor.speed_noise_kmh / 3.6).at_least(sd_mps.into());
             speed_mps = Some(Real::from(mps) + half_mps);
             observation.readings.speed_variance = half_mps * half_mps / 3.0 + noise_mps * noise_mps;

@@ -45,6 +45,10 @@ use serde::{Deserialize, Serialize};
 pub const SCALES: [Real; 4] = [0.0, 0.3, 0.7, 1.5];
 /// What is believed of them before the first run.
 const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
+/// By how much more each counts in the reported doubt of a vehicle. The estimate is best where most winds are taken for
+/// gentle; but what a windy first run taught is off by its wind, and nothing says so before the second one. With these
+/// the scale before the first run is 1 in the root mean square, the wind that is set.
+const SCALE_DOUBTS: [Real; 4] = [0.5, 2.0 / 3.0, 1.0, 4.0];
 
 /// Standard deviation of r(v) that is common to all coasts of short hops, share: a coast of 10 to 40 s that begins or
 /// ends with a second of something else is off by several per cent, all of a driver's by the same, and their scatter
@@ -360,7 +364,7 @@ impl Vehicle {
     }
 
     /// One normal distribution with the mean and the covariance of the weighted hypotheses, and what the gain of the
-    /// column adds. With the settings: of the next run.
+    /// column adds. With the settings: of the next run; else its covariance is by the doubted weights.
     fn mixture(&self, of_run: Option<&MemoryConfig>) -> Gaussian<3> {
         let of = |hypothesis: &Hypothesis| match of_run {
             Some(config) => hypothesis.of_run(&config.deviation(&self.nominal, hypothesis.scale)),
@@ -368,15 +372,18 @@ impl Vehicle {
         };
         let mean: Vector3<Real> =
             self.hypotheses.iter().map(|hypothesis| of(hypothesis).mean * hypothesis.weight).sum();
-        let mut covariance: Matrix3<Real> = self
-            .hypotheses
-            .iter()
-            .map(|hypothesis| {
-                let one = of(hypothesis);
-                let apart = one.mean - mean;
-                (one.covariance + apart * apart.transpose()) * hypothesis.weight
-            })
-            .sum();
+        let mut weights = self.hypotheses.map(|hypothesis| hypothesis.weight);
+        if of_run.is_none() {
+            weights.iter_mut().zip(SCALE_DOUBTS).for_each(|(weight, doubt)| *weight *= doubt);
+            let sum: Real = weights.iter().sum();
+            weights.iter_mut().for_each(|weight| *weight /= sum);
+        }
+        let mut covariance = Matrix3::zeros();
+        for (hypothesis, weight) in self.hypotheses.iter().zip(weights) {
+            let one = of(hypothesis);
+            let apart = one.mean - mean;
+            covariance += (one.covariance + apart * apart.transpose()) * weight;
+        }
         let variance = self.column.gain_variance();
         if variance > 0.0 {
             let slope = self.by_gain.slope();

@@ -139,13 +139,21 @@ impl PaperLoop {
         Self { belief, effort_n_per_kg, reading_mps: speed_mps, ..Self::ZEROED }
     }
 
+    /// The coefficients drift for `dt_s`. Before a step, so that its points have it also where the gain is formed from
+    /// them.
+    pub fn drift(&mut self, config: &PaperDriftConfig, dt_s: Real) {
+        for (i, sd) in config.davis_sd.iter().enumerate() {
+            self.belief.covariance[(R0 + i, R0 + i)] += sd * sd * dt_s;
+        }
+    }
+
     /// One step of `dt_s` up to `time_s`, with the readings of location and speed.
     ///
     /// # Errors
     /// [`NotPositiveDefinite`]; the loop is then as it was.
     pub fn step(
         &mut self,
-        (config, drift): (&PaperConfig, &PaperDriftConfig),
+        config: &PaperConfig,
         line: &Line<'_>,
         acting: &Acting<'_>,
         time_s: Real,
@@ -170,10 +178,6 @@ impl PaperLoop {
         };
 
         let mut belief = self.belief;
-        // Before the points are drawn, so that they have it also where the gain is formed from them.
-        for (i, sd) in drift.davis_sd.iter().enumerate() {
-            belief.covariance[(R0 + i, R0 + i)] += sd * sd * dt_s;
-        }
         let sub_steps = pieces(dt_s, config.sub_step_s, MOST_SUB_STEPS);
         let h_s = dt_s / Real::from(sub_steps);
         let motion = |belief: &Gaussian<SIZE>, step: u32| {

@@ -151,7 +151,7 @@ impl Hops {
     }
 
     /// What counts of coasts on short hops; `None` on longer ones.
-    /// `steps`: the speeds are whole steps without noise.
+    /// `steps`: the speeds are whole steps with little noise.
     pub fn pieces(&self, config: &ShortHopConfig, time_s: Real, steps: bool) -> Option<Pieces> {
         self.are_short(config, time_s).then(|| config.pieces(self.speed_sd_mps(), steps))
     }

@@ -22,14 +22,16 @@ in_place! {
         single_mps: f32 = (0.0);
         changed_s: f32 = (0.0);
         turned: bool = (false);
-        /// Single steps after a reading that stood, and changes that a train hardly makes.
+        /// After a reading that stood: single steps, and steps of two at once; turns that follow a turn.
         steps: u16 = (0);
-        odd: u16 = (0);
+        doubles: u16 = (0);
+        turns: u16 = (0);
         /// What an edge is worth, if the readings looked like whole steps when the train stood last, km/h. Asked within
         /// a coast, noise would choose which of its edges teach.
         edge_sd_kmh: Option<f32> = (None);
-        /// The edge that has just been passed, m/s.
+        /// The edge that has just been passed, m/s, and the time since the reading before, s.
         edge_mps: Option<f32> = (None);
+        edge_row_s: f32 = (0.0);
     }
 }
 
@@ -44,24 +46,31 @@ pub enum Edge {
         mps: f32,
         /// Standard deviation of that, m/s.
         sd_mps: f32,
+        /// How long ago it may have been passed, s: the time since the reading before.
+        row_s: f32,
     },
 }
 
 /// Rows farther apart have no edges, s: within 2 s a coasting train crosses a third of a step.
-pub(crate) const LONGEST_ROW_S: f32 = 2.0;
+pub(crate) const LONGEST_ROW_S: f32 = 2.25;
 /// A step back within so many seconds is a turn, s. Power that ends makes one, noise several in a row.
-const TURNED_S: f32 = 3.0;
+const TURNED_S: f32 = 3.5;
 /// A step after so many seconds is that of a coast, s: where a train powers or brakes noise does not show, and these
 /// steps say nothing about it.
-const STOOD_S: f32 = 2.0;
-/// Single steps from which on they are believed, and odd changes over steps up to which they are: noise of 0.1 km/h
-/// makes a tenth on metros and 0.4 where speeds are held, noise of 0.3 km/h 0.7 and more, whole mph in km/h 1.6.
+const STOOD_S: f32 = 2.5;
+/// Single steps from which on they are believed, and turns over steps up to which they are: noise of 0.1 km/h makes a
+/// tenth on metros and 0.4 where speeds are held, noise of 0.3 km/h 0.7 and more.
 const LEAST_STEPS: u16 = 5;
-const MOST_ODD: f32 = 0.5;
-/// Standard deviation of a speed on the edge of two steps, km/h, and how it grows with odd changes over steps: noise of
-/// 0.1 km/h shows in few.
+const MOST_TURNS: f32 = 0.5;
+/// Double over single steps from which on the speeds are those of another unit: whole mph that are written in km/h make
+/// 1.6, knots and half m/s more; brakes on clean readings make a fiftieth.
+const MOST_DOUBLES: f32 = 0.5;
+/// Slower readings are those of a train that stands, steps.
+const STANDS: f32 = 0.25;
+/// Standard deviation of a speed on the edge of two steps, km/h, and how it grows with turns over steps: noise of 0.1
+/// km/h shows in few.
 const EDGE_SD_KMH: f32 = 0.1;
-const ODD_SD_KMH: f32 = 0.3;
+const TURNS_SD_KMH: f32 = 0.3;
 /// By how much of a step a single one may differ from it: the numbers of a log are rounded.
 const TOLERANCE: f32 = 0.1;
 
@@ -83,24 +92,38 @@ impl Staircase {
         if change_mps.abs() < TOLERANCE * step_mps {
             return;
         }
-        if speed_mps == 0.0 {
-            let odd_share = f32::from(self.odd) / f32::from(self.steps);
-            let is_clean = self.steps >= LEAST_STEPS && odd_share <= MOST_ODD;
-            self.edge_sd_kmh = is_clean.then_some(EDGE_SD_KMH + ODD_SD_KMH * odd_share);
+        let moved = speed_mps > STANDS * step_mps && last_mps > STANDS * step_mps;
+        if !moved {
+            self.judge();
         }
         let steps = change_mps.abs() / step_mps;
         let single_mps = if (steps - 1.0).abs() < TOLERANCE { change_mps } else { 0.0 };
-        let near = row_s <= LONGEST_ROW_S;
         let stood_s = core::mem::take(&mut self.changed_s);
         let turns = single_mps * core::mem::replace(&mut self.single_mps, single_mps) < 0.0 && stood_s <= TURNED_S;
         let turned = core::mem::replace(&mut self.turned, turns);
-        // A unit of another size that is written in these steps makes two at once now and then.
-        let jumps = near && steps > 1.0 + TOLERANCE && stood_s > TURNED_S && last_mps > 0.0;
-        self.odd = self.odd.saturating_add(u16::from((turns && turned) || jumps));
-        if single_mps != 0.0 && near {
+        if row_s > LONGEST_ROW_S || !moved {
+            return;
+        }
+        self.turns = self.turns.saturating_add(u16::from(turns && turned));
+        let is_double = (steps - 2.0).abs() < TOLERANCE && stood_s > TURNED_S;
+        self.doubles = self.doubles.saturating_add(u16::from(is_double));
+        if single_mps != 0.0 {
             self.steps = self.steps.saturating_add(u16::from(stood_s > STOOD_S));
             self.edge_mps = Some(speed_mps - 0.5 * single_mps);
+            self.edge_row_s = row_s;
         }
+    }
+
+    /// Whether the steps are believed on this hop.
+    fn judge(&mut self) {
+        let turns = f32::from(self.turns) / f32::from(self.steps);
+        let are_clean = self.steps >= LEAST_STEPS && turns <= MOST_TURNS && !self.is_another_unit();
+        self.edge_sd_kmh = are_clean.then_some(EDGE_SD_KMH + TURNS_SD_KMH * turns);
+    }
+
+    /// The steps are those of a larger unit, of which many are written as two: the readings are coarser than they look.
+    pub(crate) fn is_another_unit(&self) -> bool {
+        self.doubles >= LEAST_STEPS && f32::from(self.doubles) > MOST_DOUBLES * f32::from(self.steps)
     }
 
     /// The readings look like whole steps with little noise.
@@ -111,7 +134,7 @@ impl Staircase {
     /// What the last row says, if the readings are clean.
     pub(crate) fn edge(&self) -> Option<Edge> {
         let sd_mps = self.edge_sd_kmh? / 3.6;
-        Some(self.edge_mps.map_or(Edge::None, |mps| Edge::Passed { mps, sd_mps }))
+        Some(self.edge_mps.map_or(Edge::None, |mps| Edge::Passed { mps, sd_mps, row_s: self.edge_row_s }))
     }
 }
 
@@ -140,15 +163,20 @@ mod tests {
 
     /// After three hops, with speeds in whole units that are written in steps, and with noise.
     fn after_hops(unit_kmh: f32, written_kmh: f32, noise_kmh: f32) -> Staircase {
+        after_hops_rounded(libm::roundf, unit_kmh, written_kmh, noise_kmh)
+    }
+
+    /// `round`: rounded or cut off.
+    fn after_hops_rounded(round: fn(f32) -> f32, unit_kmh: f32, written_kmh: f32, noise_kmh: f32) -> Staircase {
         let mut staircase = Staircase::default();
-        let whole = |kmh: f32, step_kmh: f32| libm::roundf(kmh / step_kmh) * step_kmh;
         for tick in 0..3 * HOP_S {
             // Three waves of unlike length are normal noise, nearly.
             let waves = [2.5, 1.3, 0.7].map(|pace| libm::sinf(pace * f32::from(tick)));
             let noise_kmh = noise_kmh * libm::sqrtf(2.0 / 3.0) * waves.iter().sum::<f32>();
             let true_kmh = hop_kmh(f32::from(tick % HOP_S));
             let noisy_kmh = if true_kmh > 0.0 { (true_kmh + noise_kmh).at_least(0.0) } else { 0.0 };
-            let read_kmh = whole(whole(noisy_kmh, unit_kmh), written_kmh);
+            let unit_kmh = round(noisy_kmh / unit_kmh) * unit_kmh;
+            let read_kmh = libm::roundf(unit_kmh / written_kmh) * written_kmh;
             staircase.observe(&SensorConfig::default(), 1.0, Some(read_kmh / 3.6));
         }
         staircase
@@ -172,8 +200,7 @@ mod tests {
     #[test]
     fn noise_makes_edges_worth_less_and_much_of_it_nothing() {
         let sd_kmh = |noise_kmh| after_hops(1.0, 1.0, noise_kmh).edge_sd_kmh;
-        // A brake that takes two steps at once after a reading that stood is as odd as noise.
-        assert!(sd_kmh(0.0).is_some_and(|sd_kmh| (0.1..0.13).contains(&sd_kmh)), "{:?}", sd_kmh(0.0));
+        assert_eq!(sd_kmh(0.0), Some(0.1));
         assert!(sd_kmh(0.15).is_some_and(|sd_kmh| (0.13..0.25).contains(&sd_kmh)), "{:?}", sd_kmh(0.15));
         for noise_kmh in [0.3, 0.5, 1.0] {
             assert_eq!(sd_kmh(noise_kmh), None, "{noise_kmh}");
@@ -186,6 +213,14 @@ mod tests {
         for (unit_kmh, written_kmh) in [(0.1, 0.1), (0.5, 0.5), (mph, 0.01), (mph, 1.0), (knot, 1.0), (0.5 * mps, 1.0)]
         {
             assert!(!after_hops(unit_kmh, written_kmh, 0.0).is_clean(), "{unit_kmh} {written_kmh}");
+        }
+        for unit_kmh in [mph, knot, 0.5 * mps] {
+            for round in [libm::roundf, libm::floorf] {
+                assert!(after_hops_rounded(round, unit_kmh, 1.0, 0.0).is_another_unit(), "{unit_kmh}");
+            }
+        }
+        for noise_kmh in [0.0, 0.5, 1.0] {
+            assert!(!after_hops(1.0, 1.0, noise_kmh).is_another_unit(), "{noise_kmh}");
         }
     }
 
@@ -201,22 +236,45 @@ mod tests {
             staircase.observe(&SensorConfig::default(), row_s, Some(0.0));
             staircase.is_clean()
         };
-        assert!(after(1.0, 5) && after(2.0, 5));
+        // Of clocks that count milliseconds.
+        assert!(after(1.0, 5) && after(2.001, 5));
         assert!(!after(1.0, 4), "few");
         assert!(!after(2.5, 5), "rows too far apart for edges");
     }
 
     #[test]
-    fn an_edge_beyond_missing_readings_is_none() {
-        let mut staircase = Staircase { edge_sd_kmh: Some(0.1), last_mps: 20.0, ..Staircase::default() };
-        let sensor = SensorConfig::default();
-        for _ in 0..3 {
-            staircase.observe(&sensor, 1.0, None);
-            assert_eq!(staircase.edge(), Some(Edge::None));
+    fn a_brake_after_a_short_coast_is_no_noise() {
+        for row_s in [1.0, 2.0] {
+            let mut staircase = Staircase::default();
+            for tick in 0..200_u8 {
+                let time_s = f32::from(tick) * row_s % 50.0;
+                let kmh =
+                    (3.2 * time_s).at_most(64.0 - 0.17 * (time_s - 20.0)).at_most(3.6 * (48.0 - time_s)).at_least(0.0);
+                staircase.observe(&SensorConfig::default(), row_s, Some(libm::roundf(kmh) / 3.6));
+            }
+            assert_eq!(staircase.edge_sd_kmh, Some(0.1), "rows of {row_s} s");
         }
-        staircase.observe(&sensor, 1.0, Some(20.0 - 1.0 / 3.6));
-        assert_eq!(staircase.edge(), Some(Edge::None));
-        staircase.observe(&sensor, 1.0, Some(20.0 - 2.0 / 3.6));
-        assert!(passed_mps(&staircase).is_some_and(|edge_mps| (edge_mps - (20.0 - 1.5 / 3.6)).abs() < 1e-5));
+    }
+
+    #[test]
+    fn an_edge_beyond_a_missing_reading_has_the_time_since_the_one_before_and_beyond_more_of_them_there_is_none() {
+        let passed = |missing: u8| {
+            let mut staircase = Staircase { edge_sd_kmh: Some(0.1), last_mps: 20.0, ..Staircase::default() };
+            let sensor = SensorConfig::default();
+            for _ in 0..missing {
+                staircase.observe(&sensor, 1.0, None);
+                assert_eq!(staircase.edge(), Some(Edge::None));
+            }
+            staircase.observe(&sensor, 1.0, Some(20.0 - 1.0 / 3.6));
+            match staircase.edge() {
+                Some(Edge::Passed { mps, sd_mps, row_s }) => Some([3.6 * (20.0 - mps), 3.6 * sd_mps, row_s]),
+                _ => None,
+            }
+        };
+        for (missing, row_s) in [(0, 1.0), (1, 2.0)] {
+            let found = passed(missing).unwrap();
+            assert!(found.iter().zip([0.5, 0.1, row_s]).all(|(found, is)| (found - is).abs() < 1e-5), "{found:?}");
+        }
+        assert_eq!(passed(2), None);
     }
 }

@@ -63,6 +63,28 @@ fn a_gain_that_is_not_known_leaves_its_doubt_in_the_resistance_of_any_number_of_
     assert!(moved < few.davis().sd(0) / 7.38e-3, "{moved}");
 }
 
+/// Nobody knows yet how windy the line is.
+#[test]
+fn what_a_single_run_taught_is_doubted_by_the_wind_that_is_set() {
+    let (config, v) = (MemoryConfig::default(), 140.0 / 3.6);
+    // Each run tells r at one speed, as described.
+    let tells = Vector4::new(1.0, v, v * v, 0.0) / 1e-5;
+    let after = |runs: usize| {
+        let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
+        for _ in 0..runs {
+            let begin = vehicle.constants(&config, 0.03);
+            let before = begin.covariance.try_inverse().unwrap();
+            let covariance = (before + tells * tells.transpose()).try_inverse().unwrap();
+            let end = Gaussian { mean: begin.mean, covariance };
+            vehicle.learn(&config, [&begin, &end], Column::default(), &Foresight::NONE, 0.0);
+        }
+        resistance_sd(&vehicle.davis(), v)
+    };
+    let by_wind = 2.0 * 2.8e-5 * v * config.wind_sd_mps;
+    assert!((0.7..1.0).contains(&(after(1) / by_wind)), "{}", after(1) / by_wind);
+    assert!(after(30) < 0.1 * after(1), "{}", after(30) / by_wind);
+}
+
 #[test]
 fn runs_over_a_doubtful_track_say_no_more_than_one() {
     let (one, exact, doubtful) =

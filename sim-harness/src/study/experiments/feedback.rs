@@ -30,7 +30,7 @@ use rundown::model::effort;
 use rundown::model::line::Line;
 use rundown::model::point::Point;
 use rundown::model::state::{self, LOCATION, R0, SPEED};
-use rundown::tick::paper::{Difference, PaperConfig, PaperDriftConfig, PaperLoop};
+use rundown::tick::paper::{Difference, PaperConfig, PaperLoop};
 use rundown::tick::regime::{PaperRule, Regime};
 use rundown_files::sample::Sample;
 use rundown_pages::colours;
@@ -190,17 +190,7 @@ fn filter(config: &PaperConfig, line: &Line<'_>, rows: &[Sample], fed: &Fed<'_>)
                 config.acceleration_noise_mps2 = if is_zero { 0.0 } else { DIFFERENCE_SD_KMH / 3.6 / dt_s };
             }
         }
-        if state
-            .step(
-                (&config, &PaperDriftConfig::DEFAULT),
-                line,
-                &acting,
-                now.time_s,
-                dt_s,
-                [now.location_m, now.speed_mps],
-            )
-            .is_err()
-        {
+        if state.step(&config, line, &acting, now.time_s, dt_s, [now.location_m, now.speed_mps]).is_err() {
             state = begin(now);
         }
         was_negative |= (0..3).any(|i| state.belief.mean[R0 + i] < 0.0);

@@ -10,7 +10,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::effects::{Acting, Effects, Journey};
 use rundown::model::line::Line;
 use rundown::model::state::{LOCATION, R0, SIZE, SPEED};
-use rundown::tick::paper::{PaperConfig, PaperDriftConfig, PaperLoop};
+use rundown::tick::paper::{PaperConfig, PaperLoop};
 use rundown_files::recording::Recording;
 
 /// "Small noise in the running resistance parameters' equations": what r0 gains a step, N/kg. Over a run it adds up to
@@ -75,14 +75,7 @@ impl Filter {
                     shake(&mut filter, self.drawn_mps2 * unit, dt_s * line.direction.sign(), dt_s);
                     let unit: f64 = StandardNormal.sample(&mut of_r0);
                     filter.belief.mean[R0] += self.drawn_r0 * unit;
-                    match filter.step(
-                        (&self.config, &PaperDriftConfig::DEFAULT),
-                        line,
-                        &acting,
-                        row.time_s,
-                        dt_s,
-                        readings,
-                    ) {
+                    match filter.step(&self.config, line, &acting, row.time_s, dt_s, readings) {
                         Ok(innovation) => {
                             if readings.iter().all(Option::is_some) {
                                 pass.log_likelihood.push(innovation.log_likelihood());
