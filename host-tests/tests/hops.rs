@@ -117,7 +117,7 @@ fn edges_of_whole_kmh_find_a_resistance_that_is_off_its_description() {
     let described = train().davis().resistance_n_per_kg(COAST_MPS);
     for share in [0.8, 1.25, 1.4] {
         let (_, found) = learned(Mode::Gated, &Between { falls_mps2: share * described, ..HELD });
-        assert!((found / described / share - 1.0).abs() < 0.05, "{share}: {}", found / described);
+        assert!((found / described / share - 1.0).abs() < 0.06, "{share}: {}", found / described);
     }
 }
 
