@@ -19,7 +19,8 @@ struct Between {
     brakes_mps2: f64,
     /// What the effort column says of it.
     effort_n_per_kg: f64,
-    /// Step of the speeds that are read.
+    /// The unit that the recorder counts in, and the step in which it is written.
+    unit_kmh: f64,
     step_kmh: f64,
     /// Gradient of the whole line.
     uphill_permille: f64,
@@ -31,6 +32,7 @@ const HELD: Between = Between {
     brakes_s: 0,
     brakes_mps2: 0.0,
     effort_n_per_kg: 0.0,
+    unit_kmh: 0.001,
     step_kmh: 1.0,
     uphill_permille: 0.0,
 };
@@ -57,11 +59,15 @@ fn log(between: &Between) -> Vec<Measurement> {
         log.push(Measurement {
             time_s: f64::from(second),
             location_m: Some(location_m),
-            speed_mps: Some((3.6 * speed_mps / between.step_kmh).round() * between.step_kmh / 3.6),
+            speed_mps: Some(whole(whole(3.6 * speed_mps, between.unit_kmh), between.step_kmh) / 3.6),
             effort_n_per_kg: effort_n_per_kg.filter(|_| hop > 1),
         });
     }
     log
+}
+
+fn whole(kmh: f64, step_kmh: f64) -> f64 {
+    (kmh / step_kmh).round() * step_kmh
 }
 
 /// Time that taught, s.
@@ -130,4 +136,13 @@ fn a_gentle_brake_after_a_coast_does_not_teach() {
         let (_, found) = learned(Mode::Gated, &between);
         assert!((found / described - 1.0).abs() < 0.1, "{brakes_s} s of {brakes_mps2} m/s²: {}", found / described);
     }
+}
+
+/// They are half as good as they look: trams whose mph were cut off ended up to 25 % off, with 73 % of the truths inside.
+#[test]
+fn whole_mph_that_are_written_in_kmh_do_not_teach() {
+    let falls_mps2 = 1.3 * train().davis().resistance_n_per_kg(COAST_MPS);
+    let taught_s = |unit_kmh| learned_s(Mode::Gated, &Between { unit_kmh, falls_mps2, ..HELD });
+    assert!(taught_s(1.0) > 200.0);
+    assert_eq!(taught_s(1.609_344), 0.0);
 }
