@@ -138,7 +138,7 @@ fn a_gentle_brake_after_a_coast_does_not_teach() {
     }
 }
 
-/// They are half as good as they look: trams whose mph were cut off ended up to 25 % off, with 73 % of the truths inside.
+/// They are half as good as they look: trams whose mph were cut off ended 25 % off, with 73 % of the truths inside.
 #[test]
 fn whole_mph_that_are_written_in_kmh_do_not_teach() {
     let falls_mps2 = 1.3 * train().davis().resistance_n_per_kg(COAST_MPS);
