@@ -21,11 +21,11 @@ struct Limit {
     goal: u64,
 }
 
-/// Code, constants and first values of variables: 125 084 with Debian's Rust 1.96.0-1~deb12u2.
-const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 125_600, goal: 96 << 10 };
-/// 81 432; the goal is SRAM1 of the reference board.
+/// Code, constants and first values of variables: 125 788 with Debian's Rust 1.96.0-1~deb12u2.
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 126_300, goal: 96 << 10 };
+/// 81 472; the goal is SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 89_800, goal: 96 << 10 };
-/// 8152; the goal is a quarter of SRAM2.
+/// 8144; the goal is a quarter of SRAM2.
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
 /// At most 7532.
 const PAINTED: Limit = Limit { what: "stack: deepest in any run, painted", most: 8170, ..STACK };
