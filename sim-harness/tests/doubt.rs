@@ -45,6 +45,18 @@ fn a_track_without_gradients_is_said_and_teaches_little() {
 }
 
 #[test]
+fn speeds_in_larger_steps_than_described_are_doubted_by_these() {
+    for (step_kmh, is_said) in [(2.0_f64, true), (1.0, false), (0.1, false)] {
+        let sensors = format!("[sensors]\nspeed_quantum_kmh = {step_kmh}\n");
+        let folder = Folder::simulated(&format!("name = \"set\"\nruns = 3\nseed = 5\n{sensors}"));
+        let (said, _) = replayed(&folder, "set/train.toml", "set/track.toml");
+        assert_eq!(said.contains("speeds have steps of 2.000 km/h"), is_said, "{said}");
+        let config = folder.json("out/replay.json")["config"].clone();
+        assert_eq!(config["sensor"]["speed_quantum_kmh"], step_kmh.max(1.0), "{config}");
+    }
+}
+
+#[test]
 fn a_line_that_is_said_to_be_flat_and_is_not_is_recognised() {
     let folder = simulated(20);
     folder.write("flat.toml", &format!("gradient_sd_permille = 0\n{}", folder.read("bare.toml")));

@@ -49,6 +49,7 @@ const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
 /// gentle; but what a windy first run taught is off by its wind, and nothing says so before the second one. With these
 /// the scale before the first run is 1 in the root mean square, the wind that is set.
 const SCALE_DOUBTS: [Real; 4] = [0.5, 2.0 / 3.0, 1.0, 4.0];
+const EVEN: [Real; 4] = [1.0; 4];
 
 /// Standard deviation of r(v) that is common to all coasts of short hops, share: a coast of 10 to 40 s that begins or
 /// ends with a second of something else is off by several per cent, all of a driver's by the same, and their scatter
@@ -372,17 +373,18 @@ impl Vehicle {
         };
         let mean: Vector3<Real> =
             self.hypotheses.iter().map(|hypothesis| of(hypothesis).mean * hypothesis.weight).sum();
-        let mut weights = self.hypotheses.map(|hypothesis| hypothesis.weight);
-        if of_run.is_none() {
-            weights.iter_mut().zip(SCALE_DOUBTS).for_each(|(weight, doubt)| *weight *= doubt);
-            let sum: Real = weights.iter().sum();
-            weights.iter_mut().for_each(|weight| *weight /= sum);
-        }
+        let doubts = if of_run.is_some() { &EVEN } else { &SCALE_DOUBTS };
         let mut covariance = Matrix3::zeros();
-        for (hypothesis, weight) in self.hypotheses.iter().zip(weights) {
+        let mut sum = 0.0;
+        for (hypothesis, doubt) in self.hypotheses.iter().zip(doubts) {
             let one = of(hypothesis);
             let apart = one.mean - mean;
+            let weight = hypothesis.weight * doubt;
             covariance += (one.covariance + apart * apart.transpose()) * weight;
+            sum += weight;
+        }
+        if of_run.is_none() {
+            covariance /= sum;
         }
         let variance = self.column.gain_variance();
         if variance > 0.0 {

@@ -50,6 +50,8 @@ kinds! {
     TruncatedSpeed "speeds are truncated to the step below";
     RoundedUpSpeed "speeds are rounded up to the step above";
     SteppedSpeed "speeds have a step; rounded or truncated is not known";
+    RewrittenSpeed "speeds are counted in one unit and written in steps of another, which is taken back: unit"
+        => "export the speeds in the unit of the recorder, or with more digits";
     ComputedSpeed "speeds were computed from the locations, and say nothing beyond them";
     SpeedOffset "the speed is off by the same everywhere: true less read"
         => "look at the zero of its sensor; where it is not changed r(v) is learned at speeds that are off by as much";

@@ -21,6 +21,7 @@
 //! | how far may a train go between two rows? | `reach` |
 //! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
+//! | are speeds counted in one unit and written in steps of another? | `written` |
 //! | is a run unlike the others of its recorder? | [`mod@own`] |
 //! | does the wheel change? | `wheel_change` |
 //! | does it creep while it powers? | `creep` |
@@ -129,6 +130,7 @@ mod trailing;
 mod two_directions;
 pub mod ways;
 mod wheel_change;
+mod written;
 
 use agreement::Figure;
 use finding::{Done, Kind};
@@ -193,6 +195,7 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
 
 /// The same of runs that are read after others.
 pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen) -> Check {
+    let written = written::put_right(recordings);
     let ends_mps = saturated::of_units(recordings);
     let of_run = |one: &mut Recording| run::beside(one, ends_mps.get(&one.unit).copied(), seen);
     let (mut runs, mut of_speeds): (Vec<RunCheck>, Vec<Option<OfSpeed>>) = recordings.iter_mut().map(of_run).unzip();
@@ -227,7 +230,12 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         }
         // Of two the stops leave most open of the one that is known worse.
         let located = scaled.iter().map(|scaled| scaled.scale).max_by(|a, b| a.sd.total_cmp(&b.sd));
+        let written = written.get(&unit);
         let mut recorder = recorder::of(unit, (located, drift), recordings, &mut runs, &of_speeds, known);
+        if let Some(written) = written {
+            let unit = Figure { value: written.unit_kmh, sd: 0.0 };
+            recorder.found_by(Kind::RewrittenSpeed, unit, "km/h", Done::PutRight, written.evidence());
+        }
         for scaled in scaled {
             recorder.found_by(Kind::LocationScale, scaled.scale, "", Done::PutRight, scaled.evidence());
         }

@@ -6,7 +6,8 @@ use rundown_files::statistics::sorted;
 
 /// Steps of a speed, km/h, the largest first; among them a metre per second, a knot, a mile per hour, their halves and
 /// a tenth of the first.
-const SPEED_STEPS_KMH: [f64; 12] = [5.0, 3.6, 2.0, 1.852, 1.8, 1.609_344, 1.0, 0.926, 0.804_672, 0.5, 0.36, 0.1];
+pub(crate) const SPEED_STEPS_KMH: [f64; 12] =
+    [5.0, 3.6, 2.0, 1.852, 1.8, 1.609_344, 1.0, 0.926, 0.804_672, 0.5, 0.36, 0.1];
 const LOCATION_STEPS_M: [f64; 6] = [1000.0, 100.0, 50.0, 10.0, 5.0, 1.0];
 /// Share of the readings that are multiples of the step; a few may have been put in by hand.
 const MOST: f64 = 0.98;
@@ -17,12 +18,8 @@ const MULTIPLES: std::ops::RangeInclusive<u8> = 2..=12;
 const LEAST_OF_MULTIPLE: usize = 12;
 
 fn step(values: Vec<f64>, steps: &[f64]) -> Option<f64> {
-    let is_multiple = |step: f64| {
-        let whole = values.iter().filter(|value| (*value / step - (*value / step).round()).abs() < 2e-3).count();
-        whole as f64 >= MOST * values.len() as f64
-    };
-    let found = steps.iter().copied().find(|step| is_multiple(*step))?;
-    let times = MULTIPLES.rev().map(f64::from).find(|times| is_multiple(times * found)).unwrap_or(1.0);
+    let found = steps.iter().copied().find(|step| are_multiples(&values, *step))?;
+    let times = MULTIPLES.rev().map(f64::from).find(|times| are_multiples(&values, times * found)).unwrap_or(1.0);
     let mut levels = sorted(&values);
     levels.dedup();
     match levels.len() {
@@ -30,6 +27,12 @@ fn step(values: Vec<f64>, steps: &[f64]) -> Option<f64> {
         LEAST..LEAST_OF_MULTIPLE => Some(found),
         _ => Some(times * found),
     }
+}
+
+/// Whether these values are multiples of a step.
+pub(crate) fn are_multiples(values: &[f64], step: f64) -> bool {
+    let whole = values.iter().filter(|value| (*value / step - (*value / step).round()).abs() < 2e-3).count();
+    whole as f64 >= MOST * values.len() as f64
 }
 
 /// The step of the speeds, km/h.

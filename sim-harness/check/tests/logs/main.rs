@@ -24,3 +24,4 @@ mod smoothed;
 mod stuck_speeds;
 mod trailing;
 mod wheel_changes;
+mod written;
