@@ -44,15 +44,21 @@ fn a_track_without_gradients_is_said_and_teaches_little() {
     assert_eq!(published.last().unwrap(), "learned");
 }
 
+/// As if the configuration described them.
 #[test]
-fn speeds_in_larger_steps_than_described_are_doubted_by_these() {
-    for (step_kmh, is_said) in [(2.0_f64, true), (1.0, false), (0.1, false)] {
+fn speeds_in_larger_steps_than_described_are_read_in_these() {
+    for (step_kmh, is_said) in [(2.0, true), (1.0, false), (0.1, false)] {
         let sensors = format!("[sensors]\nspeed_quantum_kmh = {step_kmh}\n");
         let folder = Folder::simulated(&format!("name = \"set\"\nruns = 3\nseed = 5\n{sensors}"));
         let (said, _) = replayed(&folder, "set/train.toml", "set/track.toml");
         assert_eq!(said.contains("speeds have steps of 2.000 km/h"), is_said, "{said}");
-        let config = folder.json("out/replay.json")["config"].clone();
-        assert_eq!(config["sensor"]["speed_quantum_kmh"], step_kmh.max(1.0), "{config}");
+        let undescribed = folder.read("out/parameters.csv");
+        folder.write("config.toml", "[sensor]\nspeed_quantum_kmh = 2.0\n");
+        let with_config =
+            ["replay", "--config", "config.toml", "--train", "set/train.toml", "--track", "set/track.toml"];
+        let described = folder.rundown(&[&with_config[..], &["--out", "described", "set/runs"]].concat());
+        assert!(!described.err.contains("speeds have steps"), "{}", described.err);
+        assert_eq!(undescribed == folder.read("described/parameters.csv"), is_said, "{step_kmh} km/h");
     }
 }
 
