@@ -13,7 +13,7 @@ mod spoil;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_check::finding::{Finding, Kind};
 use rundown_check::{Check, Known, check, check_beside};
 use rundown_files::recording::Recording;

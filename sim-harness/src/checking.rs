@@ -11,7 +11,7 @@ pub use page::write;
 use crate::logs::{self, Failed};
 use crate::replaying::Runs;
 use rayon::prelude::*;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_check::finding::Finding;
 use rundown_check::gradients::Coasts;
 use rundown_check::limits;

@@ -4,9 +4,9 @@
 //! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + (o/s) Δt + τ Δv_r + q ∫ v_r dt (braking) + noise
 //! ```
 
-use crate::agreement::Figure;
 use crate::compared::{BRAKES_MPS2, Compared};
 use crate::creep::{FALLS_MPS2, RISES_MPS2};
+use crate::figure::Figure;
 use rundown_files::sample::Sample;
 
 /// Over so long before and behind a row, s: less is a step of the speed.

@@ -10,7 +10,7 @@
 //! A train that holds its speed exactly runs on a straight line, too. So a leap of the speed at an end of it is asked
 //! for that no train makes, or a speed of its own that says otherwise, or locations that scatter everywhere else.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::next_row_s;
 use crate::steps;

@@ -8,7 +8,7 @@
 //! stamps  5.02  5.04  5.06  5.08  5.10      10.01  10.03 ...        recorded at 1, 2, 3, 4, 5      6, 7 ...
 //! ```
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, upper_quantile};

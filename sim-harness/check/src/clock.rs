@@ -3,7 +3,7 @@
 //! A step of the clock is judged by the distance between the two rows: at 20 m/s an hour is 72 km. While the train
 //! stands nothing can be judged, nor where rows are missing between which it may have stood.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::reach::reach_m;
 use crate::row_step::usual_step_s;

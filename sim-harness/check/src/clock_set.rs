@@ -11,7 +11,7 @@
 //!
 //! In: rows around the step. Out: by how much the clock was set, beside the usual step, as the way says it.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::reach::reach_m;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{mean_of, squares_about};

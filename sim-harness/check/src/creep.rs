@@ -13,8 +13,9 @@
 //! that fall so fast that the train brakes, where slower falls are left to h. The second is preferred.
 
 use crate::LEAST_SCALE;
-use crate::agreement::{BENDS_SD, FEW_RUNS, Figure};
+use crate::agreement::{BENDS_SD, FEW_RUNS};
 use crate::compared::{Compared, Differences, dot};
+use crate::figure::Figure;
 use nalgebra::{Matrix3, Vector3};
 
 /// A train that gains or loses less speed than this may power, coast or brake, m/s².

@@ -20,9 +20,9 @@
 //!
 //! where rising and falling are the rows that repeat a speed after it has risen or fallen.
 
-use crate::agreement::Figure;
 use crate::compared::{Row, SLOWEST_MPS, held_shares};
 use crate::effort::least_squares;
+use crate::figure::Figure;
 use crate::parts::parts;
 use crate::row_step::usual_step_s;
 use crate::smoothed::WayDifference;

@@ -11,7 +11,7 @@
 //! Every start and stop passes all speeds between within (T - F)/a. Where the rows are near enough in time that some
 //! should have been read there, and none was, the readings of zero beside are no standstill.
 
-use crate::agreement::{Figure, HALF_95};
+use crate::figure::{Figure, HALF_95};
 use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, upper_quantile};

@@ -1,7 +1,7 @@
 //! The diagnosis of a set of runs, and what of it a person must know.
 
-use crate::agreement::Figure;
 use crate::correction::Correction;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::of_most::OfMost;
 use crate::run::RunCheck;

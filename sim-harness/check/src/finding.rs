@@ -1,6 +1,6 @@
 //! One thing that is the matter with a log: what, how much, where, and what was done.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;

@@ -9,7 +9,7 @@
 //! Where nearly all that is left of k lies at every n-th row, the rows between are no readings: they double nothing but
 //! the confidence, and make steps of the acceleration where the train has none.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::usual_step_s;
 use rundown_files::sample::Sample;

@@ -93,6 +93,7 @@ pub mod dead_zone;
 mod diagnosis;
 mod drifting;
 pub mod effort;
+pub mod figure;
 pub mod finding;
 pub mod gradients;
 pub mod held;
@@ -132,7 +133,7 @@ pub mod ways;
 mod wheel_change;
 mod written;
 
-use agreement::Figure;
+use figure::Figure;
 use finding::{Done, Kind};
 use line_scale::RunStops;
 use run::{OfSpeed, Taken};

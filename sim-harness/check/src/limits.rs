@@ -7,7 +7,7 @@
 //! Either the description or the reading is wrong: a limit that nobody keeps, a train of another type, an effort in
 //! another unit. A replay learns on, and its limits rest on what is described; so it is said, once a unit.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::Kind;
 use rundown::model::train::Train;
 use rundown_files::recording::Recording;

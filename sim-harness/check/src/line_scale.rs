@@ -13,7 +13,7 @@
 //! runs of a recorder have one scale, or two where a wheel was changed or two trains recorded, and each an offset, for
 //! odometers begin anywhere.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::profile::Profile;
 use crate::{LEAST_SCALE, SURE};
 use rundown_files::recording::Recording;

@@ -9,8 +9,8 @@
 //! `phase + k period` of the recorder's clock: the period is one of the recorder, the phase one of each run. Single
 //! steps may drown in the noise of the location; some dozens at even intervals do not.
 
-use crate::agreement::Figure;
 use crate::compared::{BRAKES_MPS2, Compared, Differences, PAIR_S};
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::{RunCheck, differences};
 use crate::ways;

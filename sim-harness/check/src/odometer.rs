@@ -1,6 +1,6 @@
 //! Odometers that turn over or begin again on the way: the locations after that are joined to those before.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::stuck_rows::{StuckRows, is_beside};
 use crate::ways::{LONGEST_S, ahead_m, between, fastest_mps, heading, noise_m, reaches};

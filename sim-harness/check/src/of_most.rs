@@ -3,7 +3,9 @@
 //! In: what each run says of scale and offset. Out: the scale of most of them beside one offset, and how far a single
 //! run is from it.
 
-use crate::agreement::{Agreement, Figure, Pooled, pooled};
+use crate::agreement::{Agreement, Pooled, pooled};
+
+use crate::figure::Figure;
 use rundown_files::statistics::{median, spread};
 use std::slice;
 

@@ -7,9 +7,11 @@
 //! The location is moved to the age of the speed, not the speed to that of the location: the steps of a rounded speed
 //! stay what they are.
 
-use crate::agreement::{Agreement, Figure, pooled};
+use crate::agreement::{Agreement, pooled};
+
 use crate::correction::Correction;
 use crate::diagnosis::RecorderCheck;
+use crate::figure::Figure;
 use crate::finding::{Done, Kind};
 use crate::run::RunCheck;
 use crate::{Known, LEAST_SCALE, SURE, put_right, ways};

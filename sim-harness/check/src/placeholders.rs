@@ -7,7 +7,7 @@
 //! In: rows in order, before anything joins what an odometer tore apart. Out: the rows whose location means nothing. A
 //! single wild reading whose value is there once only is none of them.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::MOST_MEAN_S;
 use crate::spikes::MOST_WILD;

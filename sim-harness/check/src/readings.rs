@@ -1,6 +1,6 @@
 //! Single readings that are missing, no numbers, or impossible beside their neighbours.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::usual_step_s;
 use crate::spikes::wild;

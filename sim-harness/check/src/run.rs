@@ -1,9 +1,11 @@
 //! One run by itself: its clock, its places, its readings, and what its speed and location say of each other.
 
-use crate::agreement::{Agreement, Figure};
+use crate::agreement::Agreement;
+
 use crate::braking::{EachBrake, without_brakes};
 use crate::compared::{Compared, Differences};
 use crate::creep::{Creep, Falls};
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind, with_evidence};
 use crate::parts::compared;
 use crate::perturbed::Perturbation;

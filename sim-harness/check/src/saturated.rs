@@ -5,7 +5,7 @@
 //! A driver holds a speed at the limit of the line or the train as well. Then the locations go on as fast as the speed
 //! says; where it has come to its end they go on faster.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::usual_step_s;
 use crate::stuck_rows::{self, LEAST_STUCK};

@@ -9,7 +9,7 @@
 //! beside a filter of 3 s trams got one of 0.994.
 
 use crate::SURE;
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::run::{OfSpeed, Taken};
 use rundown_files::recording::Recording;
 use rundown_files::statistics::median;

@@ -12,8 +12,8 @@
 //! between rows Δt apart, and this is taken off. Means of speed, resistance and effort over the same time belong
 //! together; a momentary effort beside a mean speed makes a start look like a resistance.
 
-use crate::agreement::Figure;
 use crate::effort;
+use crate::figure::Figure;
 use crate::row_step::usual_step_s;
 use nalgebra::SVector;
 use rundown_files::sample::Sample;

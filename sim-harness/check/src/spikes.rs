@@ -1,6 +1,6 @@
 //! Spikes: a few wild readings between others that agree with each other. Those of the location are left out.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step;
 use crate::stuck_rows::{StuckRows, is_beside};

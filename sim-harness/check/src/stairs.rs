@@ -12,7 +12,7 @@
 //! passed the steps between, and the rows did not show it. The first row of each stair is a reading; the others are
 //! left out.
 
-use crate::agreement::{Figure, HALF_95};
+use crate::figure::{Figure, HALF_95};
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;

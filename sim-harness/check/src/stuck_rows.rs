@@ -1,6 +1,6 @@
 //! Sensors that stand still: rows in which a reading stays the same, and what it misses of the distance.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::row_step::{longest_step_s, usual_step_s};
 use rundown_files::sample::Sample;

@@ -12,8 +12,8 @@
 //! alike. Which of both it is, or a mean over some seconds, the accelerations say: each is tried with the age that
 //! suits it best ([`effort::age`](crate::effort::age)).
 
-use crate::agreement::Figure;
 use crate::effort::age::{Asked, Reading, of_run, pooled};
+use crate::figure::Figure;
 use crate::smoothed::averaged;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median_of;

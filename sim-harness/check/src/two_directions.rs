@@ -1,6 +1,6 @@
 //! Logs in which a train goes there and back: refused, since a run has one direction.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use rundown_files::sample::Sample;
 

@@ -11,7 +11,7 @@ use crate::readings::brakes::{needed, powered_hard};
 use crate::readings::delay::{self, delay};
 use crate::refusal::Refusal;
 use crate::slopes;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::off_track::OffTrack;
 use rundown_files::statistics::median;
 

@@ -13,7 +13,7 @@ use nalgebra::DVector;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 
 /// One draw: the signs of the runs, and how large each habit is in its standard deviations.
 pub struct Draw {

@@ -9,8 +9,8 @@ use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
 use crate::search::headwind::Headwind;
 use crate::traction::{limit::FoundLimit, powering::SteadyPower};
-use rundown_check::agreement::Figure;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::Figure;
+use rundown_check::figure::HALF_95;
 
 /// By what runs differ from each other, beside the terms.
 #[derive(Clone, Debug, Default)]

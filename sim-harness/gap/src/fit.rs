@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use rundown_files::statistics::sorted;
 
 /// Log-likelihood that a value at the end of its 95 % interval loses: half the square of
-/// [`HALF_95`](rundown_check::agreement::HALF_95).
+/// [`HALF_95`](rundown_check::figure::HALF_95).
 pub const LOSS_AT_LIMIT: f64 = 1.92;
 
 /// Log of the number of ways to choose `chosen` of `all` runs, about.

@@ -37,7 +37,7 @@ use crate::trial::Trial;
 use crate::trials::{of_scale, trials};
 use crate::verdict::{Grounds, Verdict};
 use rundown::model::effects::{Effect, EffectError, EffectKind, Effects};
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 
 /// What an investigation has found, on all runs and on the hold-out runs.
 #[derive(Clone, Debug)]

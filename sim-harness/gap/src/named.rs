@@ -4,8 +4,8 @@ use crate::columns::coordinate_name;
 use crate::config::GapConfig;
 use crate::trial::Trial;
 use rundown::model::effects::{Effect, EffectKind, SpeedScale};
-use rundown_check::agreement::Figure;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::Figure;
+use rundown_check::figure::HALF_95;
 use serde_json::{Map, Value, json};
 
 /// Name of a parameter with the ends of its 95 % interval.

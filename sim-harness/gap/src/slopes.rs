@@ -12,7 +12,7 @@ use crate::data::rows::Row;
 use crate::fit::Base;
 use crate::readings::offset::{is_strong, places};
 use nalgebra::DVector;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::statistics::{MEDIAN_TO_SD, mean_of, median, squares_about};
 use std::collections::BTreeMap;
 

@@ -9,7 +9,7 @@
 use crate::config::{CertaintyConfig, GapConfig};
 use crate::data::runs::Run;
 use rundown::model::direction::Direction;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::statistics::median;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

@@ -8,7 +8,7 @@ use crate::evidence::probes;
 use crate::noise::{calibrate::Calibrated, gradients::Errors};
 use crate::trial::{By, Halves, Trial};
 use rundown::model::effects::EffectKind;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 
 /// How each term of a model fares. `None`: one that does not show in the fit of its own law, or differs from run to
 /// run, is judged elsewhere. One that cannot be distinguished from chance has not stood its trial.

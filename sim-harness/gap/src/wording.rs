@@ -2,7 +2,7 @@
 
 use crate::named::Named;
 use rundown::model::effects::EffectKind;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_pages::numbers::number;
 
 pub fn plain(name: &str) -> String {

@@ -10,7 +10,7 @@ use rundown::tick::estimate::Estimate;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::memory::Vehicle;
 use rundown::tick::regime::Regime;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::statistics::{Pairs, mean_of, upper_quantile};
 use rundown_truth::driver::Regime as TrueRegime;
 use rundown_truth::scenario::Run;

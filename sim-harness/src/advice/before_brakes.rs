@@ -26,7 +26,7 @@ use rundown::model::direction::Direction;
 use rundown::model::effects::Effects;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::published::{FORGOTTEN_SHARE, sds};
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::statistics::{Pairs, mean_median, mean_of, sd_of_median, spread};
 use rundown_wire::Learned;

@@ -11,7 +11,7 @@
 use super::taught::{self, Taught};
 use super::vehicle::named;
 use rundown::filter::gaussian::Gaussian;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::statistics::{median, sd_of_median, spread};
 
 /// Runs on each side at least.

@@ -20,7 +20,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::tick::foresight::Trust;
 use rundown::tick::published::WORSE_BY;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::recording::Recording;
 use rundown_files::replay::{self, ReplayedRun, Tick, replay_units_by};
 use rundown_wire::Learned;

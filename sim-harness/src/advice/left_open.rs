@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::Mode;
 use rundown::filter::gaussian::Gaussian;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_check::{Correction, RecorderCheck};
 use rundown_files::replay::ReplayedRun;
 use std::collections::BTreeMap;

@@ -239,7 +239,7 @@ mod tests {
     use crate::report::resistance::Resistance;
     use rundown::estimator::config::Config;
     use rundown::model::direction::Direction;
-    use rundown_check::agreement::Figure;
+    use rundown_check::figure::Figure;
     use rundown_files::{track_file::TrackFile, train_file::TrainFile};
     use std::path::{Path, PathBuf};
 

@@ -11,7 +11,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::direction::Direction;
 use rundown::model::state::R0;
 use rundown::tick::estimate::Estimate;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::replay::ReplayedRun;
 
 /// A run that taught less of its resistance says nothing by itself: what it says is multiplied by the inverse.

@@ -14,7 +14,7 @@ use super::taught::{self, Taught};
 use super::vehicle::named;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::direction::Direction;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::statistics::{mean_of, median, squares_about};
 
 /// Runs of each sort at least. Judgement: three are some that are unlike the others.

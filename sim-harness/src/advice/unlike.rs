@@ -11,7 +11,7 @@
 use super::first_of;
 use super::taught::Taught;
 use rundown::filter::gaussian::Gaussian;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::statistics::{median, spread};
 
 /// From fewer runs it is not known how runs scatter.

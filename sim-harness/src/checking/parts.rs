@@ -1,7 +1,7 @@
 //! What the first page of a check and those of its runs have in common.
 
 use maud::{Markup, html};
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_check::finding::{Done, Finding, Kind};
 use rundown_pages::numbers::{NOTHING, number};
 use rundown_pages::shell::{column, prose, table, text_column};

@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 pub const KMH: f32 = 3.6;
 /// Half of the 95 % interval of a value that is estimated: what stands behind ±, in standard deviations.
-pub const HALF_95: f32 = rundown_check::agreement::HALF_95 as f32;
+pub const HALF_95: f32 = rundown_check::figure::HALF_95 as f32;
 
 #[derive(Serialize)]
 struct JsonLine<'a> {

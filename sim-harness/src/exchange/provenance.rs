@@ -2,7 +2,7 @@
 
 use super::number::decimal;
 use crate::learned_train::{LearnedTrain, Limit, Used};
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_pages::numbers::{counted, number};
 
 /// One sentence a line, for comments and text fields. Forces are those of a train of `mass_kg`.

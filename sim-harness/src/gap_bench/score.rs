@@ -4,7 +4,7 @@ use crate::gap_bench::Outcome;
 use crate::gap_bench::draw::Set;
 use crate::gap_bench::nuisance::{DrawnNuisance, LENGTH_IN_RUNS};
 use rundown::model::effects::{DavisError, Effect};
-use rundown_check::agreement::{Figure, HALF_95};
+use rundown_check::figure::{Figure, HALF_95};
 use rundown_files::statistics::mean;
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::candidates;

@@ -3,7 +3,7 @@
 use crate::gap_bench::draw::{SIZES, SetRequest};
 use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::statistics::{mean, median};
 use rundown_pages::numbers::counted;
 use serde::Serialize;

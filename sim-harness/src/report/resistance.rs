@@ -5,7 +5,7 @@
 //! ```
 
 use rundown::{Real, filter::gaussian::Gaussian, model::resistance::Davis};
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_wire::Learned;
 
 /// Running resistance at a speed.

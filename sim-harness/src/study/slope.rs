@@ -19,7 +19,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::{estimator::Estimator, filter::gaussian::Gaussian, model::resistance::Davis, model::units::KmPerHour};
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::column::{Column, record};
 use rundown_files::replay::{Tick, replay};
 use rundown_files::statistics::Pairs;

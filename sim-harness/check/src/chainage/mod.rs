@@ -16,7 +16,7 @@
 mod speeds;
 mod stops;
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::profile::{Medians, Profile};
 use rundown::model::direction::Direction;
 use rundown_files::recording::Recording;

@@ -14,7 +14,7 @@
 //! late, which would look like an age; so windows around which the effort changes little do not count. Where none
 //! counts, as of freight trains, whose efforts are small, smaller changes count that come at once.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use nalgebra::{Matrix4, Vector4};
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;

@@ -13,8 +13,8 @@
 //! effort that is small beside the resistance nobody can tell: a description is off by as much.
 
 use crate::Known;
-use crate::agreement::Figure;
 use crate::effort::stretches;
+use crate::figure::Figure;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{mean_of, spread};

@@ -11,9 +11,9 @@
 //! Trains that start with a constant effort have a most of their own, too, and it moves them as their other efforts do.
 
 use crate::SURE;
-use crate::agreement::Figure;
 use crate::effort::demanded::{Powered, powered};
 use crate::effort::least_squares;
+use crate::figure::Figure;
 use nalgebra::Vector2;
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;

@@ -12,8 +12,8 @@
 //! the fast train's ratio too low: so half of r more must not explain it.
 
 use crate::SURE;
-use crate::agreement::Figure;
 use crate::effort::stretches;
+use crate::figure::Figure;
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{extremes, mean_of, median, sd_of_median, spread, upper_quantile};

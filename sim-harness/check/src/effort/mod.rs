@@ -18,7 +18,7 @@ pub(crate) mod unlike;
 pub(crate) mod zero;
 pub(crate) mod zero_of_run;
 
-use crate::agreement::{Figure, HALF_95};
+use crate::figure::{Figure, HALF_95};
 use nalgebra::{SMatrix, SVector};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;

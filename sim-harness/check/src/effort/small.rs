@@ -11,7 +11,7 @@
 //! slopes, so where slopes differ the gain of the small ones is apart from r, and coasts, which see the slopes without
 //! efforts, tell it from a wrong steepness.
 
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use crate::gradients::driven::{self, Driven};
 use nalgebra::{SMatrix, SVector};
 use rundown::model::line::Line;

@@ -11,8 +11,8 @@
 //! `k` is 1 of a column in N/kg of the moving mass, and the same in all runs of a unit but for its load. Gradients are
 //! noise here.
 
-use crate::agreement::Figure;
 use crate::effort::{least_squares, stretches, window};
+use crate::figure::Figure;
 use nalgebra::Vector3;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{mean_of, median_of, spread, squares_about};

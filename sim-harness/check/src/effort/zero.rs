@@ -8,9 +8,9 @@
 //! traction only, or drops what is small, has zeros where a coast has them: as measurements of a coast they would teach
 //! the deceleration of the brake, or no resistance at all.
 
-use crate::agreement::Figure;
 use crate::effort::coasting::CoastingEffort;
 use crate::effort::stretches;
+use crate::figure::Figure;
 use crate::{Known, SURE};
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;

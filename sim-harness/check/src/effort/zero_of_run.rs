@@ -7,8 +7,8 @@
 //! from run to run, too, but it acts: what the motion needs rises with it from run to run, by as much; beside a zero it
 //! does not.
 
-use crate::agreement::{Figure, HALF_95};
 use crate::effort::coasting::{DOUBTED_SHARE, HALF_WIDTHS_N_PER_KG, MovingStretch, densest, sort, within};
+use crate::figure::{Figure, HALF_95};
 use rundown_files::statistics::{Pairs, mean, median};
 
 /// So many stretches of a run show its zero, so many times as many as in all beside them, in so many half-widths on

@@ -4,7 +4,7 @@
 use super::length::OtherLength;
 use super::locations::OffFromRunToRun;
 use super::{Coasts, Doubt, LEAST_RUNS_SMALL, OtherUnits, SeenBy};
-use crate::agreement::Figure;
+use crate::figure::Figure;
 use rundown::model::{track::Track, train::Train};
 use rundown::tick::track_doubt::TrackDoubtConfig;
 use rundown_files::track_file::MOST_SD_PERMILLE;

@@ -9,8 +9,8 @@
 
 use super::mixture::MixtureFit;
 use super::stretch::Stretch;
-use crate::agreement::Figure;
 use crate::effort::least_squares;
+use crate::figure::Figure;
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 

@@ -1,11 +1,11 @@
 //! What is the matter with the efforts of a recorder: left out, moved, averaged before anything is learned from them.
 
-use crate::agreement::Figure;
 use crate::diagnosis::RecorderCheck;
 use crate::effort::age::Asked;
 use crate::effort::coasting::{MovingStretch, effort_of_coasts, moving_stretches};
 use crate::effort::gap::Gap;
 use crate::effort::zero::{Stretches, Zero};
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::run::RunCheck;
 use crate::{Known, SURE, effort, limits, read_of, smoothed, steps, trailing};

@@ -3,11 +3,13 @@
 
 mod efforts;
 
-use crate::agreement::{Agreement, Figure, Pooled, pooled, share_bends};
+use crate::agreement::{Agreement, Pooled, pooled, share_bends};
+
 use crate::correction::Correction;
 use crate::creep::Creep;
 use crate::diagnosis::RecorderCheck;
 use crate::drifting::Drift;
+use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::of_most::OfMost;
 use crate::own::Grown;

@@ -5,9 +5,11 @@
 //! too low, of a wheel of 1.018. But a wheel that creeps wherever it powers, and is off by as much, looks like q. So
 //! slides are named only where no wheel is left.
 
-use crate::agreement::{Agreement, Figure, pooled};
+use crate::agreement::{Agreement, pooled};
+
 use crate::braking::{EachBrake, LEAST_SHARE};
 use crate::compared::{BRAKES_MPS2, Differences};
+use crate::figure::Figure;
 use crate::run::{OfSpeed, Taken, differences};
 use crate::{LEAST_SCALE, lost_seconds};
 use nalgebra::Vector3;

@@ -11,9 +11,9 @@ mod bumps;
 pub(crate) mod each_brake;
 mod unknown;
 
-use crate::agreement::{Figure, HALF_95};
 use crate::compared::Row;
 use crate::diagnosis::RecorderCheck;
+use crate::figure::{Figure, HALF_95};
 use crate::finding::{Done, Finding, Kind};
 use crate::late_rows::with_moved;
 use crate::parts::parts;

@@ -8,8 +8,8 @@
 //! the locations, white and a walk.
 
 use super::Chord;
-use crate::agreement::Figure;
 use crate::compared::{Compared, Differences, Row};
+use crate::figure::Figure;
 use nalgebra::{SMatrix, SVector};
 use rundown_files::statistics::{median, spread};
 use std::ops::Range;

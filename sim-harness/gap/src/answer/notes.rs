@@ -337,7 +337,7 @@ fn shows_in(named: &[Named]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown_check::agreement::Figure;
+    use rundown_check::figure::Figure;
 
     #[test]
     fn a_candidate_says_why_it_has_no_name_and_what_would_settle_it() {

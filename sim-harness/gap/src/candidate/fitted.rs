@@ -2,7 +2,7 @@
 
 use super::Term;
 use crate::named::{Interval95, around};
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 
 /// 95 % limits of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]

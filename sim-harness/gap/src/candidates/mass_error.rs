@@ -3,7 +3,7 @@
 use crate::candidates::kit::*;
 use crate::columns::mass;
 use rundown::model::effects::MassError;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 
 pub struct This;
 

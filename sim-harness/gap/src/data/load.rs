@@ -3,7 +3,7 @@
 use crate::data::{believed::Surroundings, runs::Recorded, runs::Run};
 use rayon::prelude::*;
 use rundown::model::{train::Train, units::KmPerHour};
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_check::finding::{Done, Kind};
 use rundown_check::same::Seen;
 use rundown_check::{Check, Correction, Known, RecorderCheck, RunCheck, check_beside, limits, steps};

@@ -1,7 +1,7 @@
 //! Recorded runs as the gap workflow sees them, and what is known of their recorder.
 
 use rundown::model::direction::Direction;
-use rundown_check::{Correction, agreement::Figure};
+use rundown_check::{Correction, figure::Figure};
 use rundown_files::sample::Sample;
 use rundown_files::statistics::median;
 

@@ -22,7 +22,7 @@ use exchange::Exchange;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rundown::model::direction::Direction;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a run says: in comparison with the others, and with the description.

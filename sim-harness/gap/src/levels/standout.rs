@@ -1,7 +1,7 @@
 //! A unit, a driver or a day that differs from the others, or that cannot be compared, in words and as JSON.
 
 use crate::data::runs::Run;
-use rundown_check::agreement::{Figure, HALF_95};
+use rundown_check::figure::{Figure, HALF_95};
 use rundown_files::effect_file::date_of;
 use rundown_pages::numbers::counted;
 use serde_json::{Value, json};

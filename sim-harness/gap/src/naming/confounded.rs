@@ -9,7 +9,7 @@ use crate::levels::{More, Standout};
 use crate::named::Named;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{DavisError, Effect, EffectKind, PowerLimitSection, TractionScale};
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::statistics::mean;
 
 /// Length of the places at which the described gradient is looked at, m.
@@ -164,7 +164,7 @@ mod tests {
     use crate::levels::Level;
     use crate::readings::kinematics::Kinematics;
     use rundown::model::effects::{DraggingBrake, GradientError};
-    use rundown_check::agreement::Figure;
+    use rundown_check::figure::Figure;
 
     /// Rivals of a limit in this section, where gradients are wrong in `wrong` and so many intervals coasted in it.
     fn rivals(

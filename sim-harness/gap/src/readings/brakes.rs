@@ -20,7 +20,7 @@ use crate::data::rows::Row;
 use crate::data::runs::{EffortReading, Run};
 use crate::efforts::Looked;
 use core::ops::Range;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::statistics::{median, upper_quantile};
 
 /// Shown over true effort of the brake, beside that of powering.

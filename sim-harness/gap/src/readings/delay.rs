@@ -17,7 +17,7 @@ use crate::data::believed::{Context, believed_load};
 use crate::data::runs::{EffortReading, Run, usual_step_s};
 use crate::data::{cut, interval::Interval};
 use crate::readings::brakes::is_braked;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, squares_about};
 

@@ -6,7 +6,7 @@
 
 use crate::config::KinematicsConfig;
 use crate::data::runs::Run;
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 
 /// What all runs have alike.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

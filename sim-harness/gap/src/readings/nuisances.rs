@@ -15,8 +15,8 @@ use crate::readings::brakes::{self, Brakes, brakes};
 use crate::readings::delay::{self, Delay, delay};
 use crate::readings::offset::{self, Offset, offset};
 use rundown::model::effects::EffectKind;
-use rundown_check::agreement::Figure;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::Figure;
+use rundown_check::figure::HALF_95;
 use serde_json::{Value, json};
 
 /// What was found of all runs.

@@ -20,7 +20,7 @@ use crate::noise::calibrate::{calibrate, flexible};
 use crate::noise::dragging::RunScore;
 use nalgebra::DVector;
 use rundown::model::effects::{Coordinate, EffectKind};
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 
 /// Shown less true location.
 #[derive(Clone, Copy, Debug)]

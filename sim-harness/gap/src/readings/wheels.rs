@@ -16,7 +16,7 @@ use crate::trial::Trial;
 use crate::trials::of_scale;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{Effect, SpeedScale};
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{mean_of, median, spread};
 use std::collections::BTreeSet;

@@ -12,7 +12,7 @@ use crate::search::scan::Scan;
 use nalgebra::DVector;
 use rundown::model::effects::EffectKind;
 use rundown::model::train::{Train, TrainDescription};
-use rundown_check::agreement::Figure;
+use rundown_check::figure::Figure;
 use std::{cell::RefCell, collections::HashMap, rc::Rc};
 
 /// Length of a train that is no more than its front, m: the shortest that is allowed.

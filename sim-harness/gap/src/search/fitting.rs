@@ -2,7 +2,7 @@
 
 use crate::candidate::{Fitted, Term};
 use crate::search::{fits::Search, selection::Found, shape};
-use rundown_check::agreement::{Figure, HALF_95};
+use rundown_check::figure::{Figure, HALF_95};
 
 /// Each term of the model with its coefficients, what it brings beside the others, and who would do as well.
 pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {

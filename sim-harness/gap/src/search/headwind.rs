@@ -12,7 +12,7 @@ use crate::candidate::Term;
 use crate::data::believed::{Context, wind_n_per_kg};
 use crate::data::rows::Row;
 use crate::search::fits::Search;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::statistics::rms;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

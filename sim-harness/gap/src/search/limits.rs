@@ -3,7 +3,7 @@
 use crate::candidate::{SectionLimits, Shape, Term};
 use crate::fit::{Base, Gain, LOSS_AT_LIMIT};
 use crate::search::fits::Search;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 
 impl Search<'_> {
     /// Its sign is sure, whatever differs in all rows alike.

@@ -10,8 +10,8 @@ use crate::traction::powering::SteadyPower;
 use crate::traction::shares::Shares;
 use crate::trial::{By, Halves};
 use rundown::model::effects::{Effect, LowAdhesion, PowerLimitSection};
-use rundown_check::agreement::Figure;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::Figure;
+use rundown_check::figure::HALF_95;
 
 /// Multiples that are tried: from none to twice as much.
 const STEPS: usize = 41;

@@ -4,7 +4,7 @@ use super::super::RunView;
 use super::{BACKGROUND, BAND, KMH, nothing_estimated, over_location, trusted};
 use crate::report::axis::Axis;
 use rundown::{Real, model::state, model::train::Train};
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_pages::chart::{Drawing, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;

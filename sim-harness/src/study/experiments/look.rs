@@ -11,7 +11,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::train::Train;
 use rundown::tick::estimate::Estimate;
 use rundown::tick::regime::Regime;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::replay::{ReplayedRun, Tick, replay};
 use rundown_truth::sensors::TruthSample;
 

@@ -4,7 +4,7 @@ use super::Picture;
 use crate::output::json::mode_word;
 use crate::study::slope::{MODES, SelfTest, SlopeLook, fit};
 use rundown::estimator::config::Mode;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;

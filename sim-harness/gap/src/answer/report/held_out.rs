@@ -6,7 +6,7 @@ use crate::answer::whole::Answer;
 use crate::holdout::forward::Compared;
 use maud::{Markup, html};
 use plotters::style::RGBColor;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_files::statistics::{mean_of, rms};
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::shell::{choice_column, column, sortable, text_column};

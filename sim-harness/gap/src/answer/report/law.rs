@@ -11,7 +11,7 @@ use crate::explained::{acts, extra};
 use crate::named::Named;
 use crate::wording::plain;
 use rundown::model::direction::Direction;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_pages::chart::{Drawing, Figure, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;

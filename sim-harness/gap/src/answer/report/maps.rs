@@ -6,7 +6,7 @@ use crate::axis::Axis;
 use crate::data::rows::Row;
 use plotters::style::RGBColor;
 use rundown::model::direction::Direction;
-use rundown_check::agreement::HALF_95;
+use rundown_check::figure::HALF_95;
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
