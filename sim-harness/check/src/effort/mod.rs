@@ -10,6 +10,7 @@ pub(crate) mod age;
 pub(crate) mod coasting;
 pub(crate) mod cut;
 pub(crate) mod demanded;
+pub(crate) mod driven;
 pub(crate) mod gap;
 pub(crate) mod held;
 pub(crate) mod small;

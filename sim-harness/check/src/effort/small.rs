@@ -11,8 +11,8 @@
 //! slopes, so where slopes differ the gain of the small ones is apart from r, and coasts, which see the slopes without
 //! efforts, tell it from a wrong steepness.
 
+use crate::effort::driven::{self, Driven};
 use crate::figure::Figure;
-use crate::gradients::driven::{self, Driven};
 use nalgebra::{SMatrix, SVector};
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;

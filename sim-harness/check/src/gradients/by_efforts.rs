@@ -9,12 +9,12 @@
 //! other slopes would. With known efforts they are explained. How surely k is known is what places say of it; what the
 //! slopes are off by is what different runs have in common at a place, with k = 1.
 
-use super::driven::Driven;
 use super::length::{self, OtherLength};
 use super::locations::{self, OffFromRunToRun};
 use super::places::{self, Leaves, Recurring};
 use super::steepness::first_over_places;
 use super::{Doubt, SeenBy, SmallErrors, Version, off_by_place_permille};
+use crate::effort::driven::Driven;
 use crate::effort::least_squares;
 use crate::figure::Figure;
 use nalgebra::SVector;
@@ -203,8 +203,8 @@ fn read_as(which: usize, windows: &[Driven], climbs_n_per_kg: &[f64]) -> Option<
 #[cfg(test)]
 mod tests {
     use super::super::answer::{FOLLOWS_SLOPES, Follows};
-    use super::super::stretch::climb_n_per_kg;
     use super::*;
+    use crate::effort::driven::climb_n_per_kg;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rundown::model::track::Gradient;

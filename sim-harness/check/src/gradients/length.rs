@@ -7,10 +7,10 @@
 //! A train that is longer than described feels a slope earlier and more smoothly. What that leaves follows the changes
 //! of the slopes, in all runs alike, so no number of runs averages it out.
 
-use super::driven::Driven;
 use super::mixture::MixtureFit;
 use super::steepness::{LEAST_COASTED, MOST_SD_N_PER_KG, first_over, first_over_places};
 use super::stretch::Stretch;
+use crate::effort::driven::Driven;
 use crate::effort::least_squares;
 use crate::figure::Figure;
 use nalgebra::{SMatrix, SVector};

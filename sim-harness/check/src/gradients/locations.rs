@@ -7,7 +7,7 @@
 //!
 //! Errors of the gradients, and of how drivers answer them, are the same in all runs; where a run has its zero is not.
 
-use super::driven::Driven;
+use crate::effort::driven::Driven;
 use crate::figure::Figure;
 use rundown::model::direction::Direction;
 use rundown::model::{track::Track, train::Train};

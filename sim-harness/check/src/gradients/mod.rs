@@ -16,7 +16,6 @@
 mod answer;
 mod by_efforts;
 mod doubt;
-pub(crate) mod driven;
 mod length;
 mod locations;
 mod mixture;
@@ -31,9 +30,9 @@ pub use doubt::{Doubt, SeenBy};
 pub use units::{CONVERSIONS, OtherUnits, converted};
 pub use version::Version;
 
+use crate::effort::driven::{self, Driven};
 use by_efforts::ByEfforts;
 use doubt::explains;
-use driven::Driven;
 use mixture::{MOST_SD_N_PER_KG, MixtureFit};
 use places::{AtPlaces, Locked};
 use rundown::model::direction::Direction;

@@ -1,5 +1,6 @@
 //! Stretches of 20 s, one each 10 s: how the kinetic energy changed, and what the described resistance took.
 
+use crate::effort::driven::climb_n_per_kg;
 use crate::steps;
 use rundown::model::direction::Direction;
 use rundown::model::resistance::Davis;
@@ -60,18 +61,6 @@ impl Stretch {
         let [mps, squared] = self.mean_powers;
         Self { resistance_n_per_kg: davis.r0 + davis.r1 * mps + davis.r2 * squared, ..self }
     }
-}
-
-/// Force of the described climb over a way, N/kg, on a train of such a length.
-pub fn climb_n_per_kg(
-    fronts_m: [f64; 2],
-    way_m: f64,
-    direction: Direction,
-    length_m: f64,
-    (train, track): (&Train, &Track),
-) -> f64 {
-    let [from_m, to_m] = fronts_m.map(|front_m| track.height_integral_m2(front_m, length_m, direction) / length_m);
-    train.gravity_n_per_kg() * (to_m - from_m) / way_m
 }
 
 pub fn of(rows: &[Sample], direction: Direction, run: usize, train: &Train) -> Vec<Stretch> {

@@ -1,6 +1,5 @@
 //! What trains did in windows of some seconds in which the effort hardly changes.
 
-use super::stretch::climb_n_per_kg;
 use crate::effort;
 use rundown::model::direction::Direction;
 use rundown::model::track::Track;
@@ -36,14 +35,26 @@ impl Driven {
     }
 
     /// The same somewhere else along the line.
-    pub(super) fn moved(self, by_m: f64) -> Self {
+    pub(crate) fn moved(self, by_m: f64) -> Self {
         Self { fronts_m: self.fronts_m.map(|front_m| front_m + by_m), ..self }
     }
 
     /// The same on a train of such a length.
-    pub(super) fn climb_of(&self, length_m: f64, train: &Train, track: &Track) -> f64 {
+    pub(crate) fn climb_of(&self, length_m: f64, train: &Train, track: &Track) -> f64 {
         climb_n_per_kg(self.fronts_m, self.way_m, self.direction, length_m, (train, track))
     }
+}
+
+/// Force of the described climb over a way, N/kg, on a train of such a length.
+pub(crate) fn climb_n_per_kg(
+    fronts_m: [f64; 2],
+    way_m: f64,
+    direction: Direction,
+    length_m: f64,
+    (train, track): (&Train, &Track),
+) -> f64 {
+    let [from_m, to_m] = fronts_m.map(|front_m| track.height_integral_m2(front_m, length_m, direction) / length_m);
+    train.gravity_n_per_kg() * (to_m - from_m) / way_m
 }
 
 /// The windows of a run in which the effort hardly changes; none without an effort column.
