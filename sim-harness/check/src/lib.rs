@@ -104,6 +104,7 @@ pub mod line_scale;
 pub mod lost_seconds;
 pub mod odometer;
 mod of_most;
+mod of_speed;
 pub mod own;
 mod parts;
 pub mod perturbed;
@@ -136,7 +137,7 @@ mod written;
 use figure::Figure;
 use finding::{Done, Kind};
 use line_scale::RunStops;
-use run::{OfSpeed, Taken};
+use of_speed::{OfSpeed, Taken};
 use rundown::model::{direction::Direction, line::Line, track::Track};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -240,7 +241,11 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
         for scaled in scaled {
             recorder.found_by(Kind::LocationScale, scaled.scale, "", Done::PutRight, scaled.evidence());
         }
-        slipping.iter().for_each(|slips| slips.say(&mut recorder));
+        for slips in slipping {
+            let (finding, evidence) = (slips.finding(), slips.evidence(recorder.runs));
+            recorder.evidence.insert(finding.kind, evidence);
+            recorder.findings.push(finding);
+        }
         if let Some(percent) = sliding {
             let text = "in each brake; speed and location are compared without them";
             recorder.found_by(Kind::Slides, percent, "%", Done::Said, text.to_owned());

@@ -12,7 +12,7 @@
 use crate::compared::{BRAKES_MPS2, Compared, Differences, PAIR_S};
 use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
-use crate::run::{RunCheck, differences};
+use crate::parts::differences;
 use crate::ways;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -137,21 +137,19 @@ pub(crate) struct Sought {
 /// A step is known less surely than this, s: a clock that loses seconds beside a wheel that hides it is not seen.
 pub(crate) const NOT_SEEN_S: f64 = 1.0 / SURE;
 
-/// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right.
-pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> Sought {
-    let usable: Vec<(usize, f64)> =
-        of_unit.iter().copied().filter(|i| runs[*i].is_usable()).map(|i| (i, runs[i].step_s)).collect();
-    let sought = sought(&usable, recordings);
+/// Looks for a clock that loses seconds in the runs of one recorder, and puts their times right: what is to be said of
+/// which of them. `usable`: places and times between rows, s.
+pub(crate) fn put_right(usable: &[(usize, f64)], recordings: &mut [Recording]) -> (Sought, Vec<(usize, Finding)>) {
+    let sought = sought(usable, recordings);
     let Some(period_s) = sought.period_s else {
-        return sought;
+        return (sought, Vec::new());
     };
-    for (i, step_s) in usable {
-        let rows = &mut recordings[i].rows;
-        if let Some(compared) = Compared::fitted(differences(rows, step_s)) {
-            runs[i].findings.push(compared.finding(period_s, rows, step_s));
-        }
-    }
-    sought
+    let put = |(i, step_s): &(usize, f64)| {
+        let rows = &mut recordings[*i].rows;
+        let compared = Compared::fitted(differences(rows, *step_s))?;
+        Some((*i, compared.finding(period_s, rows, *step_s)))
+    };
+    (sought, usable.iter().filter_map(put).collect())
 }
 
 /// The same, but nothing is put right. `usable`: places and times between rows, s.

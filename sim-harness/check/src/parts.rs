@@ -1,7 +1,7 @@
 //! Rows whose speeds and locations are compared, in parts without a gap.
 
-use crate::compared::Row;
-use crate::row_step::longest_step_s;
+use crate::compared::{Differences, Row};
+use crate::row_step::{located_step_s, longest_step_s};
 use crate::ways;
 use rundown_files::sample::Sample;
 
@@ -28,6 +28,11 @@ pub fn compared(rows: &[Sample], step_s: f64, located_s: f64) -> Vec<Vec<Row>> {
         return parts(rows, step_s);
     }
     cut(rows.iter(), ways::heading(rows), longest_s, MOST_SHARE)
+}
+
+/// What is compared of a run.
+pub(crate) fn differences(rows: &[Sample], step_s: f64) -> Differences {
+    Differences::of(&compared(rows, step_s, located_step_s(rows)))
 }
 
 /// Rows with a speed, cut after more than `longest_s`, and where the location is off by more than a jump and this share

@@ -10,7 +10,7 @@
 
 use crate::SURE;
 use crate::figure::Figure;
-use crate::run::{OfSpeed, Taken};
+use crate::of_speed::{OfSpeed, Taken};
 use rundown_files::recording::Recording;
 use rundown_files::statistics::median;
 

@@ -12,8 +12,9 @@ use crate::drifting::Drift;
 use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
 use crate::of_most::OfMost;
+use crate::of_speed::{OfSpeed, Taken};
 use crate::own::Grown;
-use crate::run::{OfSpeed, RunCheck, Taken};
+use crate::run::RunCheck;
 use crate::wheel_change::OfRun;
 use crate::{
     Known, LEAST_SCALE, SURE, dead_band, dead_zone, held, lost_seconds, own, put_right, read_of, steps, usable_of,
@@ -106,7 +107,10 @@ pub(crate) fn of(
     // Speeds that were computed from the locations are none of the recorder.
     let (of_unit, computed): (Vec<usize>, Vec<usize>) =
         (0..runs.len()).filter(|i| runs[*i].unit == unit).partition(|i| !runs[*i].speed_is_computed);
-    let sought = lost_seconds::put_right(&of_unit, recordings, runs);
+    let timed: Vec<(usize, f64)> =
+        of_unit.iter().filter(|i| runs[**i].is_usable()).map(|i| (*i, runs[*i].step_s)).collect();
+    let (sought, found) = lost_seconds::put_right(&timed, recordings);
+    found.into_iter().for_each(|(i, finding)| runs[i].findings.push(finding));
     // Readings in another unit have another step.
     let usable = read_of(&unit, runs);
     let speed_step_kmh = steps::of_speed_kmh(usable.iter().flat_map(|i| &recordings[*i].rows));

@@ -12,7 +12,6 @@ pub(crate) mod each_brake;
 mod unknown;
 
 use crate::compared::Row;
-use crate::diagnosis::RecorderCheck;
 use crate::figure::{Figure, HALF_95};
 use crate::finding::{Done, Finding, Kind};
 use crate::late_rows::with_moved;
@@ -66,12 +65,15 @@ pub(crate) struct Slips {
 }
 
 impl Slips {
-    pub(crate) fn say(&self, recorder: &mut RecorderCheck) {
-        let Self { kind, percent: figure, count, runs, long_s, first } = self;
-        let finding = Finding { kind: *kind, figure: *figure, unit: "%", count: *count, line: 0, done: Done::LeftOut };
-        recorder.findings.push(finding);
-        let text = format!("in {runs} of {} runs, for {long_s:.0} s in the median, first in {first}", recorder.runs);
-        recorder.evidence.insert(*kind, text);
+    pub(crate) fn finding(&self) -> Finding {
+        let Self { kind, percent: figure, count, .. } = *self;
+        Finding { kind, figure, unit: "%", count, line: 0, done: Done::LeftOut }
+    }
+
+    /// `of_runs`: all of the recorder.
+    pub(crate) fn evidence(&self, of_runs: usize) -> String {
+        let Self { runs, long_s, first, .. } = self;
+        format!("in {runs} of {of_runs} runs, for {long_s:.0} s in the median, first in {first}")
     }
 }
 
