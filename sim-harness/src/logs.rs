@@ -1,6 +1,6 @@
 //! Logs as recordings, or why one cannot be used.
 
-use rundown_check::{Check, Known, check_after, same::Seen};
+use rundown_check::{Check, Known, check_after, rows::same::Seen};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::{ReadError, Refusal};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, run_set::RunFile};

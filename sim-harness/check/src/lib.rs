@@ -4,57 +4,23 @@
 //! recordings -> clock -> locations -> agreement, run by run -> pooled by recorder -> put right
 //! ```
 //!
-//! | question | module |
-//! |---|---|
-//! | did the clock jump, pause? | [`clock`], `clock_set` |
-//! | are rows stamped when they arrive, several at once? | `bursts` |
-//! | does it lose seconds? | [`lost_seconds`] |
-//! | did the odometer wrap, begin again? | [`odometer`] |
-//! | which locations stand for none? | [`placeholders`] |
-//! | are single locations wild? | `spikes` |
-//! | which readings stay the same? | [`stuck_rows`] |
-//! | does the location stand still? | `stuck_locations` |
-//! | and the speed? | `stuck_speeds`, `stuck_speed_by_location` |
-//! | does it end at a largest value? | `saturated` |
-//! | did the train go there and back in one log? | `two_directions` |
-//! | which way do the locations grow, how far does a train go between rows? | [`ways`] |
-//! | how far may a train go between two rows? | `reach` |
-//! | are single readings missing or impossible? | [`readings`] |
-//! | which step do the readings have? | [`steps`] |
-//! | are speeds counted in one unit and written in steps of another? | `written` |
-//! | is a run unlike the others of its recorder? | [`mod@own`] |
-//! | does the wheel change? | `wheel_change` |
-//! | does it creep while it powers? | `creep` |
-//! | does the speed read zero below a threshold? | [`dead_zone`] |
-//! | what does the rounding of held speeds do? | `rounding` |
-//! | does the speed repeat old values? | [`held`] |
-//! | does the speed change in stairs? | `stairs` |
-//! | and the effort? | `effort::stairs` |
-//! | do whole km/h come late? | `dead_band` |
-//! | do the wheels slip or slide? | `slips` |
-//! | are rows no readings, but between them? | `interpolated` |
-//! | does a straight line bridge what was not received? | `bridged` |
-//! | does the effort stand still? | `effort::held` |
-//! | is it cut off at a maximum? | `effort::cut` |
-//! | do speeds trail behind the train in a filter? | `trailing` |
-//! | are speeds means over some seconds? | `smoothed` |
-//! | what does an age of the speed add to the way besides? | `second_order` |
-//! | is the effort older than the speed? | `effort::age` |
-//! | is it what acts, or what the lever asks for? | `effort::demanded` |
-//! | have small efforts the gain of large ones? | `effort::small` |
-//! | is the effort of a run unlike that of the others? | `effort::unlike` |
-//! | what does it have for trains that coast? | `effort::coasting` |
-//! | is its zero one? | `effort::zero` |
-//! | do trains exceed what is described of them? | [`limits`] |
-//! | is a log another one again, whole or in part? | [`same`] |
-//! | does the location drift between corrections? | `drifting` |
-//! | do the locations grow as the described stops have it? | [`line_scale`] |
-//! | do all runs count their locations from the same place? | [`chainage`] |
-//! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
-//! | what was found, and what was done? | [`finding`] |
-//! | what does a run, a recorder, a set of runs say with all that? | `run`, `recorder`, `diagnosis` |
-//! | do the described gradients explain how trains coast? | [`gradients`] |
-//! | was the run held up by something outside the train? | [`perturbed`] |
+//! Each folder begins with a table of its questions, and each question has a file.
+//!
+//! | question | folder | files |
+//! |---|---|---|
+//! | what do rows hold, whatever column is asked? | [`rows`] | [`times`](rows::times), [`steps`](rows::steps), [`ways`](rows::ways), `reach`, `interpolated`, `readings`, `wild`, `stuck`, `stairs`, `profile`, [`same`](rows::same) |
+//! | what is wrong with their times? | [`clock`] | [`jumps`](clock::jumps), `set`, `bursts`, `lost_seconds` |
+//! | what is wrong with the locations? | [`location`] | [`odometer`](location::odometer), [`placeholders`](location::placeholders), `spikes`, `stuck`, `bridged`, `two_directions`, `drifting`, [`line_scale`](location::line_scale), [`chainage`](location::chainage) |
+//! | how is the speed shown, and what does that leave out? | [`speed`] | [`stuck`](speed::stuck), `stuck_by_location`, `saturated`, `dead_zone`, `held`, `stairs`, `dead_band`, `trailing`, `smoothed`, `written` |
+//! | do speed and location agree: scale, offset, skew? | `agreement` | `parts`, `compared`, `late_rows`, `rounding`, `of_most` |
+//! | what do the wheels do? | `wheel` | `change`, `creep`, `slips`, `braking` |
+//! | has the effort to do with the train, and what is wrong with it? | `effort` | `stairs`, `held`, `cut`, `age`, `demanded`, `small`, `gap`, `unlike`, `coasting`, `zero`, `driven` |
+//! | do trains exceed what is described of them? | | [`limits`] |
+//! | was the run held up by something outside the train? | [`perturbed`] | `stops`, `slow` |
+//! | do the described gradients explain how trains coast? | [`gradients`] | `stretch`, `mixture`, `places`, `by_efforts` and what they are doubted by |
+//! | what does a run say with all that? | `run` | `of_speed` |
+//! | and a recorder, and a set of runs? | `recorder` | `diagnosis`, `correction`, `second_order`, `each_brake`, `own`, `efforts` |
+//! | what was found, how surely, and what was done? | | [`finding`], [`figure`] |
 //!
 //! Offset and scale are one fit, and never decided by a run that cannot tell them apart. A step is called truncated or
 //! rounded only where the offset says so.
@@ -78,75 +44,35 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod agreement;
-mod braking;
-mod bridged;
-mod bursts;
-pub mod chainage;
+mod agreement;
 pub mod clock;
-mod clock_set;
-pub mod compared;
-mod correction;
-mod creep;
-mod dead_band;
-pub mod dead_zone;
-mod diagnosis;
-mod drifting;
-pub mod effort;
+mod effort;
 pub mod figure;
 pub mod finding;
 pub mod gradients;
-pub mod held;
-mod interpolated;
-mod late_rows;
 pub mod limits;
-pub mod line_scale;
-pub mod lost_seconds;
-pub mod odometer;
-mod of_most;
-mod of_speed;
-pub mod own;
-mod parts;
+pub mod location;
 pub mod perturbed;
-pub mod placeholders;
-mod profile;
-mod reach;
-pub mod readings;
 mod recorder;
-mod rounding;
-pub mod row_step;
+pub mod rows;
 mod run;
-pub mod same;
-mod saturated;
-mod second_order;
-mod slips;
-mod smoothed;
-mod spikes;
-mod stairs;
-pub mod steps;
-mod stuck_locations;
-pub mod stuck_rows;
-mod stuck_speed_by_location;
-pub mod stuck_speeds;
-mod trailing;
-mod two_directions;
-pub mod ways;
-mod wheel_change;
-mod written;
+pub mod speed;
+mod wheel;
 
 use figure::Figure;
 use finding::{Done, Kind};
-use line_scale::RunStops;
-use of_speed::{OfSpeed, Taken};
+use location::line_scale::RunStops;
+use rows::same::Seen;
+use run::of_speed::{OfSpeed, Taken};
 use rundown::model::{direction::Direction, line::Line, track::Track};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
-use same::Seen;
 use std::collections::HashSet;
 
-pub use correction::Correction;
-pub use diagnosis::{Check, RecorderCheck};
-pub use parts::parts;
+pub use agreement::compared::Row;
+pub use agreement::parts::parts;
+pub use recorder::correction::Correction;
+pub use recorder::diagnosis::{Check, RecorderCheck};
 pub use run::RunCheck;
 
 /// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off
@@ -197,27 +123,27 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
 
 /// The same of runs that are read after others.
 pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen) -> Check {
-    let written = written::put_right(recordings);
-    let ends_mps = saturated::of_units(recordings);
+    let written = speed::written::put_right(recordings);
+    let ends_mps = speed::saturated::of_units(recordings);
     let of_run = |one: &mut Recording| run::beside(one, ends_mps.get(&one.unit).copied(), seen);
     let (mut runs, mut of_speeds): (Vec<RunCheck>, Vec<Option<OfSpeed>>) = recordings.iter_mut().map(of_run).unzip();
     let units = units(&runs);
     let mut before = vec![(None, Vec::new(), None); units.len()];
     for (unit, (drift, slipping, sliding)) in units.iter().zip(&mut before) {
         let usable = read_of(unit, &runs);
-        *drift = drifting::put_right(recordings, &usable);
+        *drift = location::drifting::put_right(recordings, &usable);
         let moved = |i: &usize| Some((*i, of_speeds[*i].as_ref()?.agreement.moved_s()));
-        *slipping = slips::leave_out(recordings, &usable.iter().filter_map(moved).collect::<Vec<_>>());
+        *slipping = wheel::slips::leave_out(recordings, &usable.iter().filter_map(moved).collect::<Vec<_>>());
         if drift.is_some() || !slipping.is_empty() {
             compare(recordings, &runs, &usable, &mut of_speeds);
         }
         let compared: Vec<(usize, f64)> = usable.iter().map(|i| (*i, runs[*i].step_s)).collect();
-        *sliding = slips::each_brake::take_off(recordings, &compared, &mut of_speeds);
-        second_order::take_off(recordings, &compared, &mut of_speeds);
+        *sliding = recorder::each_brake::take_off(recordings, &compared, &mut of_speeds);
+        recorder::second_order::take_off(recordings, &compared, &mut of_speeds);
     }
     let described_m = if known.scale { &[] } else { known.stops_m.as_slice() };
     let stops_of = |(run, recording): (&mut RunCheck, &Recording)| {
-        let stops = run.is_usable().then(|| line_scale::of_run(recording, described_m)).flatten()?;
+        let stops = run.is_usable().then(|| location::line_scale::of_run(recording, described_m)).flatten()?;
         if let Some((factor, count)) = stops.other_unit(described_m) {
             run.is_in_other_unit(factor, count);
         }
@@ -226,7 +152,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     let stops: Vec<Option<RunStops>> = runs.iter_mut().zip(recordings.iter()).map(stops_of).collect();
     let of_unit = |(unit, (drift, slipping, sliding)): (String, Before)| {
         let usable = usable_of(&unit, &runs);
-        let scaled = line_scale::put_right(recordings, &usable, &stops, described_m);
+        let scaled = location::line_scale::put_right(recordings, &usable, &stops, described_m);
         if !scaled.is_empty() {
             compare(recordings, &runs, &usable, &mut of_speeds);
         }
@@ -255,7 +181,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
     };
     let recorders = units.into_iter().zip(before).map(of_unit).collect();
     let is_usable: Vec<bool> = runs.iter().map(RunCheck::is_usable).collect();
-    for (run, off) in runs.iter_mut().zip(chainage::find(recordings, &is_usable, &known.stops_m)) {
+    for (run, off) in runs.iter_mut().zip(location::chainage::find(recordings, &is_usable, &known.stops_m)) {
         off.into_iter().for_each(|off| run.is_off(off));
     }
     let not_compared = held_up(recordings, &mut runs, &known.stops_m);
@@ -264,7 +190,7 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
 
 /// What of a recorder is found before speed and location are compared: its drift, its slips, and by how much the wheels
 /// slide in each brake, %.
-type Before = (Option<drifting::Drift>, Vec<slips::Slips>, Option<Figure>);
+type Before = (Option<location::drifting::Drift>, Vec<wheel::slips::Slips>, Option<Figure>);
 
 /// Compares speed and location of these runs again, once their readings are others.
 fn compare(recordings: &[Recording], runs: &[RunCheck], usable: &[usize], of_speeds: &mut [Option<OfSpeed>]) {

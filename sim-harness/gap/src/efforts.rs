@@ -11,7 +11,7 @@ use crate::noise::calibrate::{Calibrated, Own};
 use crate::traction::exceeded::{Reading, calculated, traction};
 use crate::traction::powering::{SteadyPower, powering, sampled_powering};
 use core::f64::consts::SQRT_2;
-use rundown_check::steps;
+use rundown_check::rows::steps;
 use rundown_files::statistics::median;
 
 /// Runs with their intervals, and the model that they are looked at with.

@@ -5,7 +5,7 @@
 //! and the rows without these coasts.
 
 use rundown::tick::regime::Regime;
-use rundown_check::steps;
+use rundown_check::rows::steps;
 use rundown_files::recording::Recording;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::sample::Sample;

@@ -1,9 +1,8 @@
 //! Pictures of a recorder: speed against location, the digits of its speeds, what differs from run to run.
 
 use plotters::style::RGBColor;
-use rundown_check::compared::Row;
 use rundown_check::figure::{Figure as Value, HALF_95};
-use rundown_check::{RecorderCheck, RunCheck, parts};
+use rundown_check::{RecorderCheck, Row, RunCheck, parts};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{Pairs, upper_quantile};

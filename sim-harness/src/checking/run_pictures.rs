@@ -1,7 +1,8 @@
 //! Pictures of one log: its readings against each other, and its clock.
 
 use super::pictures::gaps;
-use rundown_check::{RunCheck, ways};
+use rundown_check::RunCheck;
+use rundown_check::rows::ways;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_pages::chart::{Drawing, Figure, Layer, Panel, Point, Stroke, range_of};

@@ -5,7 +5,7 @@ use super::line;
 use super::mapping::Method;
 use super::odometer;
 use super::staged::Staged;
-use rundown_check::line_scale::{self, through};
+use rundown_check::location::line_scale::{self, through};
 use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::sample::MOST_LOCATION_M;
 use rundown_files::statistics::{correlation, median, sorted};

@@ -6,7 +6,7 @@ use super::speeds::{FASTEST_MPS, STANDS_MPS};
 use super::stretch::{Stretch, fix};
 use super::{geo, speeds};
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::row_step::MOST_MEAN_S;
+use rundown_check::rows::times::MOST_MEAN_S;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{median, median_of, span};
 use std::ops::Range;

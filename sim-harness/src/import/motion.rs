@@ -3,7 +3,7 @@
 use super::account::Account;
 use super::stretch::{Stretch, fix};
 use super::{cubic, geo, still};
-use rundown_check::{row_step, steps};
+use rundown_check::rows::{steps, times};
 use rundown_files::sample::Sample;
 
 /// A speed is the slope in the middle of so long before and after, s; where there are not as many rows on both sides,
@@ -85,7 +85,7 @@ impl Stretch {
             return;
         }
         let located: Vec<usize> = (0..self.rows.len()).filter(|i| self.rows[*i].location_m.is_some()).collect();
-        let step_s = row_step::usual_step_s(&self.rows);
+        let step_s = times::usual_step_s(&self.rows);
         // Over longer a train does more than a cubic, too.
         let is_short = step_s * cubic::LEAST as f64 <= 2.0 * SLOPE_S;
         let mps = |k: usize| match self.slope(&located, k, step_s) {

@@ -2,7 +2,7 @@
 //!
 //! Straight between readings, and as the nearest one before the first and behind the last.
 
-use rundown_check::row_step::MOST_MEAN_S;
+use rundown_check::rows::times::MOST_MEAN_S;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::span;
 

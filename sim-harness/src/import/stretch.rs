@@ -4,8 +4,10 @@
 use super::account::Account;
 use super::geo;
 use super::mapping::RunCuts;
+use rundown_check::clock::jumps;
 use rundown_check::finding::{Done, Finding, Kind};
-use rundown_check::{clock, odometer, placeholders, stuck_speeds};
+use rundown_check::location::{odometer, placeholders};
+use rundown_check::speed;
 use rundown_files::sample::{COLUMNS, MOST_LOCATION_M, Sample};
 
 /// A train that stood in a gap is no further on, m.
@@ -65,7 +67,7 @@ impl Odometer {
             account.count("odometers that wrapped before a gap, joined over it", 1);
             stretch.rows.iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + self.shift_m));
         }
-        let stuck = stuck_speeds::found(&stretch.rows);
+        let stuck = speed::stuck::found(&stretch.rows);
         odometer::join(&mut stretch.rows, &stuck, findings);
         let wrapped = findings.iter().find(|one| one.kind == Kind::Wrap && one.done == Done::PutRight);
         stretch.turn_m = wrapped.map(|one| odometer::turn_m(one.figure.value));
@@ -120,14 +122,14 @@ impl Stretch {
             let place_m = |a: &Sample, b: &Sample| {
                 if located { Some(b.location_m? - a.location_m?) } else { Some(geo::distance_m(fix(a)?, fix(b)?)) }
             };
-            if let Some(order) = clock::order(&self.rows, place_m) {
+            if let Some(order) = jumps::order(&self.rows, place_m) {
                 account.count("steps back of the clock where rows were out of order, sorted", back as u64);
                 self.altitudes_m = order.iter().map(|i| self.altitudes_m[*i]).collect();
                 self.rows = order.iter().map(|i| self.rows[*i]).collect();
             }
         }
         let mut findings = Vec::new();
-        clock::put_right(&mut self.rows, &mut findings);
+        jumps::put_right(&mut self.rows, &mut findings);
         put_down(&findings, account);
         self.join_halves(account);
         let (mut last, mut keep, mut elsewhere): (Option<&Sample>, Vec<bool>, u64) = (None, Vec::new(), 0);

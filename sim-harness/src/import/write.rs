@@ -7,7 +7,7 @@ use super::skeleton::Passed;
 use super::staged::{Mark, Staged};
 use super::stretch::fix;
 use crate::output::files::failed;
-use rundown_check::ways::step_ahead_m;
+use rundown_check::rows::ways::step_ahead_m;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, MANIFEST};
 use rundown_files::map_matching::{CentreLine, MatchState};

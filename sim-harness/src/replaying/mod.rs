@@ -30,7 +30,7 @@ use rundown::{
 use rundown_check::Known;
 use rundown_check::gradients::{Doubt, SmallErrors};
 use rundown_check::limits::Described;
-use rundown_check::same::Seen;
+use rundown_check::rows::same::Seen;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::off_track::{BEYOND_M, OffTrack};
 use rundown_files::parquet::ParquetError;

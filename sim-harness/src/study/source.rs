@@ -8,7 +8,7 @@ use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
 use rundown::{model::track::Track, model::train::Train};
 use rundown_check::gradients::{Answer, Coasts};
-use rundown_check::{Check, Known, same::Seen};
+use rundown_check::{Check, Known, rows::same::Seen};
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::{map_matching::CentreLine, recording::DirectionChoice, run_log::BadRows};
 use std::collections::HashMap;

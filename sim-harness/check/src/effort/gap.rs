@@ -6,7 +6,7 @@
 //! A lever has steps, and a driver who turns the power on and off passes small efforts within a row. So efforts just
 //! above the least one are asked for, of many sizes.
 
-use crate::stairs::spacing;
+use crate::rows::stairs::spacing;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::sorted;
 

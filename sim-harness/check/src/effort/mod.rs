@@ -5,6 +5,20 @@
 //!
 //! Resistance and gradients stand between the two, so they never agree in full; over starts and stops they agree by far
 //! the most. The measured mode learns from the column whatever it holds, so one that does not follow the train is said.
+//!
+//! | question | module |
+//! |---|---|
+//! | does it change in stairs? | `stairs` |
+//! | does it stand still? | `held` |
+//! | is it cut off at a maximum? | `cut` |
+//! | is it older than the speed? | `age` |
+//! | is it what acts, or what the lever asks for? | `demanded` |
+//! | have small efforts the gain of large ones? | `small` |
+//! | is nothing between zero and a least one? | `gap` |
+//! | is the effort of a run unlike that of the others? | `unlike` |
+//! | what does it have for trains that coast? | `coasting` |
+//! | is its zero one? | `zero` |
+//! | what did trains do where it hardly changes? | `driven` |
 
 pub(crate) mod age;
 pub(crate) mod coasting;
@@ -17,7 +31,6 @@ pub(crate) mod small;
 pub(crate) mod stairs;
 pub(crate) mod unlike;
 pub(crate) mod zero;
-pub(crate) mod zero_of_run;
 
 use crate::figure::{Figure, HALF_95};
 use nalgebra::{SMatrix, SVector};

@@ -16,8 +16,8 @@
 //! long each time: of these nothing is put right.
 
 use crate::finding::{Done, Finding, Kind};
-use crate::row_step::{next_row_s, usual_step_s};
-use crate::stairs::{Stairs, level};
+use crate::rows::stairs::{Stairs, level};
+use crate::rows::times::{next_row_s, usual_step_s};
 use rundown_files::sample::Sample;
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! Stretches of 20 s, one each 10 s: how the kinetic energy changed, and what the described resistance took.
 
 use crate::effort::driven::climb_n_per_kg;
-use crate::steps;
+use crate::rows::steps;
 use rundown::model::direction::Direction;
 use rundown::model::resistance::Davis;
 use rundown::model::track::Track;

@@ -17,7 +17,7 @@ mod stops;
 
 pub(crate) use stops::near_m;
 
-use crate::profile::{Medians, Profile};
+use crate::rows::profile::{Medians, Profile};
 use rundown::model::direction::Direction;
 use rundown_files::recording::Recording;
 use serde::Serialize;

@@ -7,7 +7,7 @@
 //! The others are those that call at the stations around as this run does. A stretch counts where it cost time.
 
 use super::{Cause, LEAST_OTHERS, Perturbation};
-use crate::profile::{CELL_M, Medians, Profile, get};
+use crate::rows::profile::{CELL_M, Medians, Profile, get};
 use rundown_files::statistics::mean_of;
 
 /// A stretch that costs less is a driver's style, s.

@@ -3,7 +3,7 @@
 //! A station is where the track describes a stop, or where a fifth of the runs that come by stand, begin or end.
 
 use super::{Cause, LEAST_OTHERS, Perturbation};
-use crate::profile::Profile;
+use crate::rows::profile::Profile;
 use rundown_files::statistics::median;
 
 /// A place is a station where such a share of the runs stops.

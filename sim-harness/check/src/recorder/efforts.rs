@@ -1,14 +1,15 @@
 //! What is the matter with the efforts of a recorder: left out, moved, averaged before anything is learned from them.
 
-use crate::diagnosis::RecorderCheck;
 use crate::effort::age::Asked;
 use crate::effort::coasting::{MovingStretch, effort_of_coasts, moving_stretches};
 use crate::effort::gap::Gap;
 use crate::effort::zero::{Stretches, Zero};
 use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
+use crate::recorder::diagnosis::RecorderCheck;
+use crate::rows::steps;
 use crate::run::RunCheck;
-use crate::{Known, SURE, effort, limits, read_of, smoothed, steps, trailing};
+use crate::{Known, SURE, effort, limits, read_of, speed};
 use rundown::model::line::Line;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
@@ -157,29 +158,29 @@ impl RecorderCheck {
         }
         let ask = |i: usize| asked(&recordings[i], runs[i].step_s, known);
         let runs_asked: Vec<Asked<'_>> = own.iter().take(2 * AGED).map(|i| ask(*i)).collect();
-        let Some(constant_s) = trailing::of(&runs_asked) else { return };
+        let Some(constant_s) = speed::trailing::of(&runs_asked) else { return };
         let text = "the efforts go through the same filter".to_owned();
         self.found_by(Kind::TrailingSpeed, constant_s, "s", Done::PutRight, text);
         for i in own {
-            let efforts = trailing::filtered(&asked(&recordings[i], runs[i].step_s, known), constant_s.value);
+            let efforts = speed::trailing::filtered(&asked(&recordings[i], runs[i].step_s, known), constant_s.value);
             recordings[i].rows.iter_mut().zip(efforts).for_each(|(row, effort)| row.effort_n_per_kg = effort);
         }
     }
 
     /// Makes momentary efforts means over as long as the speeds are, or leaves them out where that is too long.
     fn smoothed_speeds(&mut self, recordings: &mut [Recording], runs: &[RunCheck], known: &Known) {
-        let is_coarse = self.speed_step_kmh.is_some_and(|step| step > smoothed::MOST_STEP_KMH);
+        let is_coarse = self.speed_step_kmh.is_some_and(|step| step > speed::smoothed::MOST_STEP_KMH);
         // Where the wheels slide in each brake the way by the speeds is bent as that of means.
         if is_coarse || self.has(Kind::TrailingSpeed) || self.has(Kind::Slides) {
             return;
         }
         let own = read_of(&self.unit, runs);
         let rows: Vec<&[Sample]> = own.iter().map(|i| recordings[*i].rows.as_slice()).collect();
-        let Some(long_s) = smoothed::of(&rows) else {
+        let Some(long_s) = speed::smoothed::of(&rows) else {
             return;
         };
-        let is_short = long_s.value <= smoothed::MOST_S;
-        let averaged = smoothed::averaged_efforts(&rows, long_s.value);
+        let is_short = long_s.value <= speed::smoothed::MOST_S;
+        let averaged = speed::smoothed::averaged_efforts(&rows, long_s.value);
         let has_efforts = rows.iter().copied().flatten().any(|row| row.effort_n_per_kg.is_some());
         let (done, text) = match (&averaged, is_short) {
             (Some(_), true) => {
@@ -209,7 +210,7 @@ impl RecorderCheck {
         let own = self.usable(runs);
         let moving = |recordings: &[Recording]| moving_stretches(own.iter().map(|i| &recordings[*i]), known);
         let as_read = moving(recordings);
-        let zeros = effort::zero_of_run::differing(&as_read, own.len(), self.effort_step_n_per_kg);
+        let zeros = effort::zero::of_run::differing(&as_read, own.len(), self.effort_step_n_per_kg);
         let Some(zeros) = zeros else { return as_read };
         let figure = Figure { value: zeros.spread_n_per_kg, sd: 0.0 };
         let kind = Kind::EffortZerosDiffer;

@@ -1,26 +1,37 @@
 //! What all runs of one recorder say together: how the speed is shown, its scale, its age; what it leaves out and
 //! holds; what the runs exceed.
+//!
+//! | question | module |
+//! |---|---|
+//! | what is known of it, and of all recorders? | `diagnosis` |
+//! | what is put right in its speeds? | `correction` |
+//! | what does an age of the speed add to the way besides? | `second_order` |
+//! | do its wheels slide in each brake? | `each_brake` |
+//! | is a run unlike the others? | `own` |
+//! | what do its efforts say? | `efforts` |
 
+pub(crate) mod correction;
+pub(crate) mod diagnosis;
+pub(crate) mod each_brake;
 mod efforts;
+mod own;
+pub(crate) mod second_order;
 
+use crate::agreement::of_most::OfMost;
 use crate::agreement::{Agreement, Pooled, pooled, share_bends};
-
-use crate::correction::Correction;
-use crate::creep::Creep;
-use crate::diagnosis::RecorderCheck;
-use crate::drifting::Drift;
 use crate::figure::Figure;
 use crate::finding::{Done, Finding, Kind};
-use crate::of_most::OfMost;
-use crate::of_speed::{OfSpeed, Taken};
-use crate::own::Grown;
+use crate::location::drifting::Drift;
+use crate::rows::steps;
 use crate::run::RunCheck;
-use crate::wheel_change::OfRun;
-use crate::{
-    Known, LEAST_SCALE, SURE, dead_band, dead_zone, held, lost_seconds, own, put_right, read_of, steps, usable_of,
-    wheel_change,
-};
+use crate::run::of_speed::{OfSpeed, Taken};
+use crate::wheel::change::OfRun;
+use crate::wheel::creep::Creep;
+use crate::{Known, LEAST_SCALE, SURE, clock, put_right, read_of, speed, usable_of, wheel};
+use correction::Correction;
+use diagnosis::RecorderCheck;
 use nalgebra::{Matrix2, Vector2};
+use own::Grown;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::statistics::{sd_of_median, spread};
@@ -109,7 +120,7 @@ pub(crate) fn of(
         (0..runs.len()).filter(|i| runs[*i].unit == unit).partition(|i| !runs[*i].speed_is_computed);
     let timed: Vec<(usize, f64)> =
         of_unit.iter().filter(|i| runs[**i].is_usable()).map(|i| (*i, runs[*i].step_s)).collect();
-    let (sought, found) = lost_seconds::put_right(&timed, recordings);
+    let (sought, found) = clock::lost_seconds::put_right(&timed, recordings);
     found.into_iter().for_each(|(i, finding)| runs[i].findings.push(finding));
     // Readings in another unit have another step.
     let usable = read_of(&unit, runs);
@@ -204,8 +215,8 @@ fn compared_again(
 /// Leaves out repeats of speeds that are written again only once they have changed by a step: by how much they are
 /// behind, km/h, and how many rows.
 fn leave_out_behind(recordings: &mut [Recording], usable: &[usize], step_kmh: f64) -> Option<(f64, usize)> {
-    let behind = dead_band::behind_kmh(usable.iter().map(|i| recordings[*i].rows.as_slice()), step_kmh)?;
-    let left_out = usable.iter().map(|i| dead_band::leave_out_repeats(&mut recordings[*i].rows));
+    let behind = speed::dead_band::behind_kmh(usable.iter().map(|i| recordings[*i].rows.as_slice()), step_kmh)?;
+    let left_out = usable.iter().map(|i| speed::dead_band::leave_out_repeats(&mut recordings[*i].rows));
     Some((behind.value, left_out.sum()))
 }
 
@@ -254,7 +265,7 @@ impl RecorderCheck {
         // Nobody turns a wheel between two runs of a day.
         let date = |from: usize| day(order[from]).map(f64::floor);
         let may_change = |from: usize| date(from).is_none() || date(from) != date(from - 1);
-        let found = wheel_change::between(&of_runs, may_change).filter(|_| !self.has(Kind::Creep))?;
+        let found = wheel::change::between(&of_runs, may_change).filter(|_| !self.has(Kind::Creep))?;
         let after = order.split_off(found.from);
         let named = &recordings[of_unit[after[0]]].name;
         // A step's offset is that of the recorder. Where nothing decides it, it may change as the scale may.
@@ -262,8 +273,8 @@ impl RecorderCheck {
             let of_side =
                 |side: &[usize]| pooled(&side.iter().filter_map(|at| agreements[*at].clone()).collect::<Vec<_>>());
             let [before, since] = [of_side(&order)?, of_side(&after)?];
-            if !wheel_change::is_wheel(&before, &since) {
-                if let Some(offset_kmh) = wheel_change::other_offset_kmh(&before, &since) {
+            if !wheel::change::is_wheel(&before, &since) {
+                if let Some(offset_kmh) = wheel::change::other_offset_kmh(&before, &since) {
                     let first = before.offset_kmh().with_interval(2);
                     let text =
                         format!("from {named} on, {first} before: no wheel, but speeds that are found otherwise");
@@ -380,12 +391,12 @@ impl RecorderCheck {
     /// Leaves out readings of zero that are no standstill. Call it while the speeds are as read.
     fn dead_zone(&mut self, recordings: &mut [Recording], usable: &[usize]) {
         let rows = usable.iter().map(|i| recordings[*i].rows.as_slice());
-        let Some(found) = dead_zone::of(rows, self.speed_step_kmh.unwrap_or(0.0)) else {
+        let Some(found) = speed::dead_zone::of(rows, self.speed_step_kmh.unwrap_or(0.0)) else {
             return;
         };
         let left_out = usable.iter().map(|i| found.leave_out(&mut recordings[*i].rows));
         let count: usize = left_out.map(|(count, _)| count).sum();
-        let dead_zone::DeadZone { passes, floor_kmh, .. } = found;
+        let speed::dead_zone::DeadZone { passes, floor_kmh, .. } = found;
         let floor = if floor_kmh > 0.0 { format!("{floor_kmh:.1}") } else { "0".to_owned() };
         let text =
             format!("no reading between {floor} and that at {passes} starts and stops; {count} readings of {floor}");
@@ -395,8 +406,9 @@ impl RecorderCheck {
     /// Leaves out speeds that are old ones. Call it while the speeds are as read.
     fn held_speeds(&mut self, recordings: &mut [Recording], usable: &[usize]) {
         let step_mps = self.speed_step_kmh.unwrap_or(0.0) / 3.6;
-        let of_runs: Vec<held::Held> = usable.iter().map(|i| held::of(&recordings[*i].rows, step_mps)).collect();
-        let Some([rows, asked]) = held::beyond_chance(&of_runs) else {
+        let of_runs: Vec<speed::held::Held> =
+            usable.iter().map(|i| speed::held::of(&recordings[*i].rows, step_mps)).collect();
+        let Some([rows, asked]) = speed::held::beyond_chance(&of_runs) else {
             return;
         };
         let share = rows as f64 / asked as f64;

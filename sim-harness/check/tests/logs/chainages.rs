@@ -3,7 +3,7 @@
 use crate::simulated::recording;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown_check::chainage::{Off, find};
+use rundown_check::location::chainage::{Off, find};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 

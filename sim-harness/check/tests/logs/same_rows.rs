@@ -2,7 +2,7 @@
 
 use crate::simulated::{Recorder, recording};
 use rundown_check::finding::{Done, Kind};
-use rundown_check::same::Seen;
+use rundown_check::rows::same::Seen;
 use rundown_check::{Check, Known, check, check_after};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;

@@ -14,7 +14,7 @@ use crate::study::dynamics::SLOW_MPS;
 use crate::study::source::RunSource;
 use rundown::model::train::Train;
 use rundown_check::finding::Kind;
-use rundown_check::{Check, Known, RecorderCheck, same::Seen};
+use rundown_check::{Check, Known, RecorderCheck, rows::same::Seen};
 use rundown_files::recording::Recording;
 use rundown_pages::numbers::counted;
 use rundown_truth::sensors::SpeedReading;
