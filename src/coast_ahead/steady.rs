@@ -65,6 +65,8 @@ fn same(config: &CoastConfig, said: &Outcome, found: &Outcome) -> bool {
         (Outcome::Unknown, Outcome::Unknown)
         | (Outcome::NoTarget, Outcome::NoTarget)
         | (Outcome::MayStop, Outcome::MayStop) => true,
-        _ => false,
+        (Outcome::Unknown | Outcome::NoTarget | Outcome::Arrives(_) | Outcome::MayStop | Outcome::Stops { .. }, _) => {
+            false
+        }
     }
 }

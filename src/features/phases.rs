@@ -220,7 +220,7 @@ impl Phases {
                 matches!(next.regime, Regime::Coast | Regime::Cruise)
                     && matches!(before, Some(Regime::Coast | Regime::Cruise))
             }
-            _ => false,
+            Regime::Standstill | Regime::Cruise | Regime::Brake => false,
         };
         if cycle && over.holds(config) {
             self.held_speeds.add(over.start_mps, over.end_mps, over.dt_s);

@@ -39,7 +39,7 @@ impl SteadyIntervals {
             regime if regime == self.regime => &self.held,
             // A stop ends the brake after the interval before it.
             Regime::Standstill => self.held.get(..1).unwrap_or_default(),
-            _ => &[],
+            Regime::Traction | Regime::Cruise | Regime::Coast | Regime::Brake => &[],
         }
     }
 

@@ -48,7 +48,7 @@ impl SensorConfig {
     pub fn centre_mps(&self, reading_mps: Real) -> Real {
         match self.rounding {
             Rounding::Truncated if reading_mps > 0.0 => reading_mps + 0.5 * self.speed_quantum_kmh / 3.6,
-            _ => reading_mps,
+            Rounding::Truncated | Rounding::Rounded => reading_mps,
         }
     }
 

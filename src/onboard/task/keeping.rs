@@ -35,7 +35,7 @@ impl<'a, F: NorFlash, K: KeySource> Task<'a, F, K> {
         };
         let memory = match epoch {
             Err(EpochError::NotStored(_)) => Memory::ReadOnly,
-            _ => Memory::Empty,
+            Ok(_) | Err(EpochError::Lost { .. } | EpochError::Exhausted) => Memory::Empty,
         };
         Self {
             estimator,

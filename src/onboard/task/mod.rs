@@ -327,7 +327,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         let is_next = match now {
             // The first and the last by turns: one of them may be right.
             Order::Other => self.silent_ticks.is_multiple_of(2),
-            _ => is_later(waiting_s, time_s),
+            Order::Same | Order::Agreeing | Order::Pause | Order::Next => is_later(waiting_s, time_s),
         };
         now > before || now == before && is_next
     }

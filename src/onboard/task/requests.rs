@@ -210,7 +210,7 @@ impl<F: NorFlash, K: KeySource> Task<'_, F, K> {
         self.estimator.effects_mut().take(effect).map_err(|error| match error {
             FrameError::UnknownKind => Refusal::UnknownEffect,
             FrameError::OutOfOrder => Refusal::OutOfOrder,
-            _ => Refusal::OutOfRange,
+            FrameError::Shape | FrameError::Refused(_) => Refusal::OutOfRange,
         })?;
         self.effects_changed(port);
         Ok(())
