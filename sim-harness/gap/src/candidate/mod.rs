@@ -216,8 +216,13 @@ pub trait Candidate: Sync {
         let chosen = match shape {
             Shape::Section(_) => penalty.section,
             Shape::Numbers(..) => 2.0 * penalty.shape,
-            _ if self.dial(shape).is_some() => penalty.shape,
-            _ => 0.0,
+            Shape::Law
+            | Shape::Powers(_)
+            | Shape::Number(_)
+            | Shape::Runs(_)
+            | Shape::NumberInRuns(..)
+            | Shape::Step(..)
+            | Shape::Table(..) => self.dial(shape).map_or(0.0, |_| penalty.shape),
         };
         shape.coefficients(self.facts().nature) as f64 * penalty.coefficient + chosen
     }

@@ -54,7 +54,13 @@ impl Shape {
         match self {
             Self::Numbers(_, second) => Self::Numbers(number, *second),
             Self::NumberInRuns(_, runs) => Self::NumberInRuns(number, runs.clone()),
-            _ => Self::Number(number),
+            Self::Law
+            | Self::Powers(_)
+            | Self::Section(_)
+            | Self::Number(_)
+            | Self::Runs(_)
+            | Self::Step(..)
+            | Self::Table(..) => Self::Number(number),
         }
     }
 
@@ -75,7 +81,13 @@ impl Shape {
         match self {
             Self::Powers(wrong) => wrong.iter().filter(|w| **w).count(),
             Self::Table(_, knots) => knots.len(),
-            _ => 1 + usize::from(nature.constant_beside),
+            Self::Law
+            | Self::Section(_)
+            | Self::Number(_)
+            | Self::Numbers(..)
+            | Self::Runs(_)
+            | Self::NumberInRuns(..)
+            | Self::Step(..) => 1 + usize::from(nature.constant_beside),
         }
     }
 }
@@ -142,7 +154,13 @@ impl Term {
     pub fn between_runs(&self) -> bool {
         match &self.shape {
             Shape::Runs(_) | Shape::Step(..) | Shape::Table(Coordinate::Day | Coordinate::Temperature, _) => true,
-            _ => self.of.facts().nature.between_runs,
+            Shape::Law
+            | Shape::Powers(_)
+            | Shape::Section(_)
+            | Shape::Number(_)
+            | Shape::Numbers(..)
+            | Shape::NumberInRuns(..)
+            | Shape::Table(..) => self.of.facts().nature.between_runs,
         }
     }
 

@@ -141,7 +141,13 @@ impl Candidate for This {
         match size.term.shape {
             Shape::Section(_) => size.most() > search.least_in_section_n_per_kg,
             Shape::Law => size.often() > search.least_n_per_kg,
-            _ => size.most() > size.least(),
+            Shape::Powers(_)
+            | Shape::Number(_)
+            | Shape::Numbers(..)
+            | Shape::Runs(_)
+            | Shape::NumberInRuns(..)
+            | Shape::Step(..)
+            | Shape::Table(..) => size.most() > size.least(),
         }
     }
 

@@ -108,7 +108,7 @@ impl Efforts<'_> {
             let mean = match self.reading {
                 EffortReading::Momentary if is_known(before) && is_known(now) => self.mean_between(before, now),
                 EffortReading::MeanSinceLast if is_known(now) => self.at(now),
-                _ => return None,
+                EffortReading::Momentary | EffortReading::MeanSinceLast => return None,
             };
             // Over many samples the steps inside an interval are seen, and only their own halves are uncertain.
             change += self.change_into(now).unwrap_or(0.0) * dt_s;

@@ -217,8 +217,12 @@ impl Nuisance {
         }
         text + match (self.kind, self.ambiguous_with.is_empty()) {
             (NuisanceKind::BrakeGain, _) => ", and no effect of the train.",
-            (_, true) => "; put right, and no effect of the train.",
-            _ => "; put right.",
+            (NuisanceKind::EffortGain | NuisanceKind::EffortDelay | NuisanceKind::LocationOffset, true) => {
+                "; put right, and no effect of the train."
+            }
+            (NuisanceKind::EffortGain | NuisanceKind::EffortDelay | NuisanceKind::LocationOffset, false) => {
+                "; put right."
+            }
         }
     }
 }

@@ -35,7 +35,13 @@ fn splits(term: &Term) -> &'static [Part] {
         Shape::Section(_) => &[held, up],
         Shape::Runs(_) => &[held],
         _ if term.is_whole() => &[held, up],
-        _ => &[],
+        Shape::Law
+        | Shape::Powers(_)
+        | Shape::Number(_)
+        | Shape::Numbers(..)
+        | Shape::NumberInRuns(..)
+        | Shape::Step(..)
+        | Shape::Table(..) => &[],
     }
 }
 

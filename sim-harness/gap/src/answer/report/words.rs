@@ -28,7 +28,7 @@ pub(super) fn verdict(answer: &Answer) -> Vec<String> {
             Verdict::Candidate => format!("Something may be missing in the model that these {all} cannot name."),
             _ if !has_rows => format!("In what could be looked at, nothing was found in {all}."),
             Verdict::Unknown => format!("There is a gap, and no effect of the catalogue was found for it in {all}."),
-            _ => format!(
+            Verdict::NoGap | Verdict::PartlyExplained | Verdict::Explained => format!(
                 "No gap: what the model does not explain in {all} is what these sensors leave (such residuals, or larger ones, come about by chance {chance})."
             ),
         });
