@@ -150,6 +150,10 @@ fn zoned(time: &str) -> (&str, Option<f64>) {
     }
     let Some(at) = time.rfind(['+', '-']) else { return (time, None) };
     let digits: String = time[at + 1..].chars().filter(|c| *c != ':').collect();
+    // What is cut below is counted in bytes.
+    if !digits.is_ascii() {
+        return (time, None);
+    }
     let minutes = |text: &str| text.parse::<u32>().ok().map(f64::from);
     let before = time[..at].trim_end();
     // `UTC+1`
@@ -382,6 +386,13 @@ mod tests {
         match parse(text, order)? {
             WrittenTime::Instant(seconds) | WrittenTime::OfDay(seconds) => Some(seconds),
             WrittenTime::Civil(civil) => in_zone(civil, &TimeZone::UTC, None),
+        }
+    }
+
+    #[test]
+    fn words_behind_a_time_are_no_zone_whatever_their_letters() {
+        for text in ["08:15-Köl", "2025-01-31 08:15:00-Köl", "08:15 UTC-€", "08:15:00+aß1"] {
+            assert_eq!(seconds(text, DateOrder::Dmy), None, "{text}");
         }
     }
 
