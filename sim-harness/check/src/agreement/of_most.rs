@@ -4,7 +4,6 @@
 //! run is from it.
 
 use crate::agreement::{Agreement, Pooled, pooled};
-
 use crate::figure::Figure;
 use rundown_files::statistics::{median, spread};
 use std::slice;

@@ -5,10 +5,9 @@
 //! 2 km/h too low, of a wheel of 1.018. But a wheel that creeps wherever it powers, and is off by as much, looks like
 //! q. So slides are named only where no wheel is left.
 
-use crate::agreement::{Agreement, pooled};
-
 use crate::agreement::compared::{BRAKES_MPS2, Differences};
 use crate::agreement::parts::differences;
+use crate::agreement::{Agreement, pooled};
 use crate::figure::Figure;
 use crate::run::of_speed::{OfSpeed, Taken};
 use crate::wheel::braking::{EachBrake, LEAST_SHARE};

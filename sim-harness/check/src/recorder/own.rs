@@ -8,7 +8,6 @@
 //! stay what they are.
 
 use crate::agreement::{Agreement, pooled};
-
 use crate::figure::Figure;
 use crate::finding::{Done, Kind};
 use crate::recorder::correction::Correction;

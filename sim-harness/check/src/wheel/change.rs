@@ -9,10 +9,9 @@
 //! where the scales before and after are the furthest apart for how surely they are known. Both are said; what comes
 //! after is brought to the scale from before, and then the runs are judged as those of one wheel.
 
-use crate::agreement::{ALONE, Agreement, BENDS_SD, Pooled, pooled};
-
 use crate::agreement::compared::Compared;
 use crate::agreement::rounding;
+use crate::agreement::{ALONE, Agreement, BENDS_SD, Pooled, pooled};
 use crate::figure::Figure;
 use crate::{LEAST_SCALE, SURE};
 use rundown_files::sample::Sample;
