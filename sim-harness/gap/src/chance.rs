@@ -4,6 +4,7 @@
 use crate::config::{EvidenceConfig, GapConfig};
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::Base;
+use crate::noise::alike::Alike;
 use crate::noise::calibrate::{Calibrated, flexible};
 use crate::noise::habit_sizes::Habits;
 use crate::noise::habits;
@@ -33,8 +34,14 @@ pub struct Ground<'a> {
     whitening: Whitening,
     y: DVector<f64>,
     sensors: Vec<DVector<f64>>,
-    /// One standard deviation of each habit that is drawn.
+    /// One standard deviation of each habit that is drawn, and of errors that runs have alike.
     habits: Vec<DVector<f64>>,
+}
+
+/// Errors of rounding that runs have alike are drawn, too: signs by run say nothing of them.
+fn rounded_alike(context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Vec<DVector<f64>> {
+    let forces = Alike::of(context, rows).map_or_else(Vec::new, |alike| alike.forces());
+    forces.iter().map(|force| whitening.whiten(force)).collect()
 }
 
 fn residuals(rows: &[Row]) -> Vec<f64> {
@@ -136,8 +143,8 @@ impl<'a> Ground<'a> {
         let forces = habits::forces(rows, &context.config.evidence).into_iter();
         let habits = forces
             .filter(|(_, habit)| sizes[*habit] > 0.0)
-            .map(|(force, habit)| whitening.whiten(&force) * sizes[habit])
-            .collect();
+            .map(|(force, habit)| whitening.whiten(&force) * sizes[habit]);
+        let habits = habits.chain(rounded_alike(context, rows, &whitening)).collect();
         Self { habits, ..Self::on(context, rows, whitening) }
     }
 

@@ -223,6 +223,10 @@ settings! {
         least_knots: usize = 5, /// Least knots of the flexible model along the location. Judgement.
         most_knots: usize = 30, /// Most of them. Judgement.
         rows_a_knot: usize = 20, /// Rows for each. Judgement.
+        alike_m: f64 = 50.0, /// Readings of two runs within such a stretch are at one place, m. Judgement: on it a coasting train changes its speed by a fifth of a km/h.
+        alike_over_m: f64 = 1000.0, /// How alike runs are is asked over such a stretch, m. Judgement.
+        alike_pairs: u32 = 20, /// Fewer pairs of readings do not say it. Judgement.
+        least_alike: f64 = 0.3, /// Errors of rounding with a smaller correlation count as independent. Judgement: four in five readings are equal there.
         knots: usize = 6, /// Knots along the time and along the speed. Judgement.
         run_knots: usize = 4, /// Knots along temperature and day. Judgement.
         most_off: f64 = 1.5, /// Standardised residuals of a regime that are so many times larger than 1, or smaller, are said: the noise does not fit there. Judgement.

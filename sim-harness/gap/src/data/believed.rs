@@ -86,6 +86,8 @@ pub struct Conditions {
     /// Days from the first run to the last.
     pub period_days: f64,
     pub runs: usize,
+    /// The largest step of the speed readings, m/s; 0: they have none.
+    pub speed_step_mps: f64,
 }
 
 impl Conditions {
@@ -95,7 +97,8 @@ impl Conditions {
         let period_days = (days().fold(0.0, f64::max) - first_day).max(0.0);
         let temperatures = runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c));
         let temperature_c = mean(temperatures).unwrap_or_default();
-        Self { temperature_c, first_day, period_days, runs: runs.len() }
+        let speed_step_mps = runs.iter().map(|run| run.recorded.speed_step_mps).fold(0.0, f64::max);
+        Self { temperature_c, first_day, period_days, runs: runs.len(), speed_step_mps }
     }
 }
 
@@ -146,7 +149,13 @@ pub(crate) mod tests {
         then(&Context {
             believed: Believed::new(&train, track),
             surroundings: &Surroundings::default(),
-            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: runs as f64, runs },
+            conditions: Conditions {
+                temperature_c: 10.0,
+                first_day: 0.0,
+                period_days: runs as f64,
+                runs,
+                speed_step_mps: 0.0,
+            },
             config: &GapConfig::default(),
         })
     }

@@ -9,6 +9,7 @@ use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::NoiseConfig;
 use crate::data::{believed::Context, interval::Interval, rows::Row};
 use crate::fit::{Base, explained};
+use crate::noise::alike::Alike;
 use crate::noise::gradients::{self, Errors};
 use crate::noise::habits::{self, DRIVEN, Scatter, regime};
 use crate::noise::whitening::{Noise, Whitening};
@@ -242,7 +243,13 @@ fn climbed(
 /// Finds the noise of these rows. `measured`: the effort is measured, so its gain may differ from run to run.
 /// `wind` allows a wind of its own to each run. Also the log-likelihood reached.
 pub fn calibrate(context: &Context<'_>, rows: &[Row], measured: bool, wind: bool, model: &[Term]) -> (Calibrated, f64) {
-    calibrate_beside(context, (rows, vec![1.0; rows.len()]), measured, wind, flexible(context, rows, model))
+    let beside = flexible(context, rows, model);
+    let (mut found, reached) = calibrate_beside(context, (rows, vec![1.0; rows.len()]), measured, wind, beside);
+    if let Some(alike) = Alike::of(context, rows) {
+        let wider = alike.wider(&found.noise);
+        found.spread.iter_mut().zip(wider).for_each(|(spread, wider)| *spread *= wider);
+    }
+    (found, reached)
 }
 
 /// The same beside a flexible model with what else is known to differ. `spread`: how many times wider each row

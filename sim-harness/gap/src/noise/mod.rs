@@ -1,5 +1,6 @@
 //! The noise of the residuals: of rows, and between runs.
 
+pub mod alike;
 pub mod calibrate;
 pub mod dragging;
 pub mod dragging_units;
