@@ -68,8 +68,8 @@ pub struct Arguments {
     /// Share of the sets with an effect that have dirty sensors
     #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
     dirty: f64,
-    /// Services beyond the case study: short hops, metros and trams, signals at danger, a little wind, momentary efforts
-    /// that differ from run to run
+    /// Services beyond the case study: short hops, metros and trams, signals at danger, a little wind, momentary
+    /// efforts that differ from run to run
     #[arg(long)]
     rough: bool,
     /// Runs of a set

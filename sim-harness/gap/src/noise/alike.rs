@@ -24,7 +24,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 const MEAN_SIZE: f64 = 0.8;
 
 /// A reading at an end of a row: direction, place, and speed in whole steps.
-type Node = (bool, i64, i64);
+type ReadAt = (bool, i64, i64);
 
 /// What rows have alike by the rounding of their speeds.
 pub struct Alike<'a> {
@@ -35,7 +35,7 @@ pub struct Alike<'a> {
 }
 
 /// Where an end of a row is, and what was read there.
-fn node(row: &Row, end: usize, config: &NoiseConfig, step_mps: f64) -> Node {
+fn node(row: &Row, end: usize, config: &NoiseConfig, step_mps: f64) -> ReadAt {
     let path = &row.interval.path;
     let at_m = [path[0], path[path.len() - 1]][end].location_m;
     let place = (at_m / config.alike_m).floor() as i64;
@@ -77,13 +77,13 @@ impl<'a> Alike<'a> {
         correlation.iter().any(|one| *one > 0.0).then_some(Self { context, rows, correlation })
     }
 
-    fn node(&self, row: &Row, end: usize) -> Node {
+    fn node(&self, row: &Row, end: usize) -> ReadAt {
         node(row, end, &self.context.config.noise, self.context.conditions.speed_step_mps)
     }
 
     /// By which factor the standard deviation of each row is wider, so that all of them say together what they know.
     pub fn wider(&self, noise: &Noise) -> Vec<f64> {
-        let mut runs: HashMap<[Node; 2], HashSet<usize>> = HashMap::new();
+        let mut runs: HashMap<[ReadAt; 2], HashSet<usize>> = HashMap::new();
         let ends = |row: &Row| [0, 1].map(|end| self.node(row, end));
         for row in self.rows {
             runs.entry(ends(row)).or_default().insert(row.interval.run);
@@ -101,7 +101,7 @@ impl<'a> Alike<'a> {
     /// behind it, N/kg.
     pub fn forces(&self) -> Vec<Vec<f64>> {
         let reading_mps = self.context.conditions.speed_step_mps / 12.0_f64.sqrt();
-        let mut all: BTreeMap<Node, Vec<(usize, f64)>> = BTreeMap::new();
+        let mut all: BTreeMap<ReadAt, Vec<(usize, f64)>> = BTreeMap::new();
         for (i, (row, correlation)) in self.rows.iter().zip(&self.correlation).enumerate() {
             let force = correlation.sqrt() * reading_mps / row.interval.dt_s;
             if force > 0.0 {
