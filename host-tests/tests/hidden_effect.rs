@@ -30,9 +30,9 @@ fn of_size(
     dirty: bool,
     seed: u64,
 ) -> (Set, Score, Answer) {
-    let set =
-        Set::draw(SetRequest { kinds: kinds.to_vec(), size, effort, dirty, rough: false, nuisance: None, runs, seed })
-            .unwrap();
+    let (rough, driver, nuisance) = (false, None, None);
+    let request = SetRequest { kinds: kinds.to_vec(), size, effort, dirty, rough, driver, nuisance, runs, seed };
+    let set = Set::draw(request).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let outcome = blind(&set, folder.path()).unwrap();
     assert!(!folder.path().join("truth").exists());
@@ -202,6 +202,7 @@ fn a_worn_wheel_of_one_run_is_found_by_the_distances_of_the_others() {
         effort: true,
         dirty: false,
         rough: false,
+        driver: None,
         nuisance: None,
         runs: RUNS,
         seed: 1,

@@ -19,6 +19,7 @@ use crate::explained::repaired;
 use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
+use crate::holdout::multiples::{self, Multiple, is_denied, is_simulated, most_denied};
 use crate::holdout::{journey::Journey, share::Share};
 use crate::levels::More;
 use crate::named::Named;
@@ -46,8 +47,8 @@ pub struct Investigation {
     pub findings: Findings,
     /// What was found, by name, largest first.
     pub named: Vec<Named>,
-    /// What fits as well as a named effect, but may be chance, or does not repeat in halves of the runs: no effect of
-    /// the repaired model.
+    /// What fits as well as a named effect, but may be chance, does not repeat in halves of the runs, or is denied by
+    /// the hold-out runs: no effect of the repaired model.
     pub candidates: Vec<Named>,
     /// How well the noise fits; none from too few rows.
     pub whiteness: Option<Whiteness>,
@@ -98,32 +99,36 @@ pub fn investigate(
     hold_out: Option<usize>,
     mut progress: impl FnMut(&str),
 ) -> Result<Option<Investigation>, EffectError> {
-    let Some(Unjudged { findings, mut named, candidates, nuisances, runs, effort }) =
+    let Some(Unjudged { findings, mut named, mut candidates, nuisances, runs, effort }) =
         explained(given, runs, &mut progress)
     else {
         return Ok(None);
     };
     let (runs, config) = (runs.as_slice(), given.config);
     let context = &Context { conditions: findings.conditions, ..*given };
+    progress("is it chance: sign-flip test over runs");
+    let (along, p_value) = evidence(context, &findings.rows, &findings.calibrated);
+    let whiteness = Whiteness::of(context, &findings.rows, &findings.calibrated, &findings.terms);
+    let tested = held_out(runs.len(), hold_out, &config.holdout);
+    let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
+    if !tested.is_empty() {
+        progress("the same on the training runs, evaluated on the others");
+        let multiples;
+        (evaluation, trained, multiples) = out_of_sample(given, runs, effort, &tested)?;
+        named.iter_mut().for_each(|one| one.held_out = multiples::of(one, &multiples));
+        let denied = |one: &mut Named| one.held_out.is_some_and(|multiple| is_denied(&multiple, &config.holdout));
+        candidates.extend(named.extract_if(.., denied));
+        let unshared = named.iter_mut().filter(|one| !evaluation.compared.is_empty() && !is_among(one, &trained));
+        unshared.for_each(|one| one.doubt(config.certainty.unshared));
+    }
     let with = effects(&named)?;
     for one in &mut named {
         if let Effect::RunWind(wind) = &one.effect {
             one.per_run = winds(context, &findings, &with, wind.sd_mps, runs);
         }
     }
-    progress("is it chance: sign-flip test over runs");
-    let (along, p_value) = evidence(context, &findings.rows, &findings.calibrated);
     let repaired_rows = repaired(&context.believed, &named, runs, &findings.rows);
     let (_, p_value_after) = evidence(context, &repaired_rows, &findings.calibrated);
-    let whiteness = Whiteness::of(context, &findings.rows, &findings.calibrated, &findings.terms);
-    let tested = held_out(runs.len(), hold_out, &config.holdout);
-    let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
-    if !tested.is_empty() {
-        progress("the same on the training runs, evaluated on the others");
-        (evaluation, trained) = out_of_sample(given, runs, effort, &tested)?;
-        let unshared = named.iter_mut().filter(|one| !evaluation.compared.is_empty() && !is_among(one, &trained));
-        unshared.for_each(|one| one.doubt(config.certainty.unshared));
-    }
     let mut share = gap(&evaluation.compared, &config.holdout);
     let mut acting = touched(&evaluation.compared, &config.holdout);
     if let Some(acting) = acting.as_mut().filter(|_| p_value_after > config.certainty.chance) {
@@ -210,29 +215,41 @@ fn is_among(one: &Named, trained: &[Named]) -> bool {
 /// Lowers the confidence of what acts in the simulation of the hold-out runs, where these have too little of it; a
 /// wheel is put right before.
 fn doubt_denied(named: &mut [Named], touched: Option<&Touched>, config: &GapConfig) {
-    let acts = |one: &&mut Named| one.effect.kind() != EffectKind::SpeedScale;
     if touched.is_some_and(|touched| touched.denying(&config.holdout).is_some()) {
-        named.iter_mut().filter(acts).for_each(|one| one.doubt(config.certainty.denied));
+        named.iter_mut().filter(|one| is_simulated(&one.effect)).for_each(|one| one.doubt(config.certainty.denied));
     }
 }
 
-/// What the training runs alone give, and how that does on the others.
+/// What the other runs have of each effect that the training runs show.
+type Multiples = Vec<(Effect, Option<Multiple>)>;
+
+/// What the training runs alone give, and how that does on the others: without what these deny, one after another, for
+/// beside a wrong name a right one may have too little.
 fn out_of_sample(
     given: &Context<'_>,
     runs: &[Run],
     effort: EffortReading,
     held_out: &[usize],
-) -> Result<(Evaluation, Vec<Named>), EffectError> {
+) -> Result<(Evaluation, Vec<Named>, Multiples), EffectError> {
     let of = |tested: bool| -> Vec<Run> {
         let wanted = runs.iter().enumerate().filter(|(i, _)| held_out.contains(i) == tested);
         wanted.map(|(_, run)| run.clone()).collect()
     };
     let training = of(false);
-    let Some(Settled { findings, named, .. }) = settled(given, &training, effort) else {
-        return Ok((Evaluation::default(), Vec::new()));
+    let Some(Settled { findings, mut named, .. }) = settled(given, &training, effort) else {
+        return Ok((Evaluation::default(), Vec::new(), Vec::new()));
     };
     let context = &Context { conditions: findings.conditions, ..*given };
-    Ok((evaluate(context, &findings, &named, [&training, &of(true)])?, named))
+    let (tested, mut multiples) = (of(true), Vec::new());
+    loop {
+        let evaluation = evaluate(context, &findings, &named, [&training, &tested])?;
+        let Some(denied) = most_denied(&evaluation.multiples, &given.config.holdout) else {
+            let left = named.iter().zip(&evaluation.multiples).map(|(one, multiple)| (one.effect.clone(), *multiple));
+            multiples.extend(left);
+            return Ok((evaluation, named, multiples));
+        };
+        multiples.push((named.remove(denied).effect, evaluation.multiples[denied]));
+    }
 }
 
 /// An analysis without what is no more than chance.

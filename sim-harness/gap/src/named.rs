@@ -2,6 +2,7 @@
 
 use crate::columns::coordinate_name;
 use crate::config::GapConfig;
+use crate::holdout::multiples::Multiple;
 use crate::trial::Trial;
 use rundown::model::effects::{Effect, EffectKind, SpeedScale};
 use rundown_check::figure::Figure;
@@ -37,6 +38,9 @@ pub struct Named {
     /// Whether it is more than chance and repeats; none: it was not tried, since it shows in something else than the
     /// mean of the residuals.
     pub trial: Option<Trial>,
+    /// How many times as much as it foresees the hold-out runs have, beside the other effects; none: nothing of it was
+    /// compared.
+    pub held_out: Option<Multiple>,
 }
 
 /// Probability that a gain of log-likelihood is not chance; more than `most` of it counts no more.
@@ -69,6 +73,7 @@ impl Named {
             gain,
             term: None,
             trial: None,
+            held_out: None,
         }
     }
 
@@ -160,6 +165,7 @@ impl Named {
             "coordinate": self.coordinate(),
             "gain": self.gain,
             "trial": self.trial.as_ref().map(Trial::json),
+            "held_out": self.held_out.map(|(multiple, (low, high))| json!({ "multiple": multiple, "interval_95": [low, high] })),
         });
         if let Some(table) = table {
             value["table"] = table;

@@ -17,6 +17,7 @@ use rundown_files::WriteError;
 use rundown_files::folder::{Provenance, write as write_folder};
 use rundown_gap::answer::tables as gap_tables;
 use rundown_pages::numbers::counted;
+use rundown_truth::habits::DriverKind;
 use std::path::{Path, PathBuf};
 use std::{process::ExitCode, time::Instant};
 
@@ -27,6 +28,9 @@ Examples:
 
   One kind in one size, ten times, with the keys beside what was found:
     rundown gap-bench --kind warm_up --size faint --sets 10 --none 0 --pairs 0 --list
+
+  Automatic trains, whose runs are alike, hiding nothing:
+    rundown gap-bench --sets 0 --pairs 0 --driver ato --list
 
   What recorders do wrong, hiding nothing:
     rundown gap-bench --sets 0 --pairs 0 --nuisance effort-gain --nuisance effort-late --nuisance location-off
@@ -72,6 +76,9 @@ pub struct Arguments {
     /// efforts that differ from run to run
     #[arg(long)]
     rough: bool,
+    /// Who drives in all sets, whatever their seeds draw
+    #[arg(long, value_enum, value_name = "NAME")]
+    driver: Option<Driver>,
     /// Runs of a set
     #[arg(long, value_name = "N", default_value_t = 67, value_parser = clap::value_parser!(u16).range(5..=1000))]
     runs: u16,
@@ -86,7 +93,7 @@ pub struct Arguments {
     #[arg(long)]
     keep: bool,
     /// Sets of others instead: a folder of sets as `rundown simulate` writes them, and of each its key, keys/NAME.json
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["kind", "size", "sets", "none", "pairs", "nuisance", "dirty", "rough", "runs", "seed", "only", "keep"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["kind", "size", "sets", "none", "pairs", "nuisance", "dirty", "rough", "driver", "runs", "seed", "only", "keep"])]
     folder: Option<PathBuf>,
     /// Print each set with its key
     #[arg(long)]
@@ -105,6 +112,27 @@ enum HowLarge {
     Medium,
     /// At the limit.
     Faint,
+}
+
+/// As `driver.kind` of a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Driver {
+    Intercity,
+    ShortHops,
+    HopAndCoast,
+    Ato,
+}
+
+impl Driver {
+    fn kind(self) -> DriverKind {
+        match self {
+            Self::Intercity => DriverKind::CaseStudy,
+            Self::ShortHops => DriverKind::ShortHop,
+            Self::HopAndCoast => DriverKind::HopAndCoast,
+            Self::Ato => DriverKind::Automatic,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -223,6 +251,7 @@ fn requests(arguments: &Arguments) -> Vec<SetRequest> {
                 effort,
                 dirty,
                 rough: arguments.rough,
+                driver: arguments.driver.map(Driver::kind),
                 nuisance,
                 runs: usize::from(arguments.runs),
                 seed: rng.random_range(0..u64::from(u32::MAX)),

@@ -43,6 +43,8 @@ pub struct SetRequest {
     pub dirty: bool,
     /// Drivers of all kinds, signals, a little wind, and momentary efforts of sensors that differ from run to run.
     pub rough: bool,
+    /// Who drives, whatever the seed draws.
+    pub driver: Option<DriverKind>,
     /// What else is wrong with the recorder or the description, and no effect.
     pub nuisance: Option<Nuisance>,
     /// How many runs.
@@ -99,6 +101,7 @@ impl Set {
         if request.rough {
             rough(request.seed, &mut scenario);
         }
+        scenario.driver = request.driver.unwrap_or(scenario.driver);
         let one = |kind: &&str| effect(kind, request.size, &scenario.train, &mut rng);
         scenario.effects = request.kinds.iter().map(one).collect::<Result<_, String>>()?;
         let drawn = request.nuisance.map(|nuisance| nuisance.draw(request.seed, &mut scenario));

@@ -7,6 +7,7 @@ pub const DRAWN: &[[&str; 4]] = &[
     ["[].ask.effort", "", "whether the logs have an effort column", ""],
     ["[].ask.dirty", "", "whether the sensors are dirty: correlated location noise, dropouts, a late location", ""],
     ["[].ask.rough", "", "whether the services are those of `--rough`", ""],
+    ["[].ask.driver", "", "who drives, by the name in `--driver`", "the seed draws it"],
     ["[].ask.nuisance", "", "what is wrong with recorder or description, by its name in `--nuisance`", "nothing is"],
     ["[].ask.runs", "", "runs of the set", ""],
     ["[].ask.seed", "", "seed of the set", ""],

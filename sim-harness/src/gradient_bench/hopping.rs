@@ -12,7 +12,6 @@ use rand_distr::{Distribution, Normal};
 use rundown_truth::habits::DriverKind;
 use rundown_truth::line::Line;
 use rundown_truth::plan::Headings;
-use rundown_truth::scenario::Scenario;
 
 /// Trains and services, by the names of the accuracy bench.
 const FLEETS: [&str; 6] = ["metro", "tram", "suburban", "suburban-1s", "freight", "holding"];
@@ -27,10 +26,10 @@ pub fn fleet(seed: u64) -> Result<Fleet, String> {
     let driver = DRIVERS[random.random_range(0..DRIVERS.len())];
     if random.random_bool(0.5) {
         let [dirty, rough] = [0; 2].map(|_| random.random_bool(0.4));
-        let (kinds, runs) = (Vec::new(), super::RUNS);
-        let request = SetRequest { kinds, size: Size::Clear, effort: false, dirty, rough, nuisance: None, runs, seed };
+        let (kinds, size, driver, runs) = (Vec::new(), Size::Clear, Some(driver), super::RUNS);
+        let request = SetRequest { kinds, size, effort: false, dirty, rough, driver, nuisance: None, runs, seed };
         fleet.what = "a train of the gap bench, with drivers who hop";
-        fleet.scenario = Scenario { driver, ..Set::draw(request)?.scenario };
+        fleet.scenario = Set::draw(request)?.scenario;
         return Ok(fleet);
     }
     let scenario = &mut fleet.scenario;

@@ -6,7 +6,7 @@
 use crate::brake::BrakeHabit;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp, Normal};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Final coast of the case study: mean, standard deviation, least, most, s.
 const COAST_S: [f64; 4] = [370.0, 110.0, 150.0, 600.0];
@@ -19,7 +19,7 @@ const STOP_SD_M: f64 = 0.6;
 const STOP_MOST_M: f64 = 1.6;
 
 /// What kind of service is driven.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum DriverKind {
     /// Intercity: one long run, a long final coast.
     #[default]

@@ -14,6 +14,8 @@ pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column,
 
 const NOTHING_COMPARED: &str = "nothing was compared";
 const NOT_TOUCHED: &str = "absent: the effects move hardly a speed";
+const NOT_HELD_OUT: &str =
+    "no run was held out, the other runs do not show it, it acts in some runs, in readings, or on hardly a speed";
 const NOT_TRIED: &str = "it shows in differences between runs, in a lag or in a single run";
 const IN_HALVES: &str = "as for `halves`, and for limits and wheels, which are tried in halves alone";
 const NO_ROWS: &str = "no interval has a residual";
@@ -75,6 +77,13 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["effects[].trial.halves[].halves[]", "", "what the halves are", NOT_TRIED],
     ["effects[].trial.halves[].multiples[].multiple", "1", "how large it is in each half, over all runs", NOT_TRIED],
     ["effects[].trial.halves[].multiples[].sd", "1", "its standard deviation", NOT_TRIED],
+    [
+        "effects[].held_out.multiple",
+        "1",
+        "how many times as much as it foresees the hold-out runs have, beside the other effects",
+        NOT_HELD_OUT,
+    ],
+    ["effects[].held_out.interval_95[]", "1", "ends of the 95 % interval of that", NOT_HELD_OUT],
     [
         "candidates[].*",
         "",

@@ -9,6 +9,7 @@ use crate::config::{EffortConfig, GapConfig};
 use crate::data::load::about_gradients;
 use crate::data::runs::{EffortReading, usual_step_s};
 use crate::findings::Findings;
+use crate::holdout::multiples::{Multiple, is_denied};
 use crate::investigation::Investigation;
 use crate::levels::{NotCompared, Standout};
 use crate::named::Named;
@@ -269,7 +270,14 @@ fn candidate(answer: &Answer, one: &Named) -> String {
 /// `may_be_none`: the interval of its size holds none at all; `is_right`: the speeds have been put right by it.
 fn not_named(what: &str, one: &Named, may_be_none: bool, is_right: bool, config: &GapConfig) -> String {
     let is_wheel = matches!(one.effect, Effect::SpeedScale(_));
+    let is_denied = |multiple: &Multiple| is_denied(multiple, &config.holdout);
     let (because, settles) = match (one.or_else.filter(|_| is_wheel || one.may_be_habit()), &one.trial) {
+        _ if let Some((multiple, (low, high))) = one.held_out.filter(is_denied) => (
+            format!(
+                "the hold-out runs have {multiple:.2} times what it foresees (95\u{a0}% interval {low:.2} to {high:.2}), as the other runs show it"
+            ),
+            "more runs".to_owned(),
+        ),
         (Some(or_else), trial) if one.may_be_habit() || trial.as_ref().is_none_or(|trial| trial.is_stood(config)) => {
             (format!("it may as well be {or_else}"), one.would_separate.join(", "))
         }

@@ -1,14 +1,13 @@
 //! The model that the training runs gave, on hold-out runs: speeds, running times, energy, and whether a gap is left.
 
 use crate::analysis::apply;
-use crate::candidate::ShowsIn;
-use crate::candidates;
 use crate::config::HoldoutConfig;
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::evidence;
 use crate::explained::repaired;
 use crate::findings::Findings;
-use crate::holdout::forward::{Compared, Repaired, effects};
+use crate::holdout::forward::{Compared, Repaired, effects, touched};
+use crate::holdout::multiples::{Multiple, is_simulated};
 use crate::holdout::{journey::Journey, powered::powered, travelled::travelled};
 use crate::named::Named;
 use crate::noise::calibrate::Calibrated;
@@ -20,6 +19,9 @@ use std::collections::BTreeMap;
 pub struct Evaluation {
     pub compared: Vec<Compared>,
     pub journeys: Vec<Journey>,
+    /// How many times as much as each effect that was tried foresees these runs have, beside the others; none: it acts
+    /// in some runs, in readings, or on hardly a speed.
+    pub multiples: Vec<Option<Multiple>>,
     /// Probability of the residuals without a gap, before and after; none with too few runs.
     pub p_values: Option<[f64; 2]>,
 }
@@ -63,8 +65,18 @@ pub fn evaluate(
         let chosen = compared.into_iter().zip(acting);
         compared = chosen.map(|(plain, acting)| if acts[plain.run] { acting } else { plain }).collect();
     }
-    let by_readings = |named: &Named| candidates::of_effect(&named.effect).facts().nature.shows_in == ShowsIn::Readings;
-    if trained.iter().any(by_readings) {
+    let multiple = |one: &Named| -> Result<Option<Multiple>, EffectError> {
+        if !one.runs.is_empty() || !is_simulated(&one.effect) {
+            return Ok(None);
+        }
+        let others = effects(always.iter().filter(|other| other.effect != one.effect))?;
+        let pairs = compare(&others)?.into_iter().zip(&compared).filter(|(_, with)| !acts[with.run]);
+        let beside: Vec<Compared> =
+            pairs.map(|(less, with)| Compared { before_mps: less.after_mps, ..*with }).collect();
+        Ok(touched(&beside, &context.config.holdout).and_then(|touched| touched.multiple))
+    };
+    let multiples = trained.iter().map(multiple).collect::<Result<Vec<_>, EffectError>>()?;
+    if trained.iter().any(|one| !is_simulated(&one.effect)) {
         let of_run = |(i, run)| travelled(i, run, &context.config.holdout);
         compared.extend(tested.iter().enumerate().flat_map(of_run));
     }
@@ -82,7 +94,7 @@ pub fn evaluate(
         (!one.runs.is_empty()).then_some(one)
     });
     let renamed: Vec<Named> = always.iter().cloned().chain(renamed).collect();
-    Ok(Evaluation { journeys, p_values: p_values(context, found, &renamed, tested, &rows), compared })
+    Ok(Evaluation { journeys, multiples, p_values: p_values(context, found, &renamed, tested, &rows), compared })
 }
 
 /// One run of a unit is no matter of the unit: it may be of a day.

@@ -7,12 +7,11 @@
 //! zero while coasting), or by the limits of the model where it powers fully. Resistance and limits of the effects come
 //! from [`rundown::model::effects`], the code of the board.
 
-use crate::candidate::ShowsIn;
-use crate::candidates;
 use crate::config::HoldoutConfig;
 use crate::data::believed::{Believed, Context, wind_n_per_kg};
 use crate::data::interval::{Interval, Point, SAME_TIME_S};
 use crate::data::rows::Row;
+use crate::holdout::multiples::{Multiple, is_denied, is_simulated};
 use crate::holdout::share::{Share, Squares, multiple};
 use crate::named::Named;
 use crate::noise::calibrate::{Calibrated, Own};
@@ -78,13 +77,13 @@ pub struct Touched {
     pub share: Share,
     /// How many times as much as the effects foresee the measured speeds differ from the believed model, with the ends
     /// of its 95 % interval. It needs no floor.
-    pub multiple: Option<(f64, (f64, f64))>,
+    pub multiple: Option<Multiple>,
 }
 
 impl Touched {
     /// The multiple where it is surely less than what a name would leave.
-    pub fn denying(&self, config: &HoldoutConfig) -> Option<(f64, (f64, f64))> {
-        self.multiple.filter(|(_, (_, high))| *high < config.denied)
+    pub fn denying(&self, config: &HoldoutConfig) -> Option<Multiple> {
+        self.multiple.filter(|multiple| is_denied(multiple, config))
     }
 }
 
@@ -278,8 +277,7 @@ fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f
 /// The effects that act on motion or limits, as the board takes them; readings are put right before anything is
 /// compared.
 pub fn effects<'a>(named: impl IntoIterator<Item = &'a Named>) -> Result<Effects, EffectError> {
-    let acts = |one: &&Named| candidates::of_effect(&one.effect).facts().nature.shows_in != ShowsIn::Readings;
-    Effects::try_new(named.into_iter().filter(acts).map(|one| one.effect.clone()))
+    Effects::try_new(named.into_iter().filter(|one| is_simulated(&one.effect)).map(|one| one.effect.clone()))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ pub(crate) mod evaluation;
 pub(crate) mod forward;
 pub(crate) mod innovations;
 pub(crate) mod journey;
+pub(crate) mod multiples;
 pub(crate) mod powered;
 pub mod share;
 pub(crate) mod travelled;
