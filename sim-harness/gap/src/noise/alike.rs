@@ -80,14 +80,22 @@ impl<'a> Alike<'a> {
         if step_mps <= 0.0 {
             return None;
         }
-        // Pairs of runs, and among them those with equal readings, by direction and longer place.
-        let mut pairs: BTreeMap<(bool, i64), [u32; 2]> = BTreeMap::new();
-        let mut at: HashMap<(bool, i64), Vec<(usize, i64)>> = HashMap::new();
-        for row in rows {
-            let (up, place, steps) = node(row, 0, config, step_mps);
-            let here = at.entry((up, place)).or_default();
+        // By direction, longer place, and whether the speed changes fast: then readings at one place differ however
+        // alike the runs are, and their errors are many.
+        let group = |row: &Row, (up, place, _): ReadAt| {
             let longer = (place as f64 * config.alike_m / config.alike_over_m).floor() as i64;
-            let [all, equal] = pairs.entry((up, longer)).or_default();
+            let change_mps = (row.interval.speed_mps[1] - row.interval.speed_mps[0]).abs();
+            (up, longer, change_mps > config.alike_steps * step_mps)
+        };
+        // Pairs of runs, and among them those with equal readings.
+        let mut pairs: BTreeMap<(bool, i64, bool), [u32; 2]> = BTreeMap::new();
+        let mut at: HashMap<(bool, i64, bool), Vec<(usize, i64)>> = HashMap::new();
+        for row in rows {
+            let read = node(row, 0, config, step_mps);
+            let of_row @ (up, _, is_fast) = group(row, read);
+            let (_, place, steps) = read;
+            let here = at.entry((up, place, is_fast)).or_default();
+            let [all, equal] = pairs.entry(of_row).or_default();
             for (_, other) in here.iter().filter(|(run, _)| *run != row.interval.run) {
                 *all += 1;
                 *equal += u32::from(*other == steps);
@@ -100,9 +108,7 @@ impl<'a> Alike<'a> {
             if all >= config.alike_pairs && correlation >= config.least_alike { correlation } else { 0.0 }
         };
         let of_row = |row: &Row| {
-            let (up, place, _) = node(row, 0, config, step_mps);
-            let longer = (place as f64 * config.alike_m / config.alike_over_m).floor() as i64;
-            pairs.get(&(up, longer)).map_or(0.0, |pairs| correlation_of(*pairs))
+            pairs.get(&group(row, node(row, 0, config, step_mps))).map_or(0.0, |pairs| correlation_of(*pairs))
         };
         let correlation: Vec<f64> = rows.iter().map(of_row).collect();
         correlation.iter().any(|one| *one > 0.0).then(|| {
@@ -241,6 +247,29 @@ mod tests {
         let error = |at_m: f64| (speed_mps(at_m) / STEP_MPS).round() * STEP_MPS - speed_mps(at_m);
         let over = |at_m: f64| (error(at_m + 1_200.0) - error(at_m)) / 40.0;
         (rows, mean_square(&(0..150).map(|i| over(100.0 * f64::from(i))).collect::<Vec<_>>()))
+    }
+
+    #[test]
+    fn runs_that_gather_speed_and_then_hold_it_are_alike_where_they_hold_it() {
+        let mut rows = held().0;
+        rows.retain(|row| row.interval.path[0].location_m < 500.0);
+        let held = rows.len();
+        for run in 0..RUNS {
+            for i in 0..8 {
+                let at_m = 500.0 + 13.0 * run as f64 + 25.0 * f64::from(i);
+                let mut row = Row::coasting(Direction::Up, at_m, 30.0);
+                row.interval.run = run;
+                row.interval.speed_mps = [0.0, 100.0].map(|on_m| 10.0 + 0.04 * (at_m + on_m));
+                row.interval.path.iter_mut().for_each(|point| point.location_m = at_m);
+                rows.push(row);
+            }
+        }
+        with_step(|context| {
+            let correlation = Alike::of(context, &rows).unwrap().correlation;
+            let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+            assert!(mean(&correlation[..held]) > 0.8, "{}", mean(&correlation[..held]));
+            assert!(mean(&correlation[held..]) < 0.1, "{}", mean(&correlation[held..]));
+        });
     }
 
     #[test]
