@@ -19,8 +19,9 @@ use crate::explained::repaired;
 use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
-use crate::holdout::multiples::{self, Multiple, is_denied, is_simulated, most_denied};
-use crate::holdout::{journey::Journey, share::Share};
+use crate::holdout::journey::Journey;
+use crate::holdout::multiples::{self, is_denied, is_simulated, most_denied};
+use crate::holdout::share::{Multiple, Share};
 use crate::levels::More;
 use crate::named::Named;
 use crate::naming::{
@@ -28,7 +29,7 @@ use crate::naming::{
     names::{may_be_none, named},
     on_line::on_line,
 };
-use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
+use crate::noise::{alike::Alike, own_wind::own_wind, whiteness::Whiteness};
 use crate::readings::kinematics::{own_scales, scaled_recorders};
 use crate::readings::nuisances::{self, Nuisance, Readings, beside, nuisances, righted};
 use crate::readings::offset::of_the_others;
@@ -118,8 +119,13 @@ pub fn investigate(
         named.iter_mut().for_each(|one| one.held_out = multiples::of(one, &multiples));
         let denied = |one: &mut Named| one.held_out.is_some_and(|multiple| is_denied(&multiple, &config.holdout));
         candidates.extend(named.extract_if(.., denied));
-        let unshared = named.iter_mut().filter(|one| !evaluation.compared.is_empty() && !is_among(one, &trained));
-        unshared.for_each(|one| one.doubt(config.certainty.unshared));
+        if !evaluation.compared.is_empty() {
+            let unshared = named.iter_mut().filter(|one| !is_among(one, &trained));
+            unshared.for_each(|one| one.unshared(config));
+            if Alike::of(context, &findings.rows).is_some() {
+                candidates.extend(named.extract_if(.., |one| one.is_unshared));
+            }
+        }
     }
     let with = effects(&named)?;
     for one in &mut named {

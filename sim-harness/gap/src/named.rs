@@ -2,7 +2,7 @@
 
 use crate::columns::coordinate_name;
 use crate::config::GapConfig;
-use crate::holdout::multiples::Multiple;
+use crate::holdout::share::Multiple;
 use crate::trial::Trial;
 use rundown::model::effects::{Effect, EffectKind, SpeedScale};
 use rundown_check::figure::Figure;
@@ -41,6 +41,8 @@ pub struct Named {
     /// How many times as much as it foresees the hold-out runs have, beside the other effects; none: nothing of it was
     /// compared.
     pub held_out: Option<Multiple>,
+    /// The runs that are not held out do not show it by themselves.
+    pub is_unshared: bool,
 }
 
 /// Probability that a gain of log-likelihood is not chance; more than `most` of it counts no more.
@@ -74,6 +76,7 @@ impl Named {
             term: None,
             trial: None,
             held_out: None,
+            is_unshared: false,
         }
     }
 
@@ -95,6 +98,13 @@ impl Named {
     /// Lowers the confidence by the odds of anything else.
     pub fn doubt(&mut self, odds: f64) {
         self.confidence = beside(self.confidence, odds);
+    }
+
+    /// The runs that are not held out do not show it by themselves: less sure, and but a candidate where runs are
+    /// driven alike, for then all of them have the same errors.
+    pub(crate) fn unshared(&mut self, config: &GapConfig) {
+        self.is_unshared = true;
+        self.doubt(config.certainty.unshared);
     }
 
     /// Less effort than there is on some days, where drivers may as well start with a part of it, as many do.

@@ -9,7 +9,7 @@ use crate::config::{EffortConfig, GapConfig};
 use crate::data::load::about_gradients;
 use crate::data::runs::{EffortReading, usual_step_s};
 use crate::findings::Findings;
-use crate::holdout::multiples::{Multiple, is_denied};
+use crate::holdout::{multiples::is_denied, share::Multiple};
 use crate::investigation::Investigation;
 use crate::levels::{NotCompared, Standout};
 use crate::named::Named;
@@ -281,6 +281,10 @@ fn not_named(what: &str, one: &Named, may_be_none: bool, is_right: bool, config:
         (Some(or_else), trial) if one.may_be_habit() || trial.as_ref().is_none_or(|trial| trial.is_stood(config)) => {
             (format!("it may as well be {or_else}"), one.would_separate.join(", "))
         }
+        _ if one.is_unshared => (
+            "all runs together show it, those that were not held out do not, and as runs are driven alike here, they have errors in common".to_owned(),
+            "more runs".to_owned(),
+        ),
         _ if may_be_none => ("the 95\u{a0}% interval of its size holds none at all".to_owned(), "more runs".to_owned()),
         (_, Some(trial)) if trial.is_of_errors(config) => {
             (trial.sentence(config), "a survey of the gradients, or runs over more of the line,".to_owned())
@@ -345,6 +349,7 @@ fn shows_in(named: &[Named]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rundown::model::effects::MassError;
     use rundown_check::figure::Figure;
 
     #[test]
@@ -361,5 +366,20 @@ mod tests {
         let or_stops = of(&wheel, true, false);
         let expected = "because it may as well be stops elsewhere; runs with more stops would settle it.";
         assert!(or_stops.ends_with(expected), "{or_stops}");
+    }
+
+    #[test]
+    fn what_other_runs_deny_or_do_not_show_is_a_candidate_for_that_reason() {
+        let config = GapConfig::default();
+        let mass = || Named::plain(MassError { relative: 0.1 }.into(), Vec::new(), 30.0, 30.0);
+        let because = |one: &Named| not_named("a mass", one, false, false, &config);
+        let denied = because(&Named { held_out: Some((0.2, (-0.1, 0.5))), ..mass() });
+        let expected = "because the hold-out runs have 0.20 times what it foresees (95\u{a0}% interval -0.10 to 0.50)";
+        assert!(denied.contains(expected), "{denied}");
+        let mut unshared = mass();
+        unshared.unshared(&config);
+        let not_shown = because(&unshared);
+        assert!(not_shown.contains("all runs together show it, those that were not held out do not"), "{not_shown}");
+        assert!(unshared.confidence < mass().confidence);
     }
 }

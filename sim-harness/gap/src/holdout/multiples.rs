@@ -6,11 +6,9 @@
 use crate::candidate::ShowsIn;
 use crate::candidates;
 use crate::config::HoldoutConfig;
+use crate::holdout::share::Multiple;
 use crate::named::Named;
 use rundown::model::effects::Effect;
-
-/// A factor with the ends of its 95 % interval.
-pub type Multiple = (f64, (f64, f64));
 
 /// Where the multiple is surely less than what a right name would leave.
 pub fn is_denied(multiple: &Multiple, config: &HoldoutConfig) -> bool {

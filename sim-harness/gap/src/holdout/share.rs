@@ -124,7 +124,7 @@ impl Share {
     ///
     /// What is left beside that is the floor, which the noise between two readings may have taken for too low. Nothing
     /// changes where the multiple may be none.
-    pub fn beside_noise_alone(self, multiple: Option<(f64, (f64, f64))>) -> Self {
+    pub fn beside_noise_alone(self, multiple: Option<Multiple>) -> Self {
         let of = |multiple: f64| 1.0 - ((multiple - 1.0) / multiple).powi(2);
         let Some((value, (low, high))) = multiple.filter(|(_, (low, _))| self.removed.is_some() && *low > 0.0) else {
             return self;
@@ -144,6 +144,9 @@ impl Share {
     }
 }
 
+/// A factor with the ends of its 95 % interval.
+pub type Multiple = (f64, (f64, f64));
+
 /// How many times as much as the repaired model takes off the errors have, by least squares, and its 95 % interval.
 ///
 /// ```
@@ -154,7 +157,7 @@ impl Share {
 /// let (multiple, _) = multiple(&[Squares::of(2.0, 1.0, 1.0); 6], &HoldoutConfig::default()).unwrap();
 /// assert_eq!(multiple, 2.0);
 /// ```
-pub fn multiple(runs: &[Squares], config: &HoldoutConfig) -> Option<(f64, (f64, f64))> {
+pub fn multiple(runs: &[Squares], config: &HoldoutConfig) -> Option<Multiple> {
     let of = |sum: &Squares| (sum.taken > 0.0).then(|| sum.product / sum.taken);
     let runs: Vec<&Squares> = runs.iter().collect();
     let all = runs.iter().fold(Squares::default(), |sum, r| sum.and(r));
