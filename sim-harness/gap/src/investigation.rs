@@ -20,7 +20,7 @@ use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
 use crate::holdout::journey::Journey;
-use crate::holdout::multiples::{self, is_denied, is_simulated, most_denied};
+use crate::holdout::multiples::{self, is_simulated, most_denied};
 use crate::holdout::share::{Multiple, Share};
 use crate::levels::More;
 use crate::named::Named;
@@ -117,13 +117,13 @@ pub fn investigate(
         let multiples;
         (evaluation, trained, multiples) = out_of_sample(given, runs, effort, &tested)?;
         named.iter_mut().for_each(|one| one.held_out = multiples::of(one, &multiples));
-        let denied = |one: &mut Named| one.held_out.is_some_and(|multiple| is_denied(&multiple, &config.holdout));
-        candidates.extend(named.extract_if(.., denied));
         if !evaluation.compared.is_empty() {
             let unshared = named.iter_mut().filter(|one| !is_among(one, &trained));
             unshared.for_each(|one| one.unshared(config));
+            // Errors that all runs have alike, halves and signs of runs cannot tell from an effect.
             if Alike::of(context, &findings.rows).is_some() {
-                candidates.extend(named.extract_if(.., |one| one.is_unshared));
+                let is_doubtful = |one: &mut Named| one.is_unshared || one.is_denied(&config.holdout);
+                candidates.extend(named.extract_if(.., is_doubtful));
             }
         }
     }
@@ -221,16 +221,16 @@ fn is_among(one: &Named, trained: &[Named]) -> bool {
 /// Lowers the confidence of what acts in the simulation of the hold-out runs, where these have too little of it; a
 /// wheel is put right before.
 fn doubt_denied(named: &mut [Named], touched: Option<&Touched>, config: &GapConfig) {
-    if touched.is_some_and(|touched| touched.denying(&config.holdout).is_some()) {
-        named.iter_mut().filter(|one| is_simulated(&one.effect)).for_each(|one| one.doubt(config.certainty.denied));
-    }
+    let all = touched.is_some_and(|touched| touched.denying(&config.holdout).is_some());
+    let denied = |one: &&mut Named| all && is_simulated(&one.effect) || one.is_denied(&config.holdout);
+    named.iter_mut().filter(denied).for_each(|one| one.doubt(config.certainty.denied));
 }
 
 /// What the other runs have of each effect that the training runs show.
 type Multiples = Vec<(Effect, Option<Multiple>)>;
 
-/// What the training runs alone give, and how that does on the others: without what these deny, one after another, for
-/// beside a wrong name a right one may have too little.
+/// What the training runs alone give, and how that does on the others: where runs are driven alike, without what these
+/// deny, one after another, for beside a wrong name a right one may have too little.
 fn out_of_sample(
     given: &Context<'_>,
     runs: &[Run],
@@ -247,9 +247,11 @@ fn out_of_sample(
     };
     let context = &Context { conditions: findings.conditions, ..*given };
     let (tested, mut multiples) = (of(true), Vec::new());
+    let alike = Alike::of(context, &findings.rows).is_some();
     loop {
         let evaluation = evaluate(context, &findings, &named, [&training, &tested])?;
-        let Some(denied) = most_denied(&evaluation.multiples, &given.config.holdout) else {
+        let denied = most_denied(&evaluation.multiples, &given.config.holdout).filter(|_| alike);
+        let Some(denied) = denied else {
             let left = named.iter().zip(&evaluation.multiples).map(|(one, multiple)| (one.effect.clone(), *multiple));
             multiples.extend(left);
             return Ok((evaluation, named, multiples));

@@ -1,8 +1,8 @@
 //! A named effect with what is known of it.
 
 use crate::columns::coordinate_name;
-use crate::config::GapConfig;
-use crate::holdout::share::Multiple;
+use crate::config::{GapConfig, HoldoutConfig};
+use crate::holdout::share::{Multiple, is_denied};
 use crate::trial::Trial;
 use rundown::model::effects::{Effect, EffectKind, SpeedScale};
 use rundown_check::figure::Figure;
@@ -98,6 +98,11 @@ impl Named {
     /// Lowers the confidence by the odds of anything else.
     pub fn doubt(&mut self, odds: f64) {
         self.confidence = beside(self.confidence, odds);
+    }
+
+    /// The hold-out runs have surely less of it than what a right name would leave.
+    pub(crate) fn is_denied(&self, config: &HoldoutConfig) -> bool {
+        self.held_out.is_some_and(|multiple| is_denied(&multiple, config))
     }
 
     /// The runs that are not held out do not show it by themselves: less sure, and but a candidate where runs are

@@ -9,7 +9,7 @@ use crate::config::{EffortConfig, GapConfig};
 use crate::data::load::about_gradients;
 use crate::data::runs::{EffortReading, usual_step_s};
 use crate::findings::Findings;
-use crate::holdout::{multiples::is_denied, share::Multiple};
+use crate::holdout::share::{Multiple, is_denied};
 use crate::investigation::Investigation;
 use crate::levels::{NotCompared, Standout};
 use crate::named::Named;

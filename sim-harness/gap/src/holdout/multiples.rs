@@ -6,14 +6,9 @@
 use crate::candidate::ShowsIn;
 use crate::candidates;
 use crate::config::HoldoutConfig;
-use crate::holdout::share::Multiple;
+use crate::holdout::share::{Multiple, is_denied};
 use crate::named::Named;
 use rundown::model::effects::Effect;
-
-/// Where the multiple is surely less than what a right name would leave.
-pub fn is_denied(multiple: &Multiple, config: &HoldoutConfig) -> bool {
-    multiple.1.1 < config.denied
-}
 
 /// Whether the simulation of the hold-out runs shows it; readings are put right before.
 pub fn is_simulated(effect: &Effect) -> bool {

@@ -147,6 +147,11 @@ impl Share {
 /// A factor with the ends of its 95 % interval.
 pub type Multiple = (f64, (f64, f64));
 
+/// Where the multiple is surely less than what a right name would leave.
+pub fn is_denied(multiple: &Multiple, config: &HoldoutConfig) -> bool {
+    multiple.1.1 < config.denied
+}
+
 /// How many times as much as the repaired model takes off the errors have, by least squares, and its 95 % interval.
 ///
 /// ```

@@ -111,7 +111,8 @@ impl<'a> Alike<'a> {
             pairs.get(&group(row, node(row, 0, config, step_mps))).map_or(0.0, |pairs| correlation_of(*pairs))
         };
         let correlation: Vec<f64> = rows.iter().map(of_row).collect();
-        correlation.iter().any(|one| *one > 0.0).then(|| {
+        let alike = correlation.iter().filter(|one| **one > 0.0).count();
+        (alike as f64 > config.alike_rows * rows.len() as f64).then(|| {
             let readings = rows.iter().flat_map(|row| [0, 1].map(|end| node(row, end, config, step_mps)));
             Self { context, rows, correlation, parts: Parts::of(readings, config) }
         })
@@ -252,14 +253,14 @@ mod tests {
     #[test]
     fn runs_that_gather_speed_and_then_hold_it_are_alike_where_they_hold_it() {
         let mut rows = held().0;
-        rows.retain(|row| row.interval.path[0].location_m < 500.0);
+        rows.retain(|row| row.interval.path[0].location_m < 3_000.0);
         let held = rows.len();
         for run in 0..RUNS {
             for i in 0..8 {
-                let at_m = 500.0 + 13.0 * run as f64 + 25.0 * f64::from(i);
+                let at_m = 4_000.0 + 13.0 * run as f64 + 25.0 * f64::from(i);
                 let mut row = Row::coasting(Direction::Up, at_m, 30.0);
                 row.interval.run = run;
-                row.interval.speed_mps = [0.0, 100.0].map(|on_m| 10.0 + 0.04 * (at_m + on_m));
+                row.interval.speed_mps = [0.0, 100.0].map(|on_m| 10.0 + 0.04 * (at_m - 4_000.0 + on_m));
                 row.interval.path.iter_mut().for_each(|point| point.location_m = at_m);
                 rows.push(row);
             }
